@@ -1,0 +1,241 @@
+"""A model: an immutable value that says what a system is, and nothing about how it is computed."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Literal
+
+from sympy import Expr, Symbol, sympify
+
+from whirlmap.equations.pieces import Table, tabulated
+from whirlmap.equations.quantities import Parameter, State, t
+from whirlmap.errors import ModelError
+
+
+@dataclass(frozen=True)
+class Section:
+    """Where an unforced model is cut: the surface ``surface = 0``, crossed in one direction, once per turn."""
+
+    surface: Expr
+    direction: Literal["rising", "falling"]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A quantity computed from states and parameters, with unit and meaning."""
+
+    expression: Expr
+    unit: str
+    meaning: str
+
+
+@dataclass(frozen=True)
+class Stop:
+    """An end of the run: the first time at which ``gap`` has fallen to zero.
+
+    ``reachable`` is false where physics forbids the event for these parameters (a plain film at its wall): a step that
+    gets there anyway was too long, and is redone with shorter ones.
+    """
+
+    gap: Expr
+    meaning: str
+    reachable: Expr = field(default_factory=lambda: sympify(1))
+
+
+@dataclass(frozen=True, eq=False)
+class Model:
+    """States, parameters and one expression for the rate of each state.
+
+    Attributes
+    ----------
+    name : str
+        Name in case files and on the command line.
+    states : tuple of State
+        In their declared order, which is the order of every array.
+    parameters : tuple of Parameter
+        In their declared order.
+    equations : mapping of State to Expr
+        Rate of each state, in states, parameters and time `t`.
+    harmonics : tuple of Expr
+        Angular frequencies of every harmonic of time that the equations contain, in parameters only. They count
+        even where their amplitude is zero. Empty for an unforced model.
+    defaults : mapping of Parameter to Expr
+        Parameters that follow from others unless they are given.
+    outputs : mapping of str to Output
+        What is recorded beside the states.
+    stops : mapping of str to Stop
+        Events that end a run, by the name of the status they give.
+    section, typical_time
+        For unforced models: where to cut, and a time in which the state changes by its own size (about a turn).
+    start : "states" or "equilibrium"
+        Whether a run starts from the states' own start values, or from the static equilibrium with all forcing off.
+    start_where_none : mapping of State to float
+        Added to the states' start values where no equilibrium is found.
+    bound : float
+        A state beyond this has diverged.
+    tables : tuple of Table
+        Tables that the equations use.
+    plain : mapping of Parameter to callable
+        ``plain[psi](model) -> Model`` at ``psi = 0``: the same model with a closed form in place of a table.
+    checks : tuple of callables
+        ``check(values) -> str``: what is wrong with a whole set of values, empty where nothing is.
+    switches : mapping of str to str
+        The choices that made this model out of its family.
+    clocks : mapping of str to Expr
+        Named angular frequencies, for spectra and for counting turns: "mesh", "pinion", "gear".
+    swing : tuple of State
+        The displacements that a diagram of this model shows first.
+    sources : tuple of str
+        Keys of `references.bib`.
+    """
+
+    name: str
+    states: tuple[State, ...]
+    parameters: tuple[Parameter, ...]
+    equations: Mapping[State, Expr]
+    harmonics: tuple[Expr, ...] = ()
+    defaults: Mapping[Parameter, Expr] = field(default_factory=dict)
+    outputs: Mapping[str, Output] = field(default_factory=dict)
+    stops: Mapping[str, Stop] = field(default_factory=dict)
+    section: Section | None = None
+    typical_time: Expr | float = 1.0
+    start: Literal["states", "equilibrium"] = "states"
+    start_where_none: Mapping[State, float] = field(default_factory=dict)
+    bound: float = 1e6
+    tables: tuple[Table, ...] = ()
+    plain: Mapping[Parameter, Callable[[], "Model"]] = field(default_factory=dict)
+    checks: tuple[Callable[[Mapping[str, float]], str], ...] = ()
+    switches: Mapping[str, str] = field(default_factory=dict)
+    clocks: Mapping[str, Expr] = field(default_factory=dict)
+    swing: tuple[State, ...] = ()
+    sources: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse a declaration that contradicts itself, naming the symbol."""
+        known: set[Symbol] = {*self.states, *self.parameters}
+        names = [q.name for q in (*self.states, *self.parameters)]
+        twice = sorted({name for name in names if names.count(name) > 1})
+        if twice:
+            raise ModelError(f"model {self.name!r} declares {', '.join(twice)} more than once")
+        if set(self.equations) != set(self.states):
+            missing = [s.name for s in self.states if s not in self.equations]
+            extra = [s.name for s in self.equations if s not in self.states]
+            raise ModelError(
+                f"model {self.name!r} needs one equation for each state:"
+                f" without equation {missing or 'none'}, not a state {extra or 'none'}"
+            )
+        self._refuse_unknown("the equations", self.equations.values(), known | {t} | self._table_names())
+        self._refuse_unknown("the harmonics", map(sympify, self.harmonics), set(self.parameters))
+        self._refuse_unknown("the outputs", (o.expression for o in self.outputs.values()), known | self._table_names())
+        self._refuse_unknown("the stops", (e for s in self.stops.values() for e in (s.gap, s.reachable)), known)
+        self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
+        if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
+            raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
+
+    def _table_names(self) -> set[Symbol]:
+        return {Symbol(table.name) for table in self.tables}
+
+    def _refuse_unknown(self, where: str, expressions: "object", known: set[Symbol]) -> None:
+        for expression in expressions:  # type: ignore[attr-defined]
+            for symbol in sorted(sympify(expression).free_symbols - known, key=str):
+                raise ModelError(
+                    f"model {self.name!r}: {where} use {symbol.name!r}, which is neither a state nor one of its"
+                    " parameters: add it to parameters=(...)"
+                )
+
+    @property
+    def forced(self) -> bool:
+        """Whether time appears in the equations."""
+        return bool(self.harmonics)
+
+    @property
+    def dimension(self) -> int:
+        """Number of states."""
+        return len(self.states)
+
+    def state(self, name: str) -> State:
+        """Return the state of that name, or raise `ModelError`."""
+        return _by_name(self.states, name, self.name, "state")
+
+    def parameter(self, name: str) -> Parameter:
+        """Return the parameter of that name, or raise `ModelError`."""
+        return _by_name(self.parameters, name, self.name, "parameter")
+
+    def read(self) -> frozenset[Parameter]:
+        """Parameters that an equation, a harmonic, an output, a stop or a default of this model reads."""
+        used: set[Symbol] = set()
+        everything = [
+            *self.equations.values(), *self.harmonics, *self.clocks.values(), *self.defaults.values(),
+            *(o.expression for o in self.outputs.values()),
+            *(e for s in self.stops.values() for e in (s.gap, s.reachable)),
+            self.typical_time, *([self.section.surface] if self.section else []),
+        ]  # fmt: skip
+        for expression in everything:
+            used |= sympify(expression).free_symbols
+        return frozenset(p for p in self.parameters if p in used)
+
+    def tabulated(self) -> bool:
+        """Whether an equation reads a table."""
+        return any(sympify(e).has(tabulated) for e in self.equations.values())
+
+
+def _by_name(known: tuple, name: str, model: str, kind: str):  # type: ignore[no-untyped-def, type-arg]
+    from whirlmap.errors import nearest
+
+    for quantity in known:
+        if quantity.name == name:
+            return quantity
+    names = [q.name for q in known]
+    raise ModelError(
+        f"model {model!r} has no {kind} {name!r}.{nearest(name, names)}\n  {kind}s: {', '.join(names)}"
+    )
+
+
+@dataclass(frozen=True)
+class Family:
+    """Models that differ by declared switches, so that their difference can be read in one place.
+
+    Attributes
+    ----------
+    name : str
+        Name of the model in case files.
+    declare : callable
+        ``declare(**switches) -> Model``.
+    switches : mapping of str to tuple of str
+        Choices for each switch, the default first; a callable default depends on the switches before it.
+    meanings : mapping of str to str
+        What each switch chooses.
+    """
+
+    name: str
+    declare: Callable[..., Model]
+    switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    meanings: Mapping[str, str] = field(default_factory=dict)
+    default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda chosen: {}
+    _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
+
+    def model(self, **chosen: str) -> Model:
+        """Declare the model for these switches; those that are not given take their defaults.
+
+        Raises
+        ------
+        ModelError
+            Where a switch or a choice is unknown.
+        """
+        from whirlmap.errors import nearest
+
+        for name, value in chosen.items():
+            if name not in self.switches:
+                raise ModelError(f"model {self.name!r} has no switch {name!r}.{nearest(name, self.switches)}")
+            if value not in self.switches[name]:
+                allowed = " | ".join(self.switches[name])
+                raise ModelError(
+                    f"switch {name!r} of {self.name!r} cannot be {value!r}; it is one of {allowed}."
+                    f"{nearest(str(value), self.switches[name])}"
+                )
+        settled = {name: choices[0] for name, choices in self.switches.items()}
+        settled |= self.default(settled | chosen)
+        settled |= chosen
+        key = tuple(sorted(settled.items()))
+        if key not in self._made:  # equal switches are the same object, so that kernels are found again
+            self._made[key] = self.declare(**settled)
+        return self._made[key]

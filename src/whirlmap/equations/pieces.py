@@ -1,0 +1,111 @@
+"""Terms that are not a plain formula: guarded terms, and functions that kernels read from a table.
+
+A `Table` stands for smooth functions that have no cheap closed form (a porous film's mobilities). In a declaration it is
+called like a function; the reference kernel evaluates it exactly, the lane kernel by a local polynomial in each cell of a
+table that is made once for each value of its parameter.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import Expr, Function, Integer, Piecewise, Symbol
+from sympy.core.function import ArgumentIndexError
+
+from whirlmap.errors import ModelError
+
+Array = NDArray[np.float64]
+
+
+def when(condition: Any, value: Any, otherwise: Any = 0) -> Expr:
+    """``value`` where the condition holds, else ``otherwise``; a select in the kernel, so both are evaluated."""
+    return Piecewise((value, condition), (otherwise, True))
+
+
+@dataclass(frozen=True)
+class Table:
+    """Smooth functions of one or two coordinates in [0, 1], tabulated for each value of one parameter.
+
+    Attributes
+    ----------
+    name : str
+        Unique name, used in the generated source.
+    outputs : tuple of str
+        Names of the functions.
+    exact : callable
+        ``exact(parameter, *coordinates) -> tuple of arrays``, one for each output; broadcasting. Coordinates may lie
+        outside of [0, 1] by rounding only.
+    cells : tuple of int
+        Cells along each coordinate; one or two entries.
+    degree : int
+        Degree of the polynomial in a cell, in each coordinate.
+    """
+
+    name: str
+    outputs: tuple[str, ...]
+    exact: Callable[..., tuple[Array, ...]]
+    cells: tuple[int, ...]
+    degree: int
+
+    def __post_init__(self) -> None:
+        """Refuse what the kernels cannot lower."""
+        if len(self.cells) not in (1, 2):
+            raise ModelError(f"table {self.name!r} has {len(self.cells)} coordinates; one or two can be lowered")
+
+    def __call__(self, parameter: Expr, *coordinates: Expr) -> tuple[Expr, ...]:
+        """Write the table's functions into an expression, one for each output."""
+        if len(coordinates) != len(self.cells):
+            raise ModelError(f"table {self.name!r} takes {len(self.cells)} coordinates, not {len(coordinates)}")
+        place = Symbol(self.name)
+        none = (Integer(0),) * len(coordinates)
+        return tuple(
+            tabulated(place, Integer(i), *none, parameter, *coordinates) for i in range(len(self.outputs))
+        )
+
+
+class tabulated(Function):  # noqa: N801 (printed as a function)
+    """One output of a table in an expression: ``tabulated(table, output, orders..., parameter, coordinates...)``.
+
+    ``orders`` are the numbers of derivatives by each coordinate, zero or one.
+    """
+
+    @property
+    def table_name(self) -> str:
+        """Name of the table."""
+        return str(self.args[0])
+
+    @property
+    def output(self) -> int:
+        """Index of the output."""
+        return int(self.args[1])
+
+    @property
+    def dimensions(self) -> int:
+        """Number of coordinates."""
+        return (len(self.args) - 3) // 2
+
+    @property
+    def orders(self) -> tuple[int, ...]:
+        """Number of derivatives by each coordinate."""
+        return tuple(int(a) for a in self.args[2 : 2 + self.dimensions])
+
+    @property
+    def parameter(self) -> Expr:
+        """The parameter that the table is made for."""
+        return self.args[2 + self.dimensions]
+
+    @property
+    def coordinates(self) -> tuple[Expr, ...]:
+        """Where the table is read."""
+        return tuple(self.args[3 + self.dimensions :])
+
+    def fdiff(self, argindex: int = 1) -> Expr:
+        """Differentiate by a coordinate: the same table with one order more."""
+        axis = argindex - (4 + self.dimensions)
+        if axis < 0:
+            raise ArgumentIndexError(self, argindex)
+        changed = list(self.args)
+        changed[2 + axis] = changed[2 + axis] + 1
+        return tabulated(*changed)

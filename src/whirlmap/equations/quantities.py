@@ -1,0 +1,124 @@
+"""States, parameters and time: the symbols that models are written in.
+
+A quantity is a SymPy symbol that also carries its unit, its meaning and its limits, so that a declaration reads like
+the paper and still says everything that `show`, a Dataset and an error message need.
+"""
+
+from math import isfinite
+from typing import Any
+
+from sympy import Symbol
+
+from whirlmap.errors import ModelError
+
+
+class Quantity(Symbol):
+    """A real symbol with unit and meaning.
+
+    Parameters
+    ----------
+    name : str
+        ASCII name, as it is written in files and on the command line.
+    unit : str
+        Unit as pint writes it; "1" where the quantity is dimensionless.
+    meaning : str
+        A few words for people.
+    latex : str, optional
+        How plots and docs print it; the name where absent.
+    """
+
+    unit: str
+    meaning: str
+    latex: str
+
+    def __new__(cls, name: str, unit: str, meaning: str, *, latex: str = "", **_: Any) -> "Quantity":
+        """Create the symbol without SymPy's cache of symbols: equal names in two models must not share units."""
+        made = Symbol.__xnew__(cls, name, real=True)
+        made.unit, made.meaning, made.latex = unit, meaning, latex or name
+        return made
+
+    def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
+        """Arguments that rebuild the quantity (copying and pickling)."""
+        return (self.name, self.unit, self.meaning), {"latex": self.latex}
+
+
+class State(Quantity):
+    """A state variable.
+
+    Parameters
+    ----------
+    start : float
+        Value at time zero, where the model does not start from its static equilibrium.
+    cyclic : float, optional
+        Period of the state where it is an angle: sections, distances and the divergence test take it modulo this.
+    """
+
+    start: float
+    cyclic: float | None
+
+    def __new__(
+        cls, name: str, unit: str, meaning: str, *, latex: str = "", start: float = 0.0, cyclic: float | None = None
+    ) -> "State":
+        """Create the state."""
+        made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
+        made.start, made.cyclic = float(start), cyclic  # type: ignore[attr-defined]
+        return made  # type: ignore[return-value]
+
+
+class Parameter(Quantity):
+    """A parameter: a run-time input of the compiled kernel.
+
+    Parameters
+    ----------
+    above, at_least, below : float, optional
+        Limits that a value must keep: strictly above, not less than, strictly below.
+    order : bool
+        The parameter is the order of a harmonic, an exact ratio of integers. Orders fix the common period, so they
+        are constants of a run and never swept.
+    """
+
+    above: float | None
+    at_least: float | None
+    below: float | None
+    order: bool
+
+    def __new__(
+        cls,
+        name: str,
+        unit: str,
+        meaning: str,
+        *,
+        latex: str = "",
+        above: float | None = None,
+        at_least: float | None = None,
+        below: float | None = None,
+        order: bool = False,
+    ) -> "Parameter":
+        """Create the parameter."""
+        made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
+        made.above, made.at_least, made.below, made.order = above, at_least, below, order  # type: ignore[attr-defined]
+        return made  # type: ignore[return-value]
+
+    def fault(self, value: float) -> str:
+        """Say what a value of this parameter breaks: ``"must be above 0"``; empty where it is allowed."""
+        if not isfinite(value):
+            return "must be a finite number"
+        if self.above is not None and not value > self.above:
+            return f"must be above {self.above:g}"
+        if self.at_least is not None and not value >= self.at_least:
+            return f"must be at least {self.at_least:g}"
+        if self.below is not None and not value < self.below:
+            return f"must be below {self.below:g}"
+        return ""
+
+
+#: Time, in the model's own unit: clock radians for the gear pair, the equation's time elsewhere.
+t = Symbol("t", real=True)
+
+
+def states(text: str, unit: str, meaning: str) -> tuple[State, ...]:
+    """Declare several states that differ in name only: ``states("x y", "1", "displacement")``."""
+    names = text.split()
+    if not names:
+        raise ModelError("states(...) needs at least one name")
+    return tuple(State(name, unit, meaning) for name in names)

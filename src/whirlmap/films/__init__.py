@@ -1,0 +1,1 @@
+"""Film laws: reference evaluation, scaled tables, linear coefficients, and laws as expressions."""

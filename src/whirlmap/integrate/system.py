@@ -1,0 +1,257 @@
+"""A system: a model with numbers, ready to integrate."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from fractions import Fraction
+from functools import cached_property, lru_cache
+from math import lcm, pi
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sympy import Expr, Rational, lambdify, sympify
+
+from whirlmap.equations.model import Model
+from whirlmap.equations.quantities import Parameter
+from whirlmap.errors import CaseError, RangeError, nearest
+from whirlmap.kernels.lanes import LaneKernel, lane_kernel, padded
+from whirlmap.kernels.methods import RK4
+from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.source import LANES
+
+Array = NDArray[np.float64]
+
+
+def exact_order(value: Any, name: str) -> Fraction | None:
+    """Read the order of a harmonic exactly: an integer, a Fraction, text as "1/4", or a float that equals p/q.
+
+    A float counts as p/q with q <= 10 000 where it agrees to 1e-12; else there is no exact order, and the result is None.
+    """
+    if isinstance(value, int | Fraction):
+        return Fraction(value)
+    if isinstance(value, str):
+        try:
+            return Fraction(value)
+        except (ValueError, ZeroDivisionError):
+            raise CaseError(f"{name}: {value!r} is not a ratio of integers such as 1/4") from None
+    near = Fraction(float(value)).limit_denominator(10_000)
+    return near if abs(float(near) - float(value)) <= 1e-12 else None
+
+
+@dataclass(frozen=True, eq=False)
+class System:
+    """One operating point of a model.
+
+    Attributes
+    ----------
+    model : Model
+    values : mapping of str to float or Fraction
+        A value for every parameter; orders of harmonics as exact fractions where they are exact.
+    start : mapping of str to float
+        Start values that replace the model's own.
+    case : str
+        Name of the case that the values come from, for provenance.
+    notes : mapping of str to str
+        Where each value comes from.
+    """
+
+    model: Model
+    values: Mapping[str, Any]
+    start: Mapping[str, float] = field(default_factory=dict)
+    case: str = ""
+    notes: Mapping[str, str] = field(default_factory=dict)
+    details: Any = None
+
+    def __post_init__(self) -> None:
+        """Refuse values that the model cannot take, naming the symbol."""
+        for name in self.start:
+            if name not in self.states:
+                raise RangeError(
+                    f"{self.model.name} has no state {name!r}.{nearest(name, self.states)}"
+                    f"\n  states: {' '.join(self.states)}"
+                )
+            if not np.isfinite(self.start[name]):
+                raise RangeError(f"start value of {name!r} must be a finite number, not {self.start[name]!r}")
+        for p in self.model.parameters:
+            if p.name not in self.values:
+                raise CaseError(f"{self.model.name}: no value for {p.name!r} ({p.meaning})")
+            fault = p.fault(float(self.values[p.name]))
+            if fault:
+                raise CaseError(f"{p.name} = {float(self.values[p.name]):g} {fault} ({p.meaning})")
+        for check in self.model.checks:
+            fault = check({name: float(value) for name, value in self.values.items()})
+            if fault:
+                raise CaseError(fault)
+
+    @property
+    def states(self) -> tuple[str, ...]:
+        """Names of the states, in declared order."""
+        return tuple(s.name for s in self.model.states)
+
+    @property
+    def parameters(self) -> tuple[str, ...]:
+        """Names of the parameters, in declared order."""
+        return tuple(p.name for p in self.model.parameters)
+
+    @property
+    def vector(self) -> Array:
+        """Values of the parameters in declared order, shape (parameter,)."""
+        return np.array([float(self.values[name]) for name in self.parameters])
+
+    def replace(self, *, start: Mapping[str, float] | None = None, **changes: Any) -> "System":
+        """Return the system with other parameter values or start values."""
+        for name in changes:
+            if name not in self.parameters:
+                raise CaseError(
+                    f"{self.model.name} has no parameter {name!r}.{nearest(name, self.parameters)}"
+                    f"\n  parameters: {' '.join(self.parameters)}"
+                )
+        made = {name: _exact(self.model.parameter(name), value) for name, value in changes.items()}
+        begin = self.start if start is None else {**self.start, **start}
+        return replace(self, values={**self.values, **made}, start=begin)
+
+    @cached_property
+    def orders(self) -> tuple[Fraction, ...] | None:
+        """Orders of the harmonics over the fastest, exact; None where one is not a ratio of integers."""
+        return harmonic_orders(self.model, self.values)
+
+    @property
+    def period(self) -> float:
+        """Period T of the fastest declared harmonic; for an unforced model its typical time."""
+        return float(periods(self.model, self.vector[:, None])[0])
+
+    @property
+    def common_multiple(self) -> int:
+        """Number of T in the common period of all harmonics.
+
+        Raises
+        ------
+        RangeError
+            Where the orders have no common period.
+        """
+        if self.orders is None:
+            raise RangeError(
+                f"{self.model.name}: the harmonics' orders are not ratios of integers, so there is no common period"
+            )
+        return lcm(*(order.denominator for order in self.orders)) if self.orders else 1
+
+    @property
+    def common_period(self) -> float:
+        """Shortest time after which all declared harmonics repeat."""
+        return self.period * self.common_multiple
+
+    def plain_model(self) -> Model:
+        """The model's closed form where a parameter is zero and one exists, else the model itself."""
+        for parameter, plain in self.model.plain.items():
+            if float(self.values[parameter.name]) == 0.0:
+                return _plain(self.model, parameter)
+        return self.model
+
+    def rhs(self, time: float, x: ArrayLike) -> Array:
+        """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result."""
+        return self._evaluate(time, x, tangents=False)[0]
+
+    def jacobian(self, time: float, x: ArrayLike) -> Array:
+        """Jacobian of the rates from the compiled kernel, shape (state, state) or (state, state, lane)."""
+        rates, entries = self._evaluate(time, x, tangents=True)
+        return entries
+
+    def reference_rhs(self, time: float, x: ArrayLike) -> Array:
+        """Rates of the states from the reference kernel (plain NumPy, exact film)."""
+        values = self.vector if np.ndim(x) == 1 else self.vector[:, None]
+        return reference_rates(self.plain_model())(time, x, values)
+
+    def _evaluate(self, time: float, x: ArrayLike, *, tangents: bool) -> tuple[Array, Array]:
+        x = np.asarray(x, dtype=float)
+        n = self.model.dimension
+        if x.ndim not in (1, 2) or x.shape[0] != n:
+            raise RangeError(f"{self.model.name} has {n} states; x has shape {x.shape}, not ({n},) or ({n}, lane)")
+        many = padded(x.reshape(n, -1))
+        lanes = many.shape[1]
+        kernel = lane_kernel(self.plain_model(), RK4, tangents=tangents, kind="free")
+        inputs = kernel.inputs(np.repeat(self.vector[:, None], lanes, axis=1))
+        rates, dense = np.empty((n, lanes)), np.zeros((n, n, lanes))
+        for first in range(0, lanes, LANES):
+            block = slice(first, first + LANES)
+            rates[:, block], dense[:, :, block] = _evaluate_block(kernel, inputs.block(block), time, many[:, block])
+        count = 1 if x.ndim == 1 else x.shape[1]
+        return rates[:, :count].reshape(x.shape), dense[:, :, :count].reshape(n, *x.shape)
+
+
+def _evaluate_block(kernel: LaneKernel, inputs: Any, time: float, x: Array) -> tuple[Array, Array]:
+    n, model = x.shape[0], kernel.model
+    p, tables, offsets = inputs
+    slots = max(len(kernel.source.slots), 1)
+    dy, jac, o = np.empty(n * LANES), np.empty(slots * LANES), np.empty((len(model.outputs) + 1) * LANES)
+    kernel.module.evaluate(np.ascontiguousarray(x).ravel(), np.full(LANES, float(time)), p.ravel(), tables,
+                           offsets.ravel(), dy, jac, o)  # fmt: skip
+    dense = np.zeros((n, n, LANES))
+    inputs_of = {q: i for i, q in enumerate(kernel.source.hoisted.symbols)}
+    for (i, j), entry in kernel.source.entries.items():
+        if (i, j) in kernel.source.slots:
+            dense[i, j] = jac.reshape(-1, LANES)[kernel.source.slots[i, j]]
+        else:
+            dense[i, j] = p[inputs_of[entry]] if entry in inputs_of else float(entry)
+    return dy.reshape(n, LANES), dense
+
+
+def _exact(parameter: Parameter, value: Any) -> Any:
+    if not parameter.order:
+        return float(value)
+    exact = exact_order(value, parameter.name)
+    return float(value) if exact is None else exact
+
+
+@lru_cache(maxsize=64)
+def _plain(model: Model, parameter: Parameter) -> Model:
+    return model.plain[parameter]()
+
+
+@lru_cache(maxsize=64)
+def _frequencies(model: Model) -> Any:
+    return lambdify([list(model.parameters)], [sympify(w) for w in model.harmonics], modules="numpy")
+
+
+def periods(model: Model, values: Array) -> Array:
+    """Period T of every operating point (values of shape (parameter, point)); typical time of an unforced model."""
+    n = values.shape[1]
+    if not model.forced:
+        time = lambdify([list(model.parameters)], sympify(model.typical_time), modules="numpy")(list(values))
+        return np.broadcast_to(np.asarray(time, dtype=float), (n,)).copy()
+    rates = np.stack([np.broadcast_to(np.asarray(w, dtype=float), (n,)) for w in _frequencies(model)(list(values))])
+    fastest = np.abs(rates).max(axis=0)
+    if not np.all(fastest > 0):
+        raise RangeError(f"{model.name}: every declared harmonic has frequency zero, so there is no period T")
+    return 2 * pi / fastest
+
+
+def harmonic_orders(model: Model, values: Mapping[str, Any]) -> tuple[Fraction, ...] | None:
+    """Orders of a model's harmonics over the fastest one, as exact fractions; None where one is not exact."""
+    if not model.forced:
+        return ()
+    exact = {}
+    for p in model.parameters:
+        if p.order:
+            order = exact_order(values[p.name], p.name)
+            if order is None:
+                return None
+            exact[p] = Rational(order.numerator, order.denominator)
+    harmonics = [sympify(w).xreplace(exact) for w in model.harmonics]
+    numbers = {p: float(values[p.name]) for p in model.parameters}
+    sizes = [abs(float(w.subs(numbers))) for w in harmonics]
+    fastest = harmonics[sizes.index(max(sizes))]
+    return _ratios(harmonics, fastest if float(fastest.subs(numbers)) > 0 else -fastest, numbers)
+
+
+def _ratios(harmonics: list[Expr], fastest: Expr, numbers: Mapping[Any, float]) -> tuple[Fraction, ...] | None:
+    out = []
+    for harmonic in harmonics:
+        ratio = (harmonic / fastest).simplify()
+        if isinstance(ratio, Rational):
+            out.append(Fraction(int(ratio.p), int(ratio.q)))
+        else:
+            order = exact_order(float(ratio.subs(numbers)), str(harmonic))
+            if order is None:
+                return None
+            out.append(order)
+    return tuple(out)

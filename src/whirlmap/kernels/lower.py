@@ -1,0 +1,338 @@
+"""From a model's expressions to straight-line code.
+
+Steps, in this order:
+
+1. harmonics: ``cos(omega t + chi)`` becomes the harmonic's own cosine and sine, which kernels take from a table;
+2. hoisting: whatever depends on parameters alone is computed once per operating point, outside of the kernel;
+3. half-integer and negative powers are split so that one square root and one reciprocal serve all of them;
+4. common subexpressions are shared;
+5. every expression is printed as plain arithmetic.
+"""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import (
+    Add,
+    Expr,
+    Function,
+    Integer,
+    Mul,
+    Piecewise,
+    Pow,
+    Rational,
+    Symbol,
+    cos,
+    cse,
+    lambdify,
+    sin,
+    sympify,
+)
+from sympy.printing.pycode import PythonCodePrinter
+
+from whirlmap.equations.model import Model
+from whirlmap.equations.pieces import tabulated
+from whirlmap.equations.quantities import State, t
+from whirlmap.errors import ModelError
+
+
+class root(Function):  # noqa: N801 (printed as a function)
+    """Square root kept apart from powers, so that common-subexpression elimination finds it."""
+
+
+class inverse(Function):  # noqa: N801 (printed as a function)
+    """Reciprocal kept apart from powers, for the same reason."""
+
+
+@dataclass
+class Hoisted:
+    """Expressions of parameters alone, in the order in which the kernel reads them."""
+
+    parameters: Sequence[Symbol]
+    expressions: list[Expr] = field(default_factory=list)
+    symbols: list[Symbol] = field(default_factory=list)
+
+    def symbol(self, expression: Expr) -> Symbol:
+        """Return the symbol that stands for an expression of parameters."""
+        if expression in self.expressions:
+            return self.symbols[self.expressions.index(expression)]
+        self.expressions.append(expression)
+        self.symbols.append(Symbol(f"q{len(self.symbols)}", real=True))
+        return self.symbols[-1]
+
+    def evaluate(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Compute the expressions for many operating points.
+
+        Parameters
+        ----------
+        values : array, shape (parameter, point)
+
+        Returns
+        -------
+        array, shape (expression, point)
+        """
+        out = np.empty((len(self.expressions), values.shape[1]))
+        if self.expressions:
+            function = lambdify([list(self.parameters)], self.expressions, modules="numpy", cse=True)
+            for i, row in enumerate(function(list(values))):
+                out[i] = row
+        return out
+
+
+def split_harmonics(expression: Expr, harmonics: Sequence[Expr]) -> Expr:
+    """Write every sine and cosine of time in the cosine ``c_i`` and sine ``s_i`` of a declared harmonic.
+
+    Raises
+    ------
+    ModelError
+        Where time appears in any other way.
+    """
+
+    def split(call: Any) -> Expr:
+        argument = call.args[0].expand()
+        rate = argument.coeff(t, 1)
+        phase = (argument - rate * t).expand()
+        if phase.has(t):
+            raise ModelError(f"{call} is not a harmonic: its phase must be linear in time")
+        for i, harmonic in enumerate(harmonics):
+            sign = 1 if (rate - harmonic).expand() == 0 else -1 if (rate + harmonic).expand() == 0 else 0
+            if sign:
+                c, s = Symbol(f"c{i}", real=True), sign * Symbol(f"s{i}", real=True)
+                if isinstance(call, cos):
+                    return c * cos(phase) - s * sin(phase)
+                return s * cos(phase) + c * sin(phase)
+        raise ModelError(f"{call} uses the frequency {rate}, which is not declared: add it to harmonics=(...)")
+
+    out = sympify(expression).replace(lambda e: isinstance(e, cos | sin) and e.has(t), split)
+    if out.has(t):
+        raise ModelError(f"time may appear inside sines and cosines only: {expression}")
+    return out
+
+
+def hoist(expression: Expr, hoisted: Hoisted) -> Expr:
+    """Replace the largest parts of an expression that depend on parameters alone by kernel inputs."""
+    parameters = set(hoisted.parameters)
+
+    def constant(e: Expr) -> bool:
+        return e.free_symbols <= parameters
+
+    def walk(e: Expr) -> Expr:
+        if constant(e):
+            return hoisted.symbol(e) if e.free_symbols else e
+        if isinstance(e, tabulated):
+            head, tail = e.args[: 3 + e.dimensions], [walk(a) for a in e.coordinates]
+            return tabulated(*head, *tail)
+        if isinstance(e, Add | Mul):
+            still = [a for a in e.args if constant(a)]
+            moving = [walk(a) for a in e.args if not constant(a)]
+            together = e.func(*still)
+            if together.free_symbols:
+                together = hoisted.symbol(together)
+            return e.func(together, *moving)
+        if not e.args:
+            return e
+        return e.func(*[walk(a) if isinstance(a, Expr) else _walk_condition(a, walk) for a in e.args])
+
+    return walk(expression)
+
+
+def _walk_condition(e: Any, walk: Any) -> Any:
+    if isinstance(e, Expr):
+        return walk(e)
+    return e.func(*[_walk_condition(a, walk) for a in e.args]) if getattr(e, "args", ()) else e
+
+
+def split_powers(expression: Expr) -> Expr:
+    """Write ``b**(-5/2)`` as ``inverse(b)**2 * inverse(root(b))`` and so on."""
+
+    def split(e: Any) -> Expr:
+        base, exponent = e.args
+        if not isinstance(exponent, Rational) or exponent.q not in (1, 2):
+            raise ModelError(f"only integer and half-integer powers can be lowered, not {e}")
+        size = abs(exponent)
+        whole, half = size.p // size.q, size.q == 2
+        out = Integer(1)
+        if exponent > 0:
+            out = (base**whole if whole else out) * (root(base) if half else 1)
+        elif half:
+            out = inverse(root(base)) ** int(2 * size)
+        else:
+            out = inverse(base) ** whole
+        return out
+
+    return expression.replace(
+        lambda e: isinstance(e, Pow) and not (isinstance(e.exp, Integer) and e.exp > 0), split
+    )
+
+
+class _Printer(PythonCodePrinter):
+    """Plain arithmetic on scalars: powers as products, tables as the locals that hold them."""
+
+    def _print_Pow(self, expr: Any, **_: Any) -> str:
+        base, exponent = expr.args
+        text = self.parenthesize(base, 100)
+        if not isinstance(exponent, Integer) or exponent < 1:
+            raise ModelError(f"power {expr} reached the printer")
+        n = int(exponent)
+        if n == 4 or n == 8:
+            inner = f"({text}*{text})"
+            return inner + "*" + inner if n == 4 else "*".join([inner] * 4)
+        return "(" + "*".join([text] * n) + ")"
+
+    def _print_root(self, expr: Any) -> str:
+        return f"sqrt({self._print(expr.args[0])})"
+
+    def _print_inverse(self, expr: Any) -> str:
+        return f"(1.0/({self._print(expr.args[0])}))"
+
+    def _print_Integer(self, expr: Any) -> str:
+        return f"{int(expr)}.0"
+
+    def _print_Rational(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_NumberSymbol(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    _print_Pi = _print_NumberSymbol
+
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        out = ""
+        for value, condition in expr.args:
+            if condition == True:  # noqa: E712 (SymPy's own truth)
+                return f"({out}({self._print(value)}))"
+            out += f"({self._print(value)}) if ({self._print(condition)}) else "
+        raise ModelError(f"guarded term without a default: {expr}")
+
+    def _print_sign(self, expr: Any) -> str:
+        text = self._print(expr.args[0])
+        return f"(1.0 if {text} > 0.0 else (-1.0 if {text} < 0.0 else 0.0))"
+
+    def _print_Abs(self, expr: Any) -> str:
+        return f"abs({self._print(expr.args[0])})"
+
+    def _print_Function(self, expr: Any) -> str:
+        name = type(expr).__name__
+        if name not in {"sin", "cos", "exp", "log", "atan2", "atan", "tanh"}:
+            raise ModelError(f"function {name} cannot be lowered")
+        return f"{name}({', '.join(self._print(a) for a in expr.args)})"
+
+    _print_sin = _print_cos = _print_exp = _print_log = _print_atan2 = _print_atan = _print_tanh = _print_Function
+
+
+_PRINTER = _Printer({"fully_qualified_modules": False})
+
+
+def code(expression: Expr) -> str:
+    """Print one lowered expression as Python source on floats."""
+    return _PRINTER.doprint(expression)
+
+
+@dataclass(frozen=True)
+class Read:
+    """One reading of a table: which table, where, and the names that receive outputs and derivatives."""
+
+    table: str
+    coordinates: tuple[Symbol, ...]
+    outputs: tuple[tuple[int, tuple[int, ...], Symbol], ...]
+
+
+@dataclass(frozen=True)
+class Straight:
+    """Straight-line code: assignments in order, table readings between them, and one result for each expression."""
+
+    steps: tuple[tuple[Symbol, Expr] | Read, ...]
+    results: tuple[Expr, ...]
+
+    def names(self) -> set[str]:
+        """Names of all inputs that the code reads."""
+        made = {step[0] for step in self.steps if isinstance(step, tuple)}
+        used: set[Symbol] = set()
+        for step in self.steps:
+            if isinstance(step, tuple):
+                used |= step[1].free_symbols
+            else:
+                made |= {o[2] for o in step.outputs}
+                used |= set(step.coordinates)
+        for result in self.results:
+            used |= result.free_symbols
+        return {s.name for s in used - made}
+
+
+def straight(model: Model, expressions: Iterable[Expr], hoisted: Hoisted) -> Straight:
+    """Lower expressions of a model to straight-line code (steps 1 to 4 of the module's list)."""
+    plain = []
+    for expression in expressions:
+        e = split_harmonics(sympify(expression), model.harmonics)
+        e = hoist(e, hoisted)
+        plain.append(_plain_symbols(split_powers(e)))
+    readings = sorted({e for p in plain for e in p.atoms(tabulated)}, key=str)
+    places: dict[tuple, list] = {}
+    for e in readings:
+        places.setdefault((e.table_name, e.coordinates), []).append(e)
+    names = {e: Symbol(f"f{i}") for i, e in enumerate(readings)}
+    coordinates = [c for _, where in places for c in where]
+    shared, reduced = cse([*coordinates, *(p.xreplace(names) for p in plain)], symbols=_fresh(), order="none")
+    where, results = reduced[: len(coordinates)], reduced[len(coordinates) :]
+    steps = _ordered(list(shared), _reads(places, names, where))
+    return Straight(tuple(steps), tuple(results))
+
+
+def _plain_symbols(e: Expr) -> Expr:
+    return e.xreplace({s: Symbol(s.name, real=True) for s in e.atoms(State)})
+
+
+def _fresh() -> Iterable[Symbol]:
+    i = 0
+    while True:
+        yield Symbol(f"w{i}", real=True)
+        i += 1
+
+
+def _reads(places: dict, names: dict, where: Sequence[Expr]) -> list[tuple[Read, list[tuple[Symbol, Expr]]]]:
+    out, k = [], 0
+    for i, ((table, coordinates), calls) in enumerate(places.items()):
+        made = [(Symbol(f"z{i}_{j}", real=True), where[k + j]) for j in range(len(coordinates))]
+        k += len(coordinates)
+        outputs = tuple((e.output, e.orders, names[e]) for e in calls)
+        out.append((Read(table, tuple(z for z, _ in made), outputs), made))
+    return out
+
+
+def _ordered(
+    shared: list[tuple[Symbol, Expr]], reads: list[tuple[Read, list[tuple[Symbol, Expr]]]]
+) -> list[tuple[Symbol, Expr] | Read]:
+    """Put table readings as early as their coordinates allow, everything else where its inputs are known."""
+    pending_names = {s for s, _ in shared} | {o[2] for r, _ in reads for o in r.outputs}
+    done: set[Symbol] = set()
+    steps: list[tuple[Symbol, Expr] | Read] = []
+
+    def ready(e: Expr) -> bool:
+        return not (e.free_symbols & pending_names) - done
+
+    waiting, waiting_reads = list(shared), list(reads)
+    while waiting or waiting_reads:
+        before = len(waiting) + len(waiting_reads)
+        for item in list(waiting_reads):
+            read, made = item
+            if all(ready(e) for _, e in made):
+                steps += [*made, read]
+                done |= {o[2] for o in read.outputs}
+                waiting_reads.remove(item)
+        rest = []
+        for symbol, e in waiting:
+            if ready(e):
+                steps.append((symbol, e))
+                done.add(symbol)
+            else:
+                rest.append((symbol, e))
+        waiting = rest
+        if len(waiting) + len(waiting_reads) == before:
+            raise ModelError("a table's coordinates depend on its own outputs")
+    return steps

@@ -1,0 +1,59 @@
+"""The oracle: a model's equations in plain NumPy, tables replaced by the exact functions that they stand for."""
+
+from collections.abc import Callable
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+from sympy import Expr, Function, cos, lambdify, sin, sympify
+
+from whirlmap.equations.model import Model
+from whirlmap.equations.pieces import Table, tabulated
+from whirlmap.equations.quantities import t
+from whirlmap.errors import ModelError
+
+Array = NDArray[np.float64]
+
+
+@lru_cache(maxsize=64)
+def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike, ArrayLike, ArrayLike], Array]:
+    """Return ``rates(time, x, values)`` of a model.
+
+    ``x`` has shape (state,) or (state, point), ``values`` (parameter,) or (parameter, point); the result is as ``x``.
+    Nothing of the lowering is used, so that this is a check of it. Without ``forced`` every harmonic of time is zero.
+    """
+    functions: dict[str, Callable[..., Array]] = {}
+    expressions = [_with_exact(sympify(model.equations[s]), model, functions) for s in model.states]
+    if not forced:
+        expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda a: 0) for e in expressions]
+    compiled = lambdify([t, list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"])
+
+    def rates(time: ArrayLike, x: ArrayLike, values: ArrayLike) -> Array:
+        x = np.asarray(x, dtype=float)
+        rows = compiled(time, list(x), list(np.asarray(values, dtype=float)))
+        return np.stack([np.broadcast_to(np.asarray(row, dtype=float), x.shape[1:]) for row in rows])
+
+    return rates
+
+
+def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..., Array]]) -> Expr:
+    tables = {table.name: table for table in model.tables}
+
+    def replace(e: tabulated) -> Expr:
+        if any(e.orders):
+            raise ModelError("derivatives of a table have no exact function here; difference the rates instead")
+        name = f"{e.table_name}_{e.output}"
+        functions[name] = _output(tables[e.table_name], e.output)
+        return Function(name)(e.parameter, *e.coordinates)
+
+    return expression.replace(lambda e: isinstance(e, tabulated), replace)
+
+
+def _output(table: Table, index: int) -> Callable[..., Array]:
+    def read(parameter: ArrayLike, *coordinates: ArrayLike) -> Array:
+        values = np.asarray(parameter, dtype=float)
+        if values.ndim and np.ptp(values) > 0:
+            raise ModelError(f"table {table.name!r} is exact at one value of its parameter at a time")
+        return table.exact(float(values.flat[0]), *coordinates)[index]
+
+    return read

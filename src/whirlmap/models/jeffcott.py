@@ -1,0 +1,99 @@
+"""A Jeffcott rotor on two plain short journal bearings, rigid or on a flexible shaft.
+
+The clock is the shaft, lengths are in units of the clearance, s = omega sqrt(c/g), and each bearing carries half of the
+weight. Gamma s = A omega/W is the film group, with A = mu R L^3/(2 c^2) and W the load of one bearing.
+
+rigid
+    The rotor moves with its journals, which carry its mass: the oil-whip problem of the textbooks. Fixed half film.
+flexible
+    Massless journals, as in the gear pair; k = K c/W is the shaft's stiffness at each bearing.
+"""
+
+from whirlmap.equations import Family, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
+from whirlmap.errors import ModelError
+from whirlmap.films.law import film_law, plain_fixed_force
+
+ux, uy = states("ux uy", "1", "journal centre relative to the bearing, over c")
+vx, vy = states("vx vy", "1", "rotor velocity, over c and clock radian")
+x, y = states("x y", "1", "rotor centre, over c")
+
+s = Parameter("s", "1", "speed ratio omega sqrt(c/g)", above=0)
+Gamma = Parameter("Gamma", "1", "film group A sqrt(g/c)/W, at s = 1", latex=r"\Gamma", above=0)
+b = Parameter("b", "1", "unbalance eccentricity over c", at_least=0)
+k = Parameter("k", "1", "shaft stiffness K c/W", above=0)
+xi = Parameter("xi", "1", "damping of the rotor, C/(2 M) sqrt(c/g)", latex=r"\xi", at_least=0)
+
+
+def rigid() -> Model:
+    """Declare the rigid rotor: the film force acts on the rotor's own mass."""
+    F_x, F_y = plain_fixed_force(ux, uy, vx + uy / 2, vy - ux / 2)  # velocity seen from half the spin
+    return Model(
+        name="jeffcott",
+        states=(ux, uy, vx, vy),
+        parameters=(s, Gamma, b),
+        equations={
+            ux: vx,
+            uy: vy,
+            vx: Gamma / s * F_x + b * cos(t),
+            vy: Gamma / s * F_y + b * sin(t) - 1 / s**2,
+        },
+        harmonics=(1,),
+        outputs={"eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal")},
+        stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
+        start="equilibrium",
+        start_where_none={ux: 0.1},
+        switches={"rotor": "rigid", "arc": "fixed"},
+        clocks={"shaft": 1},
+        swing=(uy,),
+        sources=("capone1991", "childs1993"),
+    )
+
+
+def flexible(arc: str) -> Model:
+    """Declare the rotor on a flexible shaft with massless journals."""
+    law = film_law("porous", arc, plain=True)
+    d_x, d_y = x - ux, y - uy
+    w_x, w_y = law.velocity(ux, uy, k * d_x / (2 * Gamma * s), k * d_y / (2 * Gamma * s), 0, 1)
+    return Model(
+        name="jeffcott",
+        states=(ux, uy, x, y, vx, vy),
+        parameters=(s, Gamma, b, k, xi),
+        equations={
+            ux: -uy / 2 + w_x,
+            uy: +ux / 2 + w_y,
+            x: vx,
+            y: vy,
+            vx: -2 * xi / s * vx - k * d_x / s**2 + b * cos(t),
+            vy: -2 * xi / s * vy - k * d_y / s**2 + b * sin(t) - 1 / s**2,
+        },
+        harmonics=(1,),
+        outputs={"eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal")},
+        stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
+        start="equilibrium",
+        start_where_none={ux: 0.1},
+        tables=law.tables,
+        switches={"rotor": "flexible", "arc": arc},
+        clocks={"shaft": 1},
+        swing=(y, uy),
+        sources=("capone1991", "childs1993"),
+    )
+
+
+def declare(*, rotor: str, arc: str) -> Model:
+    """Declare the rotor for one choice of its switches."""
+    if rotor == "flexible":
+        return flexible(arc)
+    if arc != "fixed":
+        raise ModelError("rotor = rigid has arc = fixed only; use rotor = flexible for the arc of positive pressure")
+    return rigid()
+
+
+JEFFCOTT = Family(
+    name="jeffcott",
+    declare=declare,
+    switches={"rotor": ("rigid", "flexible"), "arc": ("fixed", "positive")},
+    meanings={
+        "rotor": "rigid, its mass on the journals; or on a flexible shaft with massless journals",
+        "arc": "half film fixed at 0..pi, or where the pressure is positive",
+    },
+)

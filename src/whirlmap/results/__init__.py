@@ -1,0 +1,1 @@
+"""What computations return: labelled Datasets, their statuses and where they come from."""

@@ -1,0 +1,37 @@
+"""How the run of one operating point ended."""
+
+from enum import IntEnum
+
+
+class Status(IntEnum):
+    """Status of one operating point; the sentence of each is shown to people."""
+
+    ok = 0
+    contact = 1
+    diverged = 2
+    unresolved = 3
+    failed = 4
+
+    @property
+    def sentence(self) -> str:
+        """What the status means."""
+        return SENTENCES[self]
+
+
+SENTENCES = {
+    Status.ok: "ran to its end",
+    Status.contact: "a journal reached its bearing",
+    Status.diverged: "a state grew beyond the model's bound",
+    Status.unresolved: "a step failed, also with steps 1024 times shorter: try more steps per T",
+    Status.failed: "could not be computed",
+}
+
+
+def flags(kind: type[IntEnum]) -> dict[str, object]:
+    """CF attributes of an integer variable that holds members of an enumeration."""
+    import numpy as np
+
+    return {
+        "flag_values": np.array([int(k) for k in kind], dtype=np.int8),
+        "flag_meanings": " ".join(k.name for k in kind),
+    }
