@@ -6,13 +6,12 @@ clearance c, time over 1/omega_c, force over A omega_c with A = mu R L^3 / (2 c^
 
 u = eps (cos phi, sin phi) is the journal centre in its housing, w = u' - (j/2) J u the journal velocity seen
 from the frame that turns at half the journal speed j, J(x, y) = (-y, x). The film answers with F = -2 M w,
-where M = [[G, B], [B, D]] in (e_r, e_t) is integrated over a half circle of theta (theta = 0 at the thickest
-film):
+where M = [[G, B], [B, D]] in (e_r, e_t) is an integral over a half circle of theta (0 at the thickest film):
 
 - ``fixed``: theta in [0, pi] for a positive spin, [pi, 2 pi] for a negative one, as in the paper;
 - ``positive``: the half circle on which the pressure of this w is positive, theta1 = atan2(w_r, -w_t).
 
-Accuracy before speed: the fast lane tabulates `whirlmap.films.scaled`, which is built on this file.
+The fast lane tabulates `whirlmap.films.scaled`, which is built on this file.
 """
 
 from collections.abc import Iterator
@@ -191,10 +190,8 @@ def fixed_arc_velocity(
     Delta = G * D - B * B
     radial = ((D - G) * q_r - sigma * B * q_t) / Delta
     tangential = -sigma * B * q_r / Delta
-    return (
-        G / Delta * qx + radial * cos_phi - tangential * sin_phi,
-        G / Delta * qy + radial * sin_phi + tangential * cos_phi,
-    )
+    wx = G / Delta * qx + radial * cos_phi - tangential * sin_phi
+    return wx, G / Delta * qy + radial * sin_phi + tangential * cos_phi
 
 
 def positive_arc_velocity(
@@ -256,14 +253,7 @@ def unit_load_velocity(
     q_r, q_t : array, shape (point,)
         Components of the load, q_r^2 + q_t^2 = 1.
 
-    Returns
-    -------
-    w_r, w_t : array, shape (point,)
-
-    Raises
-    ------
-    IntegrationError
-        As in `positive_arc_velocity`, which describes the algorithm.
+    Returns w_r, w_t; algorithm and errors as in `positive_arc_velocity`.
     """
     size = eps.size
     w_r, w_t = np.full(size, np.nan), np.full(size, np.nan)
@@ -276,8 +266,6 @@ def unit_load_velocity(
     tolerance = 1e-12 + 1e-15 / np.sqrt(gap + 0.75 * np.cbrt(psi))
     todo = np.arange(size)
     for _ in range(_MAX_NEWTON):
-        if todo.size == 0:
-            return w_r, w_t
         e_r, e_t = np.cos(beta), np.sin(beta)
         G, B, D = _integrals(eps[todo], gap[todo], psi[todo], np.arctan2(e_r, -e_t))
         Delta = G * D - B * B
@@ -291,8 +279,8 @@ def unit_load_velocity(
         going = ~(np.abs(turn) <= tolerance[todo])  # keeps NaN going, so that it is reported
         beta = np.where(inside, candidate, 0.5 * (low + high))[going]
         low, high, todo = low[going], high[going], todo[going]
-    if todo.size == 0:
-        return w_r, w_t
+        if todo.size == 0:
+            return w_r, w_t
     at = todo[0]
     raise IntegrationError(
         f"the positive-arc film did not converge in {_MAX_NEWTON} steps at {todo.size} of {size} points, "
@@ -305,8 +293,8 @@ def _floats(*args: ArrayLike) -> tuple[Floats, ...]:
 
 
 def _polar(ux: Floats, uy: Floats) -> tuple[Floats, Floats, Floats]:
-    """Eccentricity and direction of u; the direction is (1, 0) at u = 0."""
+    """Eccentricity and direction of u; the direction is (1, 0) at the centre, where the film is isotropic."""
     eps = np.hypot(ux, uy)
-    centred = eps == 0.0
+    centred = eps < 1e-150  # a denormal eps has too few digits to divide by
     safe = np.where(centred, 1.0, eps)
-    return eps, np.where(centred, 1.0, ux / safe), uy / safe
+    return eps, np.where(centred, 1.0, ux / safe), np.where(centred, 0.0, uy / safe)

@@ -34,8 +34,11 @@ class LaneKernel:
         index = {q: i for i, q in enumerate(self.model.parameters)}
         readers = {
             e.table_name: e.parameter for rate in self.model.equations.values() for e in rate.atoms(tabulated)
-        }  # a table's parameter is a plain symbol of the model
-        parameters = tuple(values[index[readers[table.name]]] for table in self.source.tables)
+        }  # a table's parameter is a plain symbol of the model, or a number
+        parameters = tuple(
+            values[index[readers[table.name]]] if readers[table.name] in index else np.full(n, float(readers[table.name]))
+            for table in self.source.tables
+        )
         entries, offsets = fill(self.source.tables, parameters, n)
         return Inputs(self.source.hoisted.evaluate(values), entries, offsets)
 

@@ -4,7 +4,7 @@ Steps, in this order:
 
 1. harmonics: ``cos(omega t + chi)`` becomes the harmonic's own cosine and sine, which kernels take from a table;
 2. hoisting: whatever depends on parameters alone is computed once per operating point, outside of the kernel;
-3. half-integer and negative powers are split so that one square root and one reciprocal serve all of them;
+3. fractional and negative powers are split so that one square root and one reciprocal serve all of them;
 4. common subexpressions are shared;
 5. every expression is printed as plain arithmetic.
 """
@@ -150,18 +150,15 @@ def split_powers(expression: Expr) -> Expr:
 
     def split(e: Any) -> Expr:
         base, exponent = e.args
-        if not isinstance(exponent, Rational) or exponent.q not in (1, 2):
-            raise ModelError(f"only integer and half-integer powers can be lowered, not {e}")
-        size = abs(exponent)
-        whole, half = size.p // size.q, size.q == 2
-        out = Integer(1)
+        if not isinstance(exponent, Rational) or exponent.q not in (1, 2, 4):
+            raise ModelError(f"only powers by multiples of a quarter can be lowered, not {e}")
+        quarters = int(abs(exponent) * 4)
         if exponent > 0:
-            out = (base**whole if whole else out) * (root(base) if half else 1)
-        elif half:
-            out = inverse(root(base)) ** int(2 * size)
-        else:
-            out = inverse(base) ** whole
-        return out
+            fourth = root(root(base)) if quarters % 2 else 1
+            return base ** (quarters // 4) * (root(base) if quarters % 4 >= 2 else 1) * fourth
+        if quarters % 2:
+            return inverse(root(root(base))) ** quarters
+        return inverse(root(base)) ** (quarters // 2) if quarters % 4 else inverse(base) ** (quarters // 4)
 
     return expression.replace(
         lambda e: isinstance(e, Pow) and not (isinstance(e.exp, Integer) and e.exp > 0), split
