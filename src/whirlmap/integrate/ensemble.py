@@ -79,6 +79,8 @@ class Ensemble:
         When a point ended (NaN while it runs), in the model's time.
     end_stop : array of int, shape (point,)
         Which of the model's stops ended it, else -1.
+    step_count : array of int, shape (point,)
+        Steps that each point has taken; equal modulo the common period.
     """
 
     def __init__(
@@ -106,7 +108,7 @@ class Ensemble:
         self.status = np.zeros(n, dtype=np.int8)
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
-        self.step_count = 0
+        self.step_count = np.zeros(n, dtype=np.int64)
         self._groups = [_Group(self, m, members) for m, members in _variants(model, values)]
         self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n)])
 
@@ -124,6 +126,23 @@ class Ensemble:
     def common_multiple(self) -> int:
         """Number of T in the common period."""
         return lcm(*(o.denominator for o in self.orders)) if self.orders else 1
+
+    def subset(self, members: NDArray[np.intp]) -> "Ensemble":
+        """Return an ensemble of some of the points, at their present states; `absorb` takes it back."""
+        part = Ensemble(
+            self.model, self.values[:, members], self.x[:, members], orders=self.orders, steps=self.steps,
+            method=self.method, tangents=self.tangents, workers=self.workers,
+        )  # fmt: skip
+        part._y = self._y[:, members].copy()
+        for name in ("status", "end_time", "end_stop", "step_count"):
+            setattr(part, name, getattr(self, name)[members].copy())
+        return part
+
+    def absorb(self, part: "Ensemble", members: NDArray[np.intp]) -> None:
+        """Take over the states of a subset that has run on, by whole common periods."""
+        self._y[:, members] = part._y
+        for name in ("status", "end_time", "end_stop", "step_count"):
+            getattr(self, name)[members] = getattr(part, name)
 
     def advance(
         self,
@@ -170,7 +189,7 @@ class Ensemble:
             with ThreadPoolExecutor(self.workers) as pool:
                 for _ in pool.map(work, tasks):
                     pass
-        self.step_count += total
+        self.step_count[self.running] += total
         return Segment(saved, growth, _statistics(sums, total) if extremes else None)
 
 
@@ -210,7 +229,7 @@ class _Group:
         first = np.zeros(LANES, dtype=np.int64)
         while active.any():
             failed = np.full(LANES, -1, dtype=np.int64)
-            counters = np.array([e.step_count % n for n in self.waves.lengths], dtype=np.int64)
+            counters = np.array([e.step_count[at[0]] % n for n in self.waves.lengths], dtype=np.int64)
             flat = y.ravel()
             self.kernel.module.advance(
                 flat, h, p.ravel(), tables, offsets.ravel(), self.waves.table, self.waves.starts, self.waves.lengths,
@@ -236,7 +255,7 @@ class _Group:
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
         """Redo the failed step of the lost lanes; say which go on, and from which step."""
         e = self.ensemble
-        time = (e.step_count + np.maximum(failed, 0)) * self.h[lanes]
+        time = (padded(e.step_count[at]) + np.maximum(failed, 0)) * self.h[lanes]
         outcome = self.rescue.mend(lanes, lost, y, time, np.ascontiguousarray(self.h[lanes]))
         ended = outcome.status[lost] != Status.ok
         points = at[lost[ended]]

@@ -1,5 +1,7 @@
 """Start states: the static equilibrium with all forcing off, by damped Newton, for many operating points at once."""
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 from sympy import lambdify
@@ -72,44 +74,45 @@ def _newton(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[n
     n, points = guess.shape
 
     def residual(x: Array, at: NDArray[np.intp]) -> Array:
-        with np.errstate(invalid="ignore", divide="ignore"):
-            return rates(0.0, x, values[:, at])
-
-    def open_gaps(x: Array) -> NDArray[np.bool_]:
-        return np.all([np.broadcast_to(g, x.shape[1:]) > 0 for g in gaps(list(x))] or [True], axis=0)
+        """Rates at points whose gaps are open; infinite elsewhere, where no film exists."""
+        out = np.full(x.shape, np.inf)
+        inside = np.all([np.broadcast_to(g, x.shape[1:]) > 0 for g in gaps(list(x))] or [np.full(at.size, True)], axis=0)
+        if inside.any():
+            out[:, inside] = rates(0.0, x[:, inside], values[:, at[inside]])
+        return out
 
     x, found = guess.copy(), np.zeros(points, dtype=bool)
     active = np.arange(points)
-    h = 1e-6
     for _ in range(MOST_STEPS):
-        if active.size == 0:
-            break
         now = x[:, active]
-        f = residual(now, active)
-        jac = np.empty((active.size, n, n))
-        for j in range(n):
-            e = np.zeros((n, 1))
-            e[j] = h
-            jac[:, :, j] = ((residual(now + e, active) - residual(now - e, active)) / (2 * h)).T
-        solvable = np.isfinite(jac).all(axis=(1, 2)) & np.isfinite(f).all(axis=0)
-        solvable[solvable] &= np.abs(np.linalg.det(jac[solvable] / np.abs(jac[solvable]).max(axis=2, keepdims=True))) > 0
-        active, now, f, jac = active[solvable], now[:, solvable], f[:, solvable], jac[solvable]
+        f, jacobian = residual(now, active), _differences(residual, now, active)
+        regular = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0)
+        regular[regular] = np.linalg.matrix_rank(jacobian[regular]) == n
+        active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
         if active.size == 0:
             break
-        step = np.linalg.solve(jac, -f.T[..., None])[..., 0].T
-        size, norm = np.ones(active.size), np.linalg.norm(f, axis=0)
+        step = np.linalg.solve(jacobian, -f.T[..., None])[..., 0].T
+        norm = np.linalg.norm(f, axis=0)
+        size = np.ones(active.size)
         for _ in range(30):
-            trial = now + size * step
-            new = np.linalg.norm(residual(trial, active), axis=0)
-            worse = ~(open_gaps(trial) & ((new < norm) | (norm < 1e-11)))
+            worse = ~(np.linalg.norm(residual(now + size * step, active), axis=0) < norm)
             if not worse.any():
                 break
             size = np.where(worse, size / 2, size)
         x[:, active] = np.where(worse, now, now + size * step)
-        small = np.abs(step).max(axis=0) < 1e-12 * (1 + np.abs(now).max(axis=0)) + 1e-13
-        done = ~worse & small
-        found[active[done]] = True
-        stuck = worse & ~small
-        found[active[worse & small]] = True
-        active = active[~done & ~stuck & ~(worse & small)]
+        small = np.abs(step).max(axis=0) < 1e-11 * (1 + np.abs(now).max(axis=0))
+        found[active[small]] = True  # a step this small cannot lower a residual that is rounding already
+        active = active[~small & ~worse]
     return x, found
+
+
+def _differences(residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, at: NDArray[np.intp]) -> Array:
+    """Jacobian of the residual by central differences, shape (point, row, column)."""
+    n, h = x.shape[0], 1e-6
+    out = np.empty((at.size, n, n))
+    for j in range(n):
+        e = np.zeros((n, 1))
+        e[j] = h
+        with np.errstate(invalid="ignore"):  # inf - inf at a closed gap: the point is given up by the caller
+            out[:, :, j] = ((residual(x + e, at) - residual(x - e, at)) / (2 * h)).T
+    return out

@@ -1,6 +1,8 @@
 """What happens to a lane whose step failed: an event is located, a step that was too long is redone with shorter ones."""
 
 from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -105,13 +107,17 @@ class Rescue:
         return flat.reshape(y.shape), good > 0
 
     def _gaps(self, lanes: slice, x: Array) -> Array:
-        return self._stops([stop.gap for stop in self.model.stops.values()], lanes, x)
+        return self._stops("gap", lanes, x)
 
     def _reachable(self, lanes: slice) -> NDArray[np.bool_]:
-        x = np.zeros((self.model.dimension, LANES))
-        return self._stops([stop.reachable for stop in self.model.stops.values()], lanes, x) > 0
+        return self._stops("reachable", lanes, np.zeros((self.model.dimension, LANES))) > 0
 
-    def _stops(self, expressions: list, lanes: slice, x: Array) -> Array:
-        function = lambdify([list(self.model.states), list(self.model.parameters)], expressions, modules="numpy")
-        rows = function(list(x), list(self.values[:, lanes]))
+    def _stops(self, field: str, lanes: slice, x: Array) -> Array:
+        rows = _stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
         return np.array([np.broadcast_to(np.asarray(r, dtype=float), (LANES,)) for r in rows]).reshape(-1, LANES)
+
+
+@lru_cache(maxsize=64)
+def _stop_function(model: Model, field: str) -> Any:
+    expressions = [getattr(stop, field) for stop in model.stops.values()]
+    return lambdify([list(model.states), list(model.parameters)], expressions, modules="numpy")

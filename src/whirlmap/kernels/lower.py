@@ -11,6 +11,7 @@ Steps, in this order:
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -75,11 +76,13 @@ class Hoisted:
         array, shape (expression, point)
         """
         out = np.empty((len(self.expressions), values.shape[1]))
-        if self.expressions:
-            function = lambdify([list(self.parameters)], self.expressions, modules="numpy", cse=True)
-            for i, row in enumerate(function(list(values))):
-                out[i] = row
+        for i, row in enumerate(self._function(list(values)) if self.expressions else ()):
+            out[i] = row
         return out
+
+    @cached_property
+    def _function(self) -> Any:
+        return lambdify([list(self.parameters)], self.expressions, modules="numpy", cse=True)
 
 
 def split_harmonics(expression: Expr, harmonics: Sequence[Expr]) -> Expr:

@@ -1,0 +1,108 @@
+"""Dimensionless groups: how a model's parameters follow from dimensional inputs.
+
+A family of models may carry `Groups`: the inputs that an engineer has, declared like parameters, and an expression of
+them for each parameter that follows from them. The expressions are SymPy, so that `show` prints them and a test can
+check that a change of units leaves them alone. They are evaluated in exact arithmetic on the numbers as written, and
+rounded once.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+
+from sympy import Expr, Rational, Symbol, sympify
+
+from whirlmap.equations.model import Output
+from whirlmap.equations.quantities import Parameter
+
+Switches = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Groups:
+    """Dimensional inputs of a family of models, and what follows from them.
+
+    Attributes
+    ----------
+    inputs : tuple of Parameter
+        Dimensional inputs with unit, meaning and limits. One with ``order=True`` is a count, a whole number.
+    declare : callable
+        ``declare(switches) -> {parameter: expression}`` of inputs, and of other parameters of the mapping.
+    quantities : callable
+        ``quantities(switches) -> {name: Output}``: dimensional results worth showing (natural frequency, speeds),
+        in inputs and parameters.
+    """
+
+    inputs: tuple[Parameter, ...]
+    declare: Callable[[Switches], Mapping[Parameter, Expr]]
+    quantities: Callable[[Switches], Mapping[str, Output]] = lambda _: {}
+
+    def input(self, name: str) -> Parameter | None:
+        """Return the input of that name, or None."""
+        return next((q for q in self.inputs if q.name == name), None)
+
+    def expressions(self, switches: Switches) -> dict[str, Expr]:
+        """Expression of each parameter that follows from the inputs, by name."""
+        return {p.name: sympify(e) for p, e in self.declare(switches).items()}
+
+    def fed_by(self, name: str, switches: Switches, explicit: frozenset[str] = frozenset()) -> frozenset[str]:
+        """Names of the parameters that change with an input, also by way of others; ``explicit`` ones are fixed."""
+        expressions = self.expressions(switches)
+        fed: set[str] = set()
+        while True:
+            more = {
+                group
+                for group, expression in expressions.items()
+                if group not in explicit | fed and {q.name for q in expression.free_symbols} & (fed | {name})
+            }
+            if not more:
+                return frozenset(fed)
+            fed |= more
+
+    def missing(self, name: str, switches: Switches, known: frozenset[str]) -> list[str]:
+        """Names that the expression of a parameter reads and that are neither known nor follow from what is."""
+        expression = self.expressions(switches)[name]
+        lacking: list[str] = []
+        for symbol in sorted(expression.free_symbols, key=str):
+            if symbol.name in known:
+                continue
+            follows = symbol.name in self.expressions(switches)
+            lacking += self.missing(symbol.name, switches, known) if follows else [symbol.name]
+        return lacking
+
+    def evaluate(
+        self, name: str, switches: Switches, values: Mapping[str, Fraction | float]
+    ) -> tuple[Fraction | float, str]:
+        """Evaluate the expression of a parameter.
+
+        Parameters
+        ----------
+        name : str
+            Name of the parameter.
+        values : mapping of str to Fraction or float
+            Inputs in their declared units, and parameters that are given explicitly, which win over their group.
+
+        Returns
+        -------
+        value : Fraction or float
+            A Fraction where the result is rational.
+        expression : str
+            What was evaluated.
+        """
+        expressions = self.expressions(switches)
+        exact = expressions[name]
+        while missing := [q for q in exact.free_symbols if q.name not in values]:
+            exact = exact.xreplace({q: expressions[q.name] for q in missing})
+        return value_of(exact, values), str(expressions[name])
+
+
+def value_of(expression: Expr, values: Mapping[str, Fraction | float]) -> Fraction | float:
+    """Evaluate an expression: exactly where all is rational, else to 30 digits and rounded to a float."""
+    numbers: dict[Symbol, Expr] = {}
+    for symbol in expression.free_symbols:
+        value = Fraction(values[symbol.name])
+        numbers[symbol] = Rational(value.numerator, value.denominator)
+    result = expression.xreplace(numbers)
+    if isinstance(result, Rational):
+        return Fraction(int(result.p), int(result.q))
+    return float(result.evalf(30))

@@ -1,0 +1,19 @@
+"""Regime labels, as they stand in Datasets."""
+
+from enum import IntEnum
+
+
+class Regime(IntEnum):
+    """What the motion of one operating point is."""
+
+    undecided = 0
+    periodic = 1
+    quasi_periodic = 2
+    chaotic = 3
+    contact = 4
+    diverged = 5
+
+    @property
+    def label(self) -> str:
+        """Name as it is printed: ``quasi-periodic``."""
+        return self.name.replace("_", "-")

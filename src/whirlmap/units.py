@@ -1,0 +1,184 @@
+"""Numbers with units, read once at the door; inside, everything is an SI float.
+
+Numbers are read as exact fractions of what was written (`50` and `1e-6`, not the floats nearest to them), units are
+scaled exactly, and only the result is rounded, once: ``"50 um"`` is the float ``5e-05``, not ``4.9999999999999996e-05``.
+
+pint is imported where a unit has to be understood, which a case without dimensions never needs.
+"""
+
+import re
+from collections.abc import Iterable
+from decimal import Decimal, InvalidOperation
+from fractions import Fraction
+from functools import lru_cache
+from math import isfinite
+from numbers import Integral, Real
+from typing import Any
+
+from whirlmap.errors import CaseError, nearest
+
+#: Units that engineers write; what a misspelt unit is compared with.
+COMMON = (
+    "1", "%", "kg", "g", "lb", "N", "kN", "lbf", "m", "mm", "um", "cm", "in", "mil", "s", "ms", "min", "rpm", "rad/s",
+    "turn/s", "rad", "deg", "Pa", "kPa", "MPa", "Pa*s", "mPa*s", "cP", "N/m", "kN/m", "N/um", "lbf/in", "N*s/m",
+    "kN*s/m", "N/m^3", "N*m", "m^2", "mm^2", "um^2", "m/s^2", "darcy",
+)  # fmt: skip
+
+_NUMBER = r"[+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
+_QUANTITY = re.compile(rf"\s*(?P<number>{_NUMBER}(?:\s*/\s*\d+(?![\d.eE]))?)\s*(?P<unit>\S.*?)?\s*", re.DOTALL)
+_NOT_FINITE = re.compile(r"\s*[+-]?(nan|inf|infinity)\b", re.IGNORECASE)
+# Numbers in a unit are exponents or the 1 of "1/s"; nothing that could be evaluated into a huge power.
+_UNIT = re.compile(r"[^\W\d_%]|[\w\s.*/^()%°·⋅+-]", re.UNICODE)
+_TOWER = re.compile(r"(\^|\*\*)\s*\(?\s*[-+]?\d{3,}|(\^|\*\*)[^*/ ]*(\^|\*\*)|\d{3,}")
+_LARGEST = 308
+
+
+def split(text: str) -> tuple[Fraction, str]:
+    """Split ``"0.02 Pa*s"`` into the exact number and the text of the unit, which is empty where there is none.
+
+    Ratios of integers, ``"1/4"``, are numbers too.
+
+    Raises
+    ------
+    CaseError
+        Where the text does not begin with a finite number, or the number has no place in a float.
+    """
+    if _NOT_FINITE.match(text):
+        raise CaseError(f"found {text!r}, expected a finite number")
+    found = _QUANTITY.fullmatch(text)
+    if not found:
+        raise CaseError(f"found {text!r}, expected a number, with a unit where one is needed, such as '50 um'")
+    number, _, divisor = found["number"].partition("/")
+    exact = _exact(number.strip())
+    if divisor:
+        if not int(divisor):
+            raise CaseError(f"found {text!r}, expected a ratio whose divisor is not zero")
+        exact /= int(divisor)
+    return exact, found["unit"] or ""
+
+
+def _exact(number: str) -> Fraction:
+    decimal = Decimal(number)
+    if decimal and not -_LARGEST <= decimal.adjusted() <= _LARGEST:  # before a power of ten fills the memory
+        raise CaseError(f"found {number}, expected a number between 1e-{_LARGEST} and 1e{_LARGEST} in size")
+    return Fraction(decimal)
+
+
+def exact(value: Any) -> Fraction:
+    """Read a number exactly as it was written; a float counts as the shortest decimal that rounds to it.
+
+    Raises
+    ------
+    CaseError
+        Where the value is not a finite number.
+    """
+    if isinstance(value, Fraction):
+        return value
+    if isinstance(value, bool) or not isinstance(value, Real | Decimal):
+        raise CaseError(f"found {value!r}, expected a number")
+    if isinstance(value, Integral):
+        value = int(value)
+    elif not isinstance(value, Decimal):
+        value = float(value)
+    if not isinstance(value, int) and not isfinite(value):
+        raise CaseError(f"found {value}, expected a finite number")
+    try:
+        return _exact(str(value))
+    except (InvalidOperation, ValueError):
+        raise CaseError(f"found {value!r}, expected a number") from None
+
+
+def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
+    """Read a value and express it in the declared unit, exactly.
+
+    Parameters
+    ----------
+    value : number or str
+        ``0.02``, or ``"0.02 Pa*s"``.
+    unit : str
+        Declared unit of the quantity; ``"1"`` where it has no dimension.
+    given : str, optional
+        Unit of a value that stands beside its unit, as in a case file.
+
+    Raises
+    ------
+    CaseError
+        Not a finite number, no unit where one is needed, two units, an unknown unit, or one of another dimension.
+    """
+    if isinstance(value, str):
+        number, written = split(value)
+        if written and given is not None:
+            raise CaseError(f"found the unit twice, in {value!r} and as {given!r}; expected it once")
+        given = written or given
+    else:
+        number = exact(value)
+    if not given:
+        if unit in ("1", "rad"):
+            return number
+        raise CaseError(f"found {_shown(value)} without a unit, expected a unit such as {unit}")
+    return number * factor(given, unit)
+
+
+def _shown(value: Any) -> str:
+    return repr(value) if isinstance(value, str) else str(value)
+
+
+@lru_cache(maxsize=512)
+def factor(unit: str, to: str) -> Fraction:
+    """How many ``to`` one ``unit`` is, exactly (pi to 50 digits).
+
+    Angles count as a dimension: a speed in ``1/s`` or ``Hz`` does not say whether turns or radians are meant, and
+    is refused.
+
+    Raises
+    ------
+    CaseError
+        Where the unit is unknown, has an offset (degC), or is of another dimension.
+    """
+    if unit == to:
+        return Fraction(1)
+    scale, dimensions = _root(unit, to)
+    scale_to, dimensions_to = _root(to, to)
+    if dimensions != dimensions_to:
+        hint = ""
+        if {**dimensions, "radian": 1} == dimensions_to:
+            hint = "; write rpm, turn/s or rad/s, so that it is clear whether turns or radians are meant"
+        expected = "no unit" if to == "1" else f"a unit such as {to}"
+        raise CaseError(f"found the unit {unit!r}, expected {expected}{hint}")
+    return scale / scale_to
+
+
+def _root(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]:
+    if len(unit) > 60 or not all(map(_UNIT.match, unit)) or _TOWER.search(unit):
+        raise CaseError(f"found {unit[:60]!r}, which is not a unit, expected one such as {expected}")
+    registry = _registry()
+    try:
+        parsed = registry.parse_units(unit.strip().replace("⋅", "*").replace("·", "*"))
+        scale, root = registry.get_root_units(parsed)
+    except Exception as error:
+        # pint raises its own errors, and for broken text also those of Python's tokenizer: all mean the same here.
+        raise CaseError(
+            f"found the unknown unit {unit!r}, expected one such as {expected}.{nearest(unit, COMMON)}"
+        ) from error
+    if any(not registry._units[name].is_multiplicative for name in parsed._units):
+        raise CaseError(f"found the unit {unit!r}, which has an offset, expected one such as {expected}")
+    return Fraction(scale), {name: Fraction(power) for name, power in root._units.items()}
+
+
+@lru_cache(maxsize=1)
+def _registry() -> Any:
+    from pint import UnitRegistry  # 0.5 s, paid by the first unit that is not already the declared one
+
+    return UnitRegistry(non_int_type=Fraction, cache_folder=None)
+
+
+def convert(value: float, unit: str, to: str) -> float:
+    """Convert a float from one unit to another, for showing: ``convert(157.08, "rad/s", "rpm")``."""
+    return float(value * float(factor(unit, to)))
+
+
+def known(units: Iterable[str]) -> None:
+    """Refuse units that pint does not know: for tests of declarations."""
+    for unit in units:
+        if unit != "1":
+            _root(unit, "kg")
