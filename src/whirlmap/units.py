@@ -7,7 +7,6 @@ pint is imported where a unit has to be understood, which a case without dimensi
 """
 
 import re
-from collections.abc import Iterable
 from decimal import Decimal, InvalidOperation
 from fractions import Fraction
 from functools import lru_cache
@@ -175,10 +174,3 @@ def _registry() -> Any:
 def convert(value: float, unit: str, to: str) -> float:
     """Convert a float from one unit to another, for showing: ``convert(157.08, "rad/s", "rpm")``."""
     return float(value * float(factor(unit, to)))
-
-
-def known(units: Iterable[str]) -> None:
-    """Refuse units that pint does not know: for tests of declarations."""
-    for unit in units:
-        if unit != "1":
-            _root(unit, "kg")

@@ -1,10 +1,11 @@
-"""The whole machine in kilograms, metres and seconds, written from mechanics: it imports nothing of whirlmap.
+"""The whole machine in kilograms, metres and seconds, written from mechanics; imports nothing of whirlmap.
 
-Two shafts, each carrying one gear on two identical bearings whose housings move alike. Journals are massless. The film is
-a short bearing with a porous ring: its pressure is integrated over the bearing's surface by brute force, and the
-velocity of a journal is whatever makes film force and shaft force cancel.
+Two shafts, each carrying one gear on two identical bearings whose housings move alike. Journals are
+massless. The film is a short bearing with a porous ring: its pressure is integrated over the bearing by
+brute force, and the velocity of a journal is whatever makes film force and shaft force cancel.
 
-`literal_rates` is the other thing here: equations (30)-(41) of the paper typed from the print, in its polar coordinates.
+`literal_rates` is the other thing here: equations (30)-(41) of the paper typed from the print, in its polar
+coordinates.
 """
 
 from dataclasses import dataclass, replace
@@ -13,7 +14,7 @@ from math import cos, hypot, pi, sin, sqrt
 import numpy as np
 from scipy.optimize import brentq, root
 
-GRAVITY = 9.80665  # m/s^2; cancels between here and the groups, f being built from the same number
+GRAVITY = 9.81  # m/s^2, as in the audit's f = 0.4905
 
 
 @dataclass(frozen=True)
@@ -66,7 +67,9 @@ class Machine:
         """Pinion on its rigidly held shaft, rad/s."""
         return sqrt(self.K_p / self.m_p)
 
-    def groups(self, s: float, *, r_p: float, r_g: float, r_m: float, j_p: float, j_g: float) -> dict[str, float]:
+    def groups(
+        self, s: float, *, r_p: float, r_g: float, r_m: float, j_p: float, j_g: float
+    ) -> dict[str, float]:
         """Dimensionless groups of audit section 3.1 at the speed ratio s."""
         w0 = self.omega_0
         nu_1, nu_2 = self.m_1 / self.m_p, self.m_2 / self.m_p
@@ -105,7 +108,7 @@ _Z, _V = np.polynomial.legendre.leggauss(3)  # pressure is a parabola in z
 
 
 def _graded(start: float, stop: float, centre: float, width: float) -> tuple[np.ndarray, np.ndarray]:
-    """Gauss points and weights of [start, stop], in panels that narrow towards the thinnest film at ``centre``."""
+    """Gauss points and weights of [start, stop], in panels that narrow towards ``centre``."""
     cuts = [centre + sign * width * 2.0**k for k in range(-2, 14) for sign in (-1, 1)]
     cuts += [centre + 2 * pi * n + d for n in (-1, 1) for d in (-4 * width, -width, 0, width, 4 * width)]
     edges = np.array([start, *sorted(x for x in {centre, *cuts} if start < x < stop), stop])
@@ -114,11 +117,20 @@ def _graded(start: float, stop: float, centre: float, width: float) -> tuple[np.
 
 
 def film_force(
-    e: np.ndarray, e_dot: np.ndarray, spin: float, *, R: float, L: float, c: float, mu: float, seepage: float, arc: str
+    e: np.ndarray,
+    e_dot: np.ndarray,
+    spin: float,
+    *,
+    R: float,
+    L: float,
+    c: float,
+    mu: float,
+    seepage: float,
+    arc: str,
 ) -> np.ndarray:
-    """Force of the film on the journal, N: minus the integral of pressure times outward normal, over (gamma, z).
+    """Force of the film on the journal, N: minus the integral of pressure times normal over (gamma, z).
 
-    (h^3 + 12 Phi H) p_zz = 12 mu (spin/2 h_gamma + h_t) with p = 0 at both ends; gamma counts from +X in the bearing.
+    (h^3 + 12 Phi H) p_zz = 12 mu (spin/2 h_gamma + h_t) with p = 0 at both ends; gamma counts from +X.
     """
     size, towards = hypot(*e), np.arctan2(e[1], e[0])  # thinnest film where the journal is
 
@@ -130,7 +142,7 @@ def film_force(
     if arc == "fixed":  # the half that converges when the journal only spins: upstream of the thinnest film
         start, stop = (towards - pi, towards) if spin > 0 else (towards, towards + pi)
     else:  # wherever pressure is positive: where the source is negative
-        coarse = np.linspace(towards - pi, towards + pi, 721)
+        coarse = np.linspace(towards - 3.0, towards - 3.0 + 2 * pi, 721)  # no zero of a pure spin on the grid
         value = source(coarse)
         rising = np.flatnonzero((value[:-1] < 0) & (value[1:] >= 0))
         falling = np.flatnonzero((value[:-1] >= 0) & (value[1:] < 0))
@@ -145,13 +157,15 @@ def film_force(
     gamma, weight = _graded(start, stop, towards, sqrt(2 * thin) + 1e-3)
     h = c - e @ np.array([np.cos(gamma), np.sin(gamma)])
     z, v = L / 2 * _Z, L / 2 * _V
-    p = -(source(gamma) / (h**3 + 12 * seepage))[:, None] / 2 * (L**2 / 4 - z**2)  # N/m^2 on the grid (gamma, z)
+    p = -(source(gamma) / (h**3 + 12 * seepage))[:, None] / 2 * (L**2 / 4 - z**2)  # N/m^2
     line = (p * v).sum(axis=1) * weight * R
     return -np.array([np.cos(gamma) @ line, np.sin(gamma) @ line])
 
 
-def journal_velocity(e: np.ndarray, load: np.ndarray, spin: float, *, speed: float, **film: float) -> np.ndarray:
-    """Velocity at which film force and load cancel, m/s; ``speed`` (m/s) is the unit in which it is sought."""
+def journal_velocity(
+    e: np.ndarray, load: np.ndarray, spin: float, *, speed: float, **film: float
+) -> np.ndarray:
+    """Velocity at which film force and load cancel, m/s; ``speed`` (m/s) is the unit of the search."""
     size = hypot(*load)
     if size == 0.0:
         return spin / 2 * np.array([-e[1], e[0]])
@@ -169,7 +183,8 @@ def journal_velocity(e: np.ndarray, load: np.ndarray, spin: float, *, speed: flo
             v = v - np.linalg.solve(slopes(v, 1.0), unbalance(v))
     else:
         tries = [v + 0.3 * load / size * k for k in (1, 0.1, 3)]
-        v = next(r.x for r in (root(unbalance, x, method="hybr", tol=1e-13) for x in tries) if hypot(*r.fun) < 1e-6)
+        found = (root(unbalance, x, method="hybr", tol=1e-13) for x in tries)
+        v = next(r.x for r in found if hypot(*r.fun) < 1e-6)
         for _ in range(4):  # polish: differences much shorter than |w|
             scale = hypot(*(v - spin / (2 * speed) * np.array([-e[1], e[0]])))
             v = v - np.linalg.solve(slopes(v, 1e-4 * scale), unbalance(v))
@@ -206,7 +221,8 @@ def rates(machine: Machine, s: float, tau: float, x: np.ndarray, *, r_p: float, 
     a_1 = (-q.c_1 * vH1 - q.k_11 * H1 - q.k_12 * H1**3 + shaft_p / 2) / q.m_1 + down
     a_2 = (-q.c_2 * vH2 - q.k_21 * H2 - q.k_22 * H2**3 + shaft_g / 2) / q.m_2 + down
     unit = q.c * clock
-    return np.concatenate([v1 / unit, v2 / unit, x[12:20], *(a / (unit * clock) for a in (a_p, a_g, a_1, a_2))])
+    accelerations = [a / (unit * clock) for a in (a_p, a_g, a_1, a_2)]
+    return np.concatenate([v1 / unit, v2 / unit, x[12:20], *accelerations])
 
 
 # --- the print ---------------------------------------------------------------------------------------------
@@ -220,12 +236,14 @@ def printed_integrals(eps: float, psi: float, *, cubed: bool) -> tuple[float, fl
     return float(W @ (S * C)), float(W @ (C * C)), float(W @ (S * S))
 
 
-def literal_rates(machine: Machine, s: float, phi: float, x: np.ndarray, *, xi_5: float, cubed: bool) -> np.ndarray:
+def literal_rates(
+    machine: Machine, s: float, phi: float, x: np.ndarray, *, xi_5: float, cubed: bool
+) -> np.ndarray:
     """Equations (30)-(41) as printed, from the paper's page, ' = d/d(phi); Cartesian states in and out.
 
-    Mended: y_2 -> y_p in (30), C_om -> C_1p in (39), beta, gamma, delta of bearing 2 at eps_2 in (32), (33). As printed:
-    alpha_1 and K_p in all four, 1/s^2 without mass or stiffness ratios in (36), (37), (40), (41). With ``cubed`` the film
-    integrals and alpha_1 get their h^3 back.
+    Mended: y_2 -> y_p in (30), C_om -> C_1p in (39), beta, gamma, delta of bearing 2 at eps_2 in (32), (33).
+    As printed: alpha_1 and K_p in all four, 1/s^2 without mass or stiffness ratios in (36), (37), (40), (41).
+    With ``cubed`` the film integrals and alpha_1 get their h^3 back.
     """
     q = machine
     w0 = q.omega_0
@@ -275,9 +293,11 @@ def literal_rates(machine: Machine, s: float, phi: float, x: np.ndarray, *, xi_5
             - Lam / s**2 * (xp - xg - E * cos(phi)))  # fmt: skip
     ddyp = (-2 * xi_2 / s * dyp - Y1 / s**2 + beta * sin(phi / 4) - f / s**2
             - 2 * xi_3 / s * (dyp - dyg - E * cos(phi)) - Lam / s**2 * (yp - yg - E * sin(phi)))  # fmt: skip
-    ddxg = (-2 * xi_4 / s * dxg - X2 / s**2 + beta_g * cos(phi / 8) + 2 * xi_5 / s * (dxp - dxg - E * sin(phi))
+    ddxg = (-2 * xi_4 / s * dxg - X2 / s**2 + beta_g * cos(phi / 8)
+            + 2 * xi_5 / s * (dxp - dxg - E * sin(phi))
             - Lam / s**2 * (xp - xg - E * cos(phi)))  # fmt: skip
-    ddyg = (-2 * xi_4 / s * dyg - Y2 / s**2 + beta_g * sin(phi / 8) + 2 * xi_5 / s * (dyp - dyg - E * cos(phi))
+    ddyg = (-2 * xi_4 / s * dyg - Y2 / s**2 + beta_g * sin(phi / 8)
+            + 2 * xi_5 / s * (dyp - dyg - E * cos(phi))
             + Lam / s**2 * (yp - yg - E * sin(phi)) - f / s**2)  # fmt: skip
     ddx1 = -(2 * xi_1 / s_1 * dx1 + x1 / s_1**2 + cubic_1 / s**2 * x1**3 - X1 / (2 * C1p * s**2))
     ddy1 = -(2 * xi_1 / s_1 * dy1 + y1 / s_1**2 + cubic_1 / s**2 * y1**3 - Y1 / (2 * C1p * s**2) + f / s**2)

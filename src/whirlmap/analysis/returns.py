@@ -7,6 +7,9 @@
 4. From all points, record the section once per T for the diagram, with extremes over every step. In periodic points it
    then gives the smallest number of T.
 
+An unforced model is cut at its declared section instead, and the return is counted in crossings; its windows are as many
+typical times as would be common periods.
+
 The tolerance is relative to each state's range over the last recorded stretch (`periodicity.return_multiple`).
 """
 
@@ -16,6 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.crossing import crossings
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
@@ -71,7 +75,7 @@ class Returns:
     regime : array of int
         `Regime`: periodic, contact, diverged or undecided.
     period, multiple : array of int
-        Smallest return in T, and in common periods; 0 where there is none.
+        Smallest return in T, and in common periods; of an unforced model both in crossings. 0 where there is none.
     distance : array
         The return distance that decided.
     extremes : dict of arrays, shape (row, point)
@@ -104,30 +108,46 @@ def settle_and_record(
     left = np.flatnonzero(ensemble.running)
     while left.size:
         part = ensemble.subset(left)
-        segment = part.advance(window * common, save_every=common * steps, extremes=True, progress=progress)
+        points, size = _window(part, window, progress)
         ensemble.absorb(part, left)
-        assert segment.extremes is not None
-        size = (segment.extremes["maximum"] - segment.extremes["minimum"])[: ensemble.model.dimension]
-        alive = part.running
-        if alive.any():
+        alive = np.flatnonzero(part.running)
+        most = min(window, points.shape[0]) // 2
+        if alive.size and most:
             found = return_multiple(
-                segment.saved[:, :, alive], scale=_positive(size[:, alive]), tolerance=settling.tolerance,
-                most=window // 2, cyclic=cyclic,
+                points[:, :, alive], scale=_positive(size[:, alive]), tolerance=settling.tolerance, most=most, cyclic=cyclic
             )  # fmt: skip
             multiple[left[alive]] = found["multiple"].values
             distance[left[alive]] = found["distance"].values
             scale[:, left] = size
-        left = left[alive & (multiple[left] == 0)]
+        left = left[part.running & (multiple[left] == 0)]
         if window >= 2 * settling.most:
             break
         window = min(2 * window, 2 * settling.most)
     kept = common * max(-(-settling.keep // common), 2)
     segment = ensemble.advance(kept, save_every=steps, extremes=True, progress=progress)
     assert segment.extremes is not None
-    period = _periods_in_T(segment.saved, multiple, scale, common, settling, cyclic)
+    forced = ensemble.model.forced
+    period = _periods_in_T(segment.saved, multiple, scale, common, settling, cyclic) if forced else multiple.copy()
     multiple = np.where(ensemble.running, multiple, 0)
     period = np.where(ensemble.running, period, 0)
     return Returns(segment.saved, _labels(ensemble, multiple), period, multiple, distance, segment.extremes)
+
+
+def _window(ensemble: Ensemble, window: int, progress: Callable[[int], None] | None) -> tuple[Array, Array]:
+    """Section points of the next window, (period, state, point), and the range of every state over it."""
+    common, n = ensemble.common_multiple, ensemble.model.dimension
+    forced = ensemble.model.forced
+    begin = ensemble.x.copy()
+    every = common * ensemble.steps if forced else 1
+    segment = ensemble.advance(window * common, save_every=every, extremes=True, progress=progress)
+    assert segment.extremes is not None
+    size = (segment.extremes["maximum"] - segment.extremes["minimum"])[:n]
+    if forced:
+        return segment.saved, size
+    x = np.concatenate([begin[None], segment.saved])
+    points, times = crossings(ensemble.model, ensemble.values, x, ensemble.period / ensemble.steps)
+    shared = int(np.isfinite(times).sum(axis=0)[ensemble.running].min(initial=points.shape[0]))
+    return points[:shared], size
 
 
 def _positive(size: Array) -> Array:

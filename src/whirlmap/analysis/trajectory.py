@@ -8,12 +8,12 @@ import xarray as xr
 from numpy.typing import NDArray
 from sympy import lambdify
 
+from whirlmap.analysis.crossing import crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.reference import reference_rates
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
 
@@ -54,7 +54,7 @@ def simulate(
     Returns
     -------
     xr.Dataset
-        ``x(time, state)`` and ``output(time, output)``, with the start of the record first; ``time`` in the model's
+        ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
     """
     ensemble, found = _one(system, steps, method, workers)
@@ -72,7 +72,7 @@ def simulate(
     ds = xr.Dataset(
         {
             "x": variable(("time", "state"), x, "1", "state", unit_of_each=_units(model)),
-            "output": variable(("time", "output"), values.T, "1", "output"),
+            "outputs": variable(("time", "output"), values.T, "1", "output"),
             "status": status_variable((), ensemble.status[0]),
             "end_time": variable((), ensemble.end_time[0], "time", "time at which the run ended early"),
             "start_found": variable((), int(found[0]), "1", "whether the default start exists"),
@@ -134,7 +134,7 @@ def section(
         points = ensemble.advance(periods * every, save_every=every * ensemble.steps, progress=progress).saved
         points = np.moveaxis(points, 2, 0)
     else:
-        points, times = _crossings(system, ensemble, periods, progress)
+        points, times = _crossings(ensemble, periods, progress)
         data["crossing_time"] = variable(("run", "period"), times, "time", "time of the crossing")
     data |= {
         "section": variable(("run", "period", "state"), points, "1", "section point", unit_of_each=_units(system.model)),
@@ -160,43 +160,14 @@ def _one(
 
 
 def _crossings(
-    system: System, ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
+    ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
 ) -> tuple[Array, Array]:
-    """Crossings of the model's surface in the next ``periods`` typical times: (run, crossing, state) and times."""
-    place = system.model.section
-    if place is None:
-        raise RangeError(f"{system.model.name} is not forced and declares no section: add section=Section(...)")
-    surface = lambdify([list(system.model.states), list(system.model.parameters)], place.surface, modules="numpy")
-    begin, h = ensemble.x.copy(), float(ensemble.period[0]) / ensemble.steps
-    start = ensemble.step_count[0] * h
+    """Crossings in the next ``periods`` typical times: (run, crossing, state), and their times from the start."""
+    begin, h = ensemble.x.copy(), ensemble.period / ensemble.steps
+    start = ensemble.step_count * h
     x = np.concatenate([begin[None], ensemble.advance(periods, save_every=1, progress=progress).saved])
-    value = surface(list(np.moveaxis(x, 1, 0)), list(system.vector))
-    sign = 1.0 if place.direction == "rising" else -1.0
-    step, run = np.nonzero((sign * value[:-1] <= 0) & (sign * value[1:] > 0))
-    a, b = x[step, :, run].T, x[step + 1, :, run].T
-    rates = reference_rates(system.model)
-    fa, fb = rates(0.0, a, system.vector[:, None]), rates(0.0, b, system.vector[:, None])
-
-    def hermite(u: Array) -> Array:
-        return (
-            (1 + 2 * u) * (1 - u) ** 2 * a + u * (1 - u) ** 2 * h * fa
-            + u**2 * (3 - 2 * u) * b + u**2 * (u - 1) * h * fb
-        )  # fmt: skip
-
-    low, high = np.zeros(step.size), np.ones(step.size)
-    for _ in range(60):
-        middle = (low + high) / 2
-        below = sign * surface(list(hermite(middle)), list(system.vector)) <= 0
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
-    located = hermite(low)
-    count = np.bincount(run, minlength=x.shape[2])
-    points = np.full((x.shape[2], max(int(count.max(initial=0)), 1), x.shape[1]), np.nan)
-    times = np.full(points.shape[:2], np.nan)
-    order = np.lexsort((step, run))
-    index = np.concatenate([np.arange(c) for c in count]) if count.sum() else np.zeros(0, dtype=int)
-    points[run[order], index] = located[:, order].T
-    times[run[order], index] = start + (step + low)[order] * h
-    return points, times
+    points, times = crossings(ensemble.model, ensemble.values, x, h)
+    return np.moveaxis(points, 2, 0), (start + times).T
 
 
 def _units(model: Model) -> str:

@@ -2,13 +2,16 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from sympy import Expr, Symbol, sympify
 
 from whirlmap.equations.pieces import Table, tabulated
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError
+
+if TYPE_CHECKING:
+    from whirlmap.equations.groups import Groups
 
 
 @dataclass(frozen=True)
@@ -204,6 +207,8 @@ class Family:
         Choices for each switch, the default first; a callable default depends on the switches before it.
     meanings : mapping of str to str
         What each switch chooses.
+    groups : Groups, optional
+        Dimensional inputs, and the parameters that follow from them.
     """
 
     name: str
@@ -211,6 +216,7 @@ class Family:
     switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     meanings: Mapping[str, str] = field(default_factory=dict)
     default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda chosen: {}
+    groups: "Groups | None" = None
     _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
 
     def model(self, **chosen: str) -> Model:

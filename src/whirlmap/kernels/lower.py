@@ -284,8 +284,13 @@ def straight(model: Model, expressions: Iterable[Expr], hoisted: Hoisted) -> Str
     return Straight(tuple(steps), tuple(results))
 
 
+def local_name(state: State) -> str:
+    """Name of a state's local variable; the underscore keeps it apart from every name that the kernels use."""
+    return f"{state.name}_"
+
+
 def _plain_symbols(e: Expr) -> Expr:
-    return e.xreplace({s: Symbol(s.name, real=True) for s in e.atoms(State)})
+    return e.xreplace({s: Symbol(local_name(s), real=True) for s in e.atoms(State)})
 
 
 def _fresh() -> Iterable[Symbol]:

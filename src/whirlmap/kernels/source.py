@@ -14,7 +14,7 @@ from sympy import Expr, Integer, sympify
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.variational import jacobian
-from whirlmap.kernels.lower import Hoisted, Read, Straight, code, straight
+from whirlmap.kernels.lower import Hoisted, Read, Straight, code, local_name, straight
 from whirlmap.kernels.methods import Method
 
 #: Lanes of one kernel call: the batch that LLVM vectorises. 32 measured fastest of 8, 16, 32 and 64 for 20 states.
@@ -118,7 +118,11 @@ class _Writer:
 
     def loads(self, names: set[str]) -> list[str]:
         """Statements that read the named inputs of one lane."""
-        out = [f"{s.name} = y[{i * LANES} + l]" for i, s in enumerate(self.model.states) if s.name in names]
+        out = [
+            f"{local_name(s)} = y[{i * LANES} + l]"
+            for i, s in enumerate(self.model.states)
+            if local_name(s) in names
+        ]
         out += [f"{q.name} = p[{i * LANES} + l]" for i, q in enumerate(self.hoisted.symbols) if q.name in names]
         if self.kind == "free":
             out += self.waves(names, " + l")

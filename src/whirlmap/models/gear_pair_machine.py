@@ -5,6 +5,7 @@ bearings; each shaft has two identical bearings in two identical housings), time
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 from sympy import Expr, Rational, pi, sqrt
 
@@ -110,4 +111,7 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:  # noqa: ARG00
     }
 
 
-GEAR_PAIR_GROUPS = Groups(inputs=INPUTS, declare=groups, quantities=quantities)
+#: The gear pair with its dimensional inputs: what case files call ``gear_pair``.
+GEAR_PAIR_MACHINE = replace(
+    pair.GEAR_PAIR, groups=Groups(inputs=INPUTS, declare=groups, quantities=quantities)
+)

@@ -1,0 +1,210 @@
+"""Case files: finding, reading and merging them.
+
+A case is a TOML file::
+
+    model = "gear_pair"                      # a stock model, or "my_rotor.py:MY_ROTOR" beside this file
+    extends = "gear-psfd/machine"            # optional: a stock case, or a path relative to this file
+    description = "what it is"
+    edition = "intended"                     # switches of the model
+    m_p = { value = 10, unit = "kg", assumed = "why" }
+    psi = { value = 1e-3, source = "key of references.bib, place" }
+    k   = { value = 20, assumed = "why", only = { rotor = "flexible" } }
+    start = { x = 0.1 }                      # optional start state
+
+What a file says replaces what the file that it extends says.
+"""
+
+import hashlib
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from decimal import Decimal
+from pathlib import Path
+from typing import Any
+
+from whirlmap.cases import entries, origin
+from whirlmap.cases.entries import Given, place
+from whirlmap.equations.model import Family
+from whirlmap.errors import CaseError, nearest
+from whirlmap.units import read as read_number
+
+STOCK = Path(__file__).parent
+
+Layer = Mapping[str, Given]
+
+
+@dataclass(frozen=True)
+class Case:
+    """A case as written, before units are converted.
+
+    Attributes
+    ----------
+    name : str
+        Name of a stock case, or the path as it was asked for.
+    path : Path or None
+        The file; None for a case made in memory.
+    family : Family
+        The models that the case's switches choose from.
+    description : str
+        For people.
+    switches : mapping of str to str
+        Switches that the case sets; the others keep the family's defaults.
+    layers : tuple of mapping of str to Given
+        What each file says, the file that is extended first.
+    start : mapping of str to float
+        Start values that the case sets.
+    digest : str
+        SHA-256 of the text of the files, which says more than converted floats could.
+    """
+
+    name: str
+    path: Path | None
+    family: Family
+    description: str = ""
+    switches: Mapping[str, str] = None  # type: ignore[assignment]
+    layers: tuple[Layer, ...] = ()
+    start: Mapping[str, float] = None  # type: ignore[assignment]
+    digest: str = ""
+
+    def __post_init__(self) -> None:
+        """Fill the empty mappings."""
+        for name in ("switches", "start"):
+            if getattr(self, name) is None:
+                object.__setattr__(self, name, {})
+
+    @property
+    def given(self) -> dict[str, Given]:
+        """Every number that the case gives, by name."""
+        return {name: given for layer in self.layers for name, given in layer.items()}
+
+
+def names() -> list[str]:
+    """Names of the stock cases."""
+    return sorted(path.relative_to(STOCK).with_suffix("").as_posix() for path in STOCK.rglob("*.toml"))
+
+
+def read(name: str | Path) -> Case:
+    """Read a case by its name, or by the path of a TOML file.
+
+    Raises
+    ------
+    CaseError
+        No such case; a file that cannot be read, is not TOML, extends itself, or holds an unknown or incomplete
+        entry. The message names the file, the line where it can be found, the key, what was found and expected.
+    """
+    path, known = _locate(name, Path())
+    return _read(path, known, ())
+
+
+def _locate(name: str | Path, folder: Path, where: str = "") -> tuple[Path, str]:
+    text = str(name)
+    if text in names():
+        return STOCK / f"{text}.toml", text
+    path = folder / Path(text).expanduser()
+    if path.suffix == ".toml":
+        if not path.is_file():
+            reason = "is not a file" if path.exists() else "does not exist"
+            raise CaseError(f"{where}case file {path} {reason}")
+        return path, text
+    raise CaseError(
+        f"{where}there is no case {text!r}.{nearest(text, names())}\n  cases: {', '.join(names())};"
+        " or the path of a file that ends in .toml"
+    )
+
+
+def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
+    if path.resolve() in above:
+        raise CaseError(f"{path}: extends itself, by way of {' -> '.join(str(p) for p in above)}")
+    raw, table = _parse(path)
+    file = str(path)
+    head = entries.header(file, raw, table)
+    base = None
+    if head.extends:
+        where = place(file, raw, "extends")
+        below, known = _locate(head.extends, path.parent, f"{where}: extends: ")
+        base = _read(below, known, (*above, path.resolve()))
+    if head.model:
+        family = origin.find(head.model, path.parent, place(file, raw, "model"))
+        if base and base.family.name != family.name:
+            raise CaseError(
+                f"{place(file, raw, 'model')}: model: found {family.name!r}, expected {base.family.name!r}, which is"
+                f" the model of {base.name} that this case extends"
+            )
+    elif base:
+        family = base.family
+    else:
+        raise CaseError(f'{file}: found no model, expected model = "..." or extends = "..."')
+    switches, layer = _body(file, raw, table, family)
+    digest = hashlib.sha256(raw.encode()).hexdigest()
+    if not base:
+        base = Case(name, path, family, digest="")
+    return Case(
+        name=name,
+        path=path,
+        family=family,
+        description=" ".join((head.description or base.description).split()),
+        switches={**base.switches, **switches},
+        layers=(*base.layers, layer),
+        start={**base.start, **start_values(head.start, place(file, raw, "start"))},
+        digest=hashlib.sha256((base.digest + digest).encode()).hexdigest() if base.digest else digest,
+    )
+
+
+def _parse(path: Path) -> tuple[str, dict[str, Any]]:
+    try:
+        text = path.read_bytes().decode("utf-8")
+        return text, tomllib.loads(text, parse_float=Decimal)
+    except OSError as error:
+        raise CaseError(f"{path}: cannot be read ({error.strerror})") from None
+    except UnicodeDecodeError:
+        raise CaseError(f"{path}: is not text in UTF-8, expected a TOML file") from None
+    except tomllib.TOMLDecodeError as error:
+        raise CaseError(f"{path}: is not valid TOML: {error}") from None
+    except (ValueError, RecursionError, ArithmeticError) as error:  # absurdly long numbers, absurdly deep nesting
+        raise CaseError(f"{path}: cannot be read as TOML: {error}") from None
+
+
+def _body(file: str, raw: str, table: Mapping[str, Any], family: Family) -> tuple[dict[str, str], dict[str, Given]]:
+    """Switches and entries of a file. Which entries the model reads depends on the switches: see `settle`."""
+    switches: dict[str, str] = {}
+    layer: dict[str, Given] = {}
+    for key, value in table.items():
+        if key in entries.RESERVED:
+            continue
+        if key in family.switches:
+            if value not in family.switches[key]:
+                raise CaseError(
+                    f"{place(file, raw, key)}: {key}: found {value!r}, expected one of"
+                    f" {' | '.join(family.switches[key])}.{nearest(str(value), family.switches[key])}"
+                )
+            switches[key] = value
+            continue
+        known = [*entries.RESERVED, *family.switches]
+        if not isinstance(value, Mapping) and nearest(key, known) and nearest(key, known) != nearest(key, ()):
+            _refuse_misspelt(f"{place(file, raw, key)}: ", key, known, value)
+        given = entries.given(file, raw, key, value)
+        for switch, choice in given.only.items():
+            if choice not in family.switches.get(switch, ()):
+                expected = " | ".join(family.switches.get(switch, ())) or ", ".join(family.switches) or "no switch"
+                raise CaseError(
+                    f"{given.where}: only: found {switch} = {choice!r}, expected {expected}."
+                    f"{nearest(choice if switch in family.switches else switch, family.switches.get(switch, family.switches))}"
+                )
+        layer[key] = given
+    return switches, layer
+
+
+def _refuse_misspelt(where: str, key: str, known: list[str], value: Any) -> None:
+    if isinstance(value, str):  # text is a switch or a heading; a number is an entry without its braces
+        raise CaseError(f"{where}found the unknown key {key!r}.{nearest(key, known)}\n  keys: {', '.join(known)}")
+
+
+def start_values(start: Mapping[str, Any], where: str = "start") -> dict[str, float]:
+    """Read start values, which are finite and have the states' own units."""
+    values: dict[str, float] = {}
+    for name, value in start.items():
+        try:
+            values[name] = float(read_number(value, "1"))
+        except CaseError as error:
+            raise CaseError(f"{where}: {name}: {error}") from None
+    return values

@@ -1,0 +1,144 @@
+"""The form of a case file: what each entry must say, checked by pydantic, reported as one sentence."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from decimal import Decimal
+from fractions import Fraction
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from whirlmap.errors import CaseError, nearest
+
+Text = Annotated[str, Field(min_length=1)]
+
+#: Keys of a case file that are not entries.
+RESERVED = ("model", "extends", "description", "start")
+
+
+@dataclass(frozen=True)
+class Given:
+    """A number as somebody wrote it.
+
+    Attributes
+    ----------
+    name : str
+        Symbol of a parameter or of a dimensional input.
+    value : number or str
+        As written; decimals of a file are not floats yet.
+    unit : str or None
+        As written; None where absent or part of ``value``.
+    note : str
+        ``"source: ..."``, ``"assumed: ..."`` or ``"set by the user"``.
+    place : str
+        File and line, empty for a change that was asked for by hand.
+    only : mapping of str to str
+        Switches for which the entry counts.
+    """
+
+    name: str
+    value: int | float | Decimal | Fraction | str
+    unit: str | None = None
+    note: str = "set by the user"
+    place: str = ""
+    only: Mapping[str, str] = field(default_factory=dict)
+
+    @property
+    def written(self) -> str:
+        """The value with its unit, as written."""
+        return f"{self.value} {self.unit}" if self.unit and self.unit != "1" else str(self.value)
+
+    @property
+    def where(self) -> str:
+        """Beginning of a message about this entry."""
+        return f"{self.place}: {self.name}" if self.place else self.name
+
+
+class Entry(BaseModel):
+    """One entry of a case file."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    value: int | Annotated[Decimal, Field(allow_inf_nan=True)] | Text
+    unit: Text | None = None
+    source: Text | None = None
+    assumed: Text | None = None
+    only: dict[str, str] = Field(default_factory=dict)
+
+    @model_validator(mode="after")
+    def _one_origin(self) -> "Entry":
+        if (self.source is None) == (self.assumed is None):
+            both = "both" if self.source else "neither"
+            raise ValueError(f"found {both} of 'source' and 'assumed', expected exactly one of them")
+        return self
+
+
+class Header(BaseModel):
+    """What a case file says beside its entries."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+    model: Text | None = None
+    extends: Text | None = None
+    description: str = ""
+    start: dict[str, int | Annotated[Decimal, Field(allow_inf_nan=True)] | str] = Field(default_factory=dict)
+
+
+def header(file: str, text: str, table: Mapping[str, Any]) -> Header:
+    """Check the keys of a case file that are not entries."""
+    found = {key: value for key, value in table.items() if key in RESERVED}
+    try:
+        return Header(**found)
+    except ValidationError as error:
+        problem = error.errors()[0]
+        key = str(problem["loc"][0])
+        raise CaseError(f"{place(file, text, key)}: {key}: {_sentence(problem, found)}") from None
+
+
+def given(file: str, text: str, name: str, table: Any) -> Given:
+    """Check one entry of a case file.
+
+    Raises
+    ------
+    CaseError
+        Naming file, line, key, what was found and what was expected.
+    """
+    where = place(file, text, name)
+    if not isinstance(table, Mapping):
+        raise CaseError(
+            f'{where}: {name}: found {_shown(table)}, expected an entry such as'
+            f' {name} = {{ value = 1, unit = "1", assumed = "why" }} or with source = "key, place"'
+        )
+    try:
+        entry = Entry(**table)
+    except ValidationError as error:
+        raise CaseError(f"{where}: {name}: {_sentence(error.errors()[0], table)}") from None
+    note = f"source: {entry.source}" if entry.source else f"assumed: {entry.assumed}"
+    return Given(name, entry.value, entry.unit, note, where, entry.only)
+
+
+def place(file: str, text: str, key: str) -> str:
+    """Name the file and, where the key can be found in its text, the line."""
+    start = rf"""^[ \t]*(?:\[\s*)?["']?{re.escape(key)}["']?\s*(?:=|\.|\])"""
+    found = re.search(start, text, re.MULTILINE)
+    return f"{file}, line {text.count(chr(10), 0, found.start()) + 1}" if found else file
+
+
+def _sentence(problem: Any, table: Mapping[str, Any]) -> str:
+    key = str(problem["loc"][0]) if problem["loc"] else ""
+    if problem["type"] == "extra_forbidden":
+        known = list(Entry.model_fields)
+        return f"found the unknown key {key!r}, expected one of {', '.join(known)}.{nearest(key, known)}"
+    if problem["type"] == "missing":
+        return f"found no {key!r}, expected {key} = a number"
+    if problem["type"] == "value_error":
+        return str(problem["ctx"]["error"])
+    expected = "a number, or text such as '50 um' or '1/4'" if key == "value" else "text that is not empty"
+    if len(problem["loc"]) > 1 and key != "value":
+        expected = f"{problem['loc'][1]} = a value"
+    return f"found {key} = {_shown(table.get(key))}, expected {expected}"
+
+
+def _shown(value: Any) -> str:
+    return str(value) if isinstance(value, Decimal) else repr(value)

@@ -1,0 +1,269 @@
+"""From what is written to what the model takes: units converted, groups evaluated, contradictions refused.
+
+Files and changes are layers, later ones on top. Two rules decide between a dimensionless symbol and the dimensional
+inputs of its group:
+
+1. A symbol that is given wins over its group, whatever the layer.
+2. An input that would then change nothing takes precedence over the symbols that it feeds where they stand in a lower
+   layer (``speed`` over the case's ``s``); in the same layer the two contradict each other and are refused.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from itertools import islice, product
+from typing import Any
+
+from whirlmap.cases.case import Case, Layer
+from whirlmap.cases.entries import Given
+from whirlmap.equations.groups import value_of
+from whirlmap.equations.model import Family, Model, Output
+from whirlmap.equations.quantities import Parameter
+from whirlmap.errors import CaseError, ModelError, nearest
+from whirlmap.units import read
+
+
+@dataclass(frozen=True)
+class Input:
+    """A dimensional input: its declaration, its value in the declared unit, what was written and where from."""
+
+    parameter: Parameter
+    value: float
+    written: str
+    note: str
+
+
+@dataclass(frozen=True)
+class Settled:
+    """A model with a value for each of its parameters, and how they came about.
+
+    Attributes
+    ----------
+    case : Case
+    model : Model
+    switches : mapping of str to str
+        Every switch of the model, also those that kept their default.
+    values : mapping of str to float or Fraction
+        In declared order. Fractions for orders of harmonics that are exact.
+    notes : mapping of str to str
+        Where each value comes from.
+    inputs : mapping of str to Input
+        Dimensional inputs, where the case has them.
+    quantities : mapping of str to (float, Output)
+        Dimensional results worth showing; those whose inputs are not all known are left out.
+    """
+
+    case: Case
+    model: Model
+    switches: Mapping[str, str]
+    values: Mapping[str, float | Fraction]
+    notes: Mapping[str, str]
+    inputs: Mapping[str, Input]
+    quantities: Mapping[str, tuple[float, Output]]
+
+
+def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
+    """Settle a case, with changes on top.
+
+    Parameters
+    ----------
+    changes : mapping of str to value, optional
+        Dimensionless symbols, dimensional inputs with their units, ``"0.03 Pa*s"``, and switches.
+
+    Raises
+    ------
+    CaseError
+        For anything that is wrong with a name, a unit or a value; see `read`.
+    """
+    changes = dict(changes or {})
+    family = case.family
+    picked = {name: changes.pop(name) for name in list(changes) if name in family.switches}
+    model = _model(family, case.switches, picked)
+    switches = dict(model.switches) or {**case.switches, **picked}
+    if family.groups:
+        switches = {**{name: choices[0] for name, choices in family.switches.items()}, **switches}
+    asked: Layer = {name: v if isinstance(v, Given) else Given(name, v) for name, v in changes.items()}
+    work = _Work(family, model, switches, frozenset(picked))
+    for layer in case.layers:
+        work.add({n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}, by_hand=False)
+    work.add(asked, by_hand=True)
+    return work.settled(case)
+
+
+def _model(family: Family, switches: Mapping[str, str], picked: Mapping[str, Any]) -> Model:
+    try:
+        return family.model(**{**switches, **picked})
+    except ModelError as error:
+        if picked:
+            raise CaseError(str(error)) from None
+        raise
+
+
+class _Work:
+    """Inputs and explicit symbols while the layers are put on top of each other."""
+
+    def __init__(self, family: Family, model: Model, switches: Mapping[str, str], picked: frozenset[str]) -> None:
+        self.family, self.model, self.switches, self.picked = family, model, switches, picked
+        self.groups = family.groups
+        self.read = {p.name for p in model.read()}
+        self.explicit: dict[str, Given] = {}
+        self.given_inputs: dict[str, Given] = {}
+        self.values: dict[str, float | Fraction] = {}
+        self.inputs: dict[str, Fraction] = {}
+
+    def add(self, layer: Layer, *, by_hand: bool) -> None:
+        """Put a layer on top."""
+        symbols = {name: given for name, given in layer.items() if not self._input(name)}
+        for name, given in symbols.items():
+            self._refuse_unread(given, by_hand=by_hand)
+            if name in self.read:
+                self.explicit[name] = given
+                self.values[name] = self._number(given, self.model.parameter(name))
+        for name, given in layer.items():
+            parameter = self._input(name)
+            if parameter:
+                self.inputs[name] = Fraction(self._number(given, parameter))
+                self.given_inputs[name] = given
+                self._give_way(given, frozenset(symbols), by_hand=by_hand)
+
+    def _input(self, name: str) -> Parameter | None:
+        return self.groups.input(name) if self.groups else None
+
+    def _give_way(self, given: Given, beside: frozenset[str], *, by_hand: bool) -> None:
+        """Rule 2 of the module."""
+        assert self.groups
+        fed = self.groups.fed_by(given.name, self.switches) & self.read
+        if self.groups.fed_by(given.name, self.switches, frozenset(self.explicit)) & self.read:
+            return
+        if not fed:
+            if by_hand:
+                chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
+                raise CaseError(f"{given.name} has no effect on {self.family.name} with {chosen}")
+            return
+        if self.groups.fed_by(given.name, self.switches, frozenset(beside)) & self.read:
+            for name in self.groups.fed_by(given.name, self.switches, frozenset(beside)) & self.explicit.keys():
+                del self.explicit[name], self.values[name]
+            return
+        rivals = sorted(fed & beside)
+        raise CaseError(
+            f"{given.where}: found {given.name} and {', '.join(rivals)} given together, but {given.name} sets nothing"
+            f" but {', '.join(sorted(fed))}; expected one of them"
+        )
+
+    def _number(self, given: Given, parameter: Parameter) -> float | Fraction:
+        try:
+            exact = read(given.value, parameter.unit, given=given.unit)
+        except CaseError as error:
+            raise CaseError(f"{given.where}: {error} ({parameter.meaning})") from None
+        fault = parameter.fault(float(exact))
+        if not fault and self._input(given.name) and parameter.order and exact.denominator != 1:
+            fault = "must be a whole number"
+        if fault:
+            raise CaseError(f"{given.where}: found {given.written}, which {fault} ({parameter.meaning})")
+        if self._input(given.name):
+            return exact
+        ratio = isinstance(given.value, int | Fraction) or (isinstance(given.value, str) and "/" in given.value)
+        return exact if parameter.order and ratio else float(exact)
+
+    def _refuse_unread(self, given: Given, *, by_hand: bool) -> None:
+        """Refuse a symbol that the model does not know, or does not read with these switches."""
+        if given.name in self.read or (self.picked and not by_hand and given.name in self._anywhere()):
+            return
+        if given.name in self._anywhere() or given.name in self.switches:
+            chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
+            raise CaseError(f"{given.where}: {self.family.name} with {chosen} does not read {given.name!r}")
+        parameters = [p.name for p in self.model.parameters if p.name in self.read]
+        inputs = [q.name for q in self.groups.inputs] if self.groups else []
+        known = [*parameters, *inputs, *self.family.switches]
+        lines = [f"parameters: {' '.join(parameters)}"]
+        lines += [f"dimensional inputs: {' '.join(inputs)}"] if inputs else []
+        lines += [f"switches: {' '.join(self.family.switches)}"] if self.family.switches else []
+        raise CaseError(
+            f"{given.where}: {self.family.name} has no symbol {given.name!r}.{nearest(given.name, known)}\n  "
+            + "\n  ".join(lines)
+        )
+
+    def _anywhere(self) -> frozenset[str]:
+        """Symbols of the family's models for every choice of switches."""
+        found = {p.name for p in self.model.parameters}
+        for choices in islice(product(*self.family.switches.values()), 64):
+            try:
+                model = self.family.model(**dict(zip(self.family.switches, choices, strict=True)))
+            except ModelError:  # a combination that the family itself refuses
+                continue
+            found |= {p.name for p in model.parameters}
+        return frozenset(found)
+
+    def settled(self, case: Case) -> Settled:
+        """Evaluate groups and defaults."""
+        values: dict[str, float | Fraction] = {}
+        notes: dict[str, str] = {}
+        known = {**self.inputs, **self.values}
+        expressions = self.groups.expressions(self.switches) if self.groups else {}
+        later = []
+        for p in self.model.parameters:
+            if p.name in self.values:
+                values[p.name], notes[p.name] = self.values[p.name], self.explicit[p.name].note
+            elif p.name in expressions and (p not in self.model.defaults or not self._missing(p.name, known)):
+                values[p.name], notes[p.name] = self._follow(p, known, case)
+            elif p in self.model.defaults:
+                later.append(p)
+            else:
+                raise CaseError(f"{case.name}: found no value for {p.name!r}, expected one ({p.meaning})")
+        for p in later:
+            expression = self.model.defaults[p]
+            number = float(value_of(_sympified(expression), values))
+            values[p.name], notes[p.name] = number, f"default: {expression}"
+        return Settled(
+            case=case,
+            model=self.model,
+            switches=self.switches,
+            values={p.name: values[p.name] for p in self.model.parameters},
+            notes=notes,
+            inputs={
+                q.name: Input(q, float(self.inputs[q.name]), self.given_inputs[q.name].written, self.given_inputs[q.name].note)
+                for q in (self.groups.inputs if self.groups else ())
+                if q.name in self.inputs and not self._replaced(q.name)
+            },
+            quantities=self._quantities({**self.inputs, **values}),
+        )
+
+    def _missing(self, name: str, known: Mapping[str, Any]) -> list[str]:
+        assert self.groups
+        return self.groups.missing(name, self.switches, frozenset(known))
+
+    def _replaced(self, name: str) -> bool:
+        """Whether an input changes nothing because the symbols that it feeds are given themselves."""
+        assert self.groups
+        fed = self.groups.fed_by(name, self.switches) & self.read
+        return bool(fed) and not self.groups.fed_by(name, self.switches, frozenset(self.explicit)) & self.read
+
+    def _follow(self, p: Parameter, known: Mapping[str, Any], case: Case) -> tuple[float | Fraction, str]:
+        assert self.groups
+        missing = self._missing(p.name, known)
+        if missing:
+            raise CaseError(
+                f"{case.name}: found no value for {p.name!r} ({p.meaning}), expected one, or the dimensional inputs"
+                f" that it follows from: missing {', '.join(dict.fromkeys(missing))}"
+            )
+        value, expression = self.groups.evaluate(p.name, self.switches, known)
+        fault = p.fault(float(value))
+        if fault:
+            raise CaseError(f"{case.name}: {p.name} = {expression} = {float(value):g}, which {fault} ({p.meaning})")
+        return value if p.order else float(value), f"group: {expression}"
+
+    def _quantities(self, known: Mapping[str, Any]) -> dict[str, tuple[float, Output]]:
+        if not self.groups:
+            return {}
+        declared = self.groups.quantities(self.switches)
+        return {
+            name: (float(value_of(_sympified(output.expression), known)), output)
+            for name, output in declared.items()
+            if {q.name for q in _sympified(output.expression).free_symbols} <= set(known)
+        }
+
+
+def _sympified(expression: Any) -> Any:
+    from sympy import sympify
+
+    return sympify(expression)
