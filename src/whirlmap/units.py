@@ -1,13 +1,14 @@
 """Numbers with units, read once at the door; inside, everything is an SI float.
 
-Numbers are read as exact fractions of what was written (`50` and `1e-6`, not the floats nearest to them), units are
-scaled exactly, and only the result is rounded, once: ``"50 um"`` is the float ``5e-05``, not ``4.9999999999999996e-05``.
+Numbers are read as exact fractions of what was written (`50` and `1e-6`, not the floats nearest to them),
+units are scaled exactly, and only the result is rounded, once: ``"50 um"`` is the float ``5e-05``, not
+``4.9999999999999996e-05``.
 
 pint is imported where a unit has to be understood, which a case without dimensions never needs.
 """
 
 import re
-from decimal import Decimal, InvalidOperation
+from decimal import Decimal
 from fractions import Fraction
 from functools import lru_cache
 from math import isfinite
@@ -18,22 +19,25 @@ from whirlmap.errors import CaseError, nearest
 
 #: Units that engineers write; what a misspelt unit is compared with.
 COMMON = (
-    "1", "%", "kg", "g", "lb", "N", "kN", "lbf", "m", "mm", "um", "cm", "in", "mil", "s", "ms", "min", "rpm", "rad/s",
-    "turn/s", "rad", "deg", "Pa", "kPa", "MPa", "Pa*s", "mPa*s", "cP", "N/m", "kN/m", "N/um", "lbf/in", "N*s/m",
-    "kN*s/m", "N/m^3", "N*m", "m^2", "mm^2", "um^2", "m/s^2", "darcy",
+    "1", "%", "kg", "g", "lb", "N", "kN", "lbf", "m", "mm", "um", "cm", "in", "mil", "s", "ms", "min", "rpm",
+    "rad/s", "turn/s", "rad", "deg", "Pa", "kPa", "MPa", "Pa*s", "mPa*s", "cP", "N/m", "kN/m", "N/um",
+    "lbf/in", "N*s/m", "kN*s/m", "N/m^3", "N*m", "m^2", "mm^2", "um^2", "m/s^2", "darcy",
 )  # fmt: skip
 
 _NUMBER = r"[+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-_QUANTITY = re.compile(rf"\s*(?P<number>{_NUMBER}(?:\s*/\s*\d+(?![\d.eE]))?)\s*(?P<unit>\S.*?)?\s*", re.DOTALL)
+_QUANTITY = re.compile(
+    rf"\s*(?P<number>{_NUMBER}(?:\s*/\s*\d+(?![\d.eE]))?)\s*(?P<unit>\S.*?)?\s*", re.DOTALL
+)
 _NOT_FINITE = re.compile(r"\s*[+-]?(nan|inf|infinity)\b", re.IGNORECASE)
 # Numbers in a unit are exponents or the 1 of "1/s"; nothing that could be evaluated into a huge power.
-_UNIT = re.compile(r"[^\W\d_%]|[\w\s.*/^()%°·⋅+-]", re.UNICODE)
+_UNIT = re.compile(r"[\w\s.*/^()%°·⋅+-]*")
 _TOWER = re.compile(r"(\^|\*\*)\s*\(?\s*[-+]?\d{3,}|(\^|\*\*)[^*/ ]*(\^|\*\*)|\d{3,}")
-_LARGEST = 308
+_LARGEST = 307
+_TOO_FAR = f"expected one between 1e-{_LARGEST} and 1e{_LARGEST} in size"
 
 
 def split(text: str) -> tuple[Fraction, str]:
-    """Split ``"0.02 Pa*s"`` into the exact number and the text of the unit, which is empty where there is none.
+    """Split ``"0.02 Pa*s"`` into the exact number and the text of the unit (or nothing).
 
     Ratios of integers, ``"1/4"``, are numbers too.
 
@@ -46,21 +50,28 @@ def split(text: str) -> tuple[Fraction, str]:
         raise CaseError(f"found {text!r}, expected a finite number")
     found = _QUANTITY.fullmatch(text)
     if not found:
-        raise CaseError(f"found {text!r}, expected a number, with a unit where one is needed, such as '50 um'")
+        raise CaseError(f"found {text!r}, expected a number, with its unit where it has one: '50 um'")
     number, _, divisor = found["number"].partition("/")
     exact = _exact(number.strip())
     if divisor:
-        if not int(divisor):
+        below = _exact(divisor.strip())
+        if not below:
             raise CaseError(f"found {text!r}, expected a ratio whose divisor is not zero")
-        exact /= int(divisor)
+        exact /= below
     return exact, found["unit"] or ""
 
 
 def _exact(number: str) -> Fraction:
     decimal = Decimal(number)
     if decimal and not -_LARGEST <= decimal.adjusted() <= _LARGEST:  # before a power of ten fills the memory
-        raise CaseError(f"found {number}, expected a number between 1e-{_LARGEST} and 1e{_LARGEST} in size")
+        raise CaseError(f"found {number[:40]}, {_TOO_FAR}")
     return Fraction(decimal)
+
+
+def _sized(value: Fraction) -> Fraction:
+    if value and not 1 <= abs(value) * 10 ** (_LARGEST + 1) < 10 ** (2 * _LARGEST + 2):
+        raise CaseError(f"found a number beyond the range of floats, {_TOO_FAR}")
+    return value
 
 
 def exact(value: Any) -> Fraction:
@@ -76,15 +87,12 @@ def exact(value: Any) -> Fraction:
     if isinstance(value, bool) or not isinstance(value, Real | Decimal):
         raise CaseError(f"found {value!r}, expected a number")
     if isinstance(value, Integral):
-        value = int(value)
-    elif not isinstance(value, Decimal):
+        return _sized(Fraction(int(value)))
+    if not isinstance(value, Decimal):
         value = float(value)
-    if not isinstance(value, int) and not isfinite(value):
+    if not (value.is_finite() if isinstance(value, Decimal) else isfinite(value)):
         raise CaseError(f"found {value}, expected a finite number")
-    try:
-        return _exact(str(value))
-    except (InvalidOperation, ValueError):
-        raise CaseError(f"found {value!r}, expected a number") from None
+    return _exact(str(value))
 
 
 def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
@@ -102,7 +110,8 @@ def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
     Raises
     ------
     CaseError
-        Not a finite number, no unit where one is needed, two units, an unknown unit, or one of another dimension.
+        Not a finite number, no unit where one is needed, two units, an unknown unit, or one of another
+        dimension.
     """
     if isinstance(value, str):
         number, written = split(value)
@@ -115,7 +124,7 @@ def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
         if unit in ("1", "rad"):
             return number
         raise CaseError(f"found {_shown(value)} without a unit, expected a unit such as {unit}")
-    return number * factor(given, unit)
+    return _sized(number * factor(given, unit))
 
 
 def _shown(value: Any) -> str:
@@ -126,8 +135,8 @@ def _shown(value: Any) -> str:
 def factor(unit: str, to: str) -> Fraction:
     """How many ``to`` one ``unit`` is, exactly (pi to 50 digits).
 
-    Angles count as a dimension: a speed in ``1/s`` or ``Hz`` does not say whether turns or radians are meant, and
-    is refused.
+    Angles count as a dimension: a speed in ``1/s`` or ``Hz`` does not say whether turns or radians are meant,
+    and is refused.
 
     Raises
     ------
@@ -148,14 +157,14 @@ def factor(unit: str, to: str) -> Fraction:
 
 
 def _root(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]:
-    if len(unit) > 60 or not all(map(_UNIT.match, unit)) or _TOWER.search(unit):
+    if len(unit) > 60 or not _UNIT.fullmatch(unit) or _TOWER.search(unit):
         raise CaseError(f"found {unit[:60]!r}, which is not a unit, expected one such as {expected}")
     registry = _registry()
     try:
         parsed = registry.parse_units(unit.strip().replace("⋅", "*").replace("·", "*"))
         scale, root = registry.get_root_units(parsed)
     except Exception as error:
-        # pint raises its own errors, and for broken text also those of Python's tokenizer: all mean the same here.
+        # pint raises its own errors, and for broken text those of Python's tokenizer: all mean the same here.
         raise CaseError(
             f"found the unknown unit {unit!r}, expected one such as {expected}.{nearest(unit, COMMON)}"
         ) from error

@@ -17,7 +17,7 @@ What a file says replaces what the file that it extends says.
 import hashlib
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -61,16 +61,10 @@ class Case:
     path: Path | None
     family: Family
     description: str = ""
-    switches: Mapping[str, str] = None  # type: ignore[assignment]
+    switches: Mapping[str, str] = field(default_factory=dict)
     layers: tuple[Layer, ...] = ()
-    start: Mapping[str, float] = None  # type: ignore[assignment]
+    start: Mapping[str, float] = field(default_factory=dict)
     digest: str = ""
-
-    def __post_init__(self) -> None:
-        """Fill the empty mappings."""
-        for name in ("switches", "start"):
-            if getattr(self, name) is None:
-                object.__setattr__(self, name, {})
 
     @property
     def given(self) -> dict[str, Given]:
@@ -89,8 +83,9 @@ def read(name: str | Path) -> Case:
     Raises
     ------
     CaseError
-        No such case; a file that cannot be read, is not TOML, extends itself, or holds an unknown or incomplete
-        entry. The message names the file, the line where it can be found, the key, what was found and expected.
+        No such case; a file that cannot be read, is not TOML, extends itself, or holds an unknown or
+        incomplete entry. The message names the file, the line where it can be found, the key, what was found
+        and expected.
     """
     path, known = _locate(name, Path())
     return _read(path, known, ())
@@ -127,8 +122,8 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         family = origin.find(head.model, path.parent, place(file, raw, "model"))
         if base and base.family.name != family.name:
             raise CaseError(
-                f"{place(file, raw, 'model')}: model: found {family.name!r}, expected {base.family.name!r}, which is"
-                f" the model of {base.name} that this case extends"
+                f"{place(file, raw, 'model')}: model: found {family.name!r}, expected {base.family.name!r},"
+                f" the model of {base.name}, which this case extends"
             )
     elif base:
         family = base.family
@@ -145,7 +140,7 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         description=" ".join((head.description or base.description).split()),
         switches={**base.switches, **switches},
         layers=(*base.layers, layer),
-        start={**base.start, **start_values(head.start, place(file, raw, "start"))},
+        start={**base.start, **start_values(head.start, place(file, raw, "start") + ": start")},
         digest=hashlib.sha256((base.digest + digest).encode()).hexdigest() if base.digest else digest,
     )
 
@@ -160,11 +155,13 @@ def _parse(path: Path) -> tuple[str, dict[str, Any]]:
         raise CaseError(f"{path}: is not text in UTF-8, expected a TOML file") from None
     except tomllib.TOMLDecodeError as error:
         raise CaseError(f"{path}: is not valid TOML: {error}") from None
-    except (ValueError, RecursionError, ArithmeticError) as error:  # absurdly long numbers, absurdly deep nesting
+    except (ValueError, RecursionError, ArithmeticError) as error:  # endless numbers or nesting
         raise CaseError(f"{path}: cannot be read as TOML: {error}") from None
 
 
-def _body(file: str, raw: str, table: Mapping[str, Any], family: Family) -> tuple[dict[str, str], dict[str, Given]]:
+def _body(
+    file: str, raw: str, table: Mapping[str, Any], family: Family
+) -> tuple[dict[str, str], dict[str, Given]]:
     """Switches and entries of a file. Which entries the model reads depends on the switches: see `settle`."""
     switches: dict[str, str] = {}
     layer: dict[str, Given] = {}
@@ -179,24 +176,28 @@ def _body(file: str, raw: str, table: Mapping[str, Any], family: Family) -> tupl
                 )
             switches[key] = value
             continue
-        known = [*entries.RESERVED, *family.switches]
-        if not isinstance(value, Mapping) and nearest(key, known) and nearest(key, known) != nearest(key, ()):
-            _refuse_misspelt(f"{place(file, raw, key)}: ", key, known, value)
+        if isinstance(value, str):  # text is a switch or a heading; a number without braces is a short entry
+            known = [*entries.RESERVED, *family.switches]
+            raise CaseError(
+                f"{place(file, raw, key)}: found the unknown key {key!r} = {value!r}, expected one of"
+                f" {', '.join(known)}, or an entry.{nearest(key, known)}"
+            )
         given = entries.given(file, raw, key, value)
-        for switch, choice in given.only.items():
-            if choice not in family.switches.get(switch, ()):
-                expected = " | ".join(family.switches.get(switch, ())) or ", ".join(family.switches) or "no switch"
-                raise CaseError(
-                    f"{given.where}: only: found {switch} = {choice!r}, expected {expected}."
-                    f"{nearest(choice if switch in family.switches else switch, family.switches.get(switch, family.switches))}"
-                )
+        _refuse_unknown_switch(given, family)
         layer[key] = given
     return switches, layer
 
 
-def _refuse_misspelt(where: str, key: str, known: list[str], value: Any) -> None:
-    if isinstance(value, str):  # text is a switch or a heading; a number is an entry without its braces
-        raise CaseError(f"{where}found the unknown key {key!r}.{nearest(key, known)}\n  keys: {', '.join(known)}")
+def _refuse_unknown_switch(given: Given, family: Family) -> None:
+    for switch, choice in given.only.items():
+        known = family.switches.get(switch)
+        if known is None:
+            allowed = ", ".join(family.switches) or "no switch at all"
+            hint = nearest(switch, family.switches)
+            raise CaseError(f"{given.where}: only: found the switch {switch!r}, expected {allowed}.{hint}")
+        if choice not in known:
+            expected = f"{' | '.join(known)}.{nearest(choice, known)}"
+            raise CaseError(f"{given.where}: only: found {switch} = {choice!r}, expected {expected}")
 
 
 def start_values(start: Mapping[str, Any], where: str = "start") -> dict[str, float]:

@@ -107,7 +107,7 @@ def given(file: str, text: str, name: str, table: Any) -> Given:
     where = place(file, text, name)
     if not isinstance(table, Mapping):
         raise CaseError(
-            f'{where}: {name}: found {_shown(table)}, expected an entry such as'
+            f"{where}: {name}: found {_shown(table)}, expected an entry such as"
             f' {name} = {{ value = 1, unit = "1", assumed = "why" }} or with source = "key, place"'
         )
     try:

@@ -16,7 +16,8 @@ def find(name: str, folder: Path, place: str) -> Family:
     Parameters
     ----------
     name : str
-        A stock model, ``"duffing"``, or a model in a Python file, ``"my_rotor.py:MY_ROTOR"``, relative to ``folder``.
+        A stock model, ``"duffing"``, or a model in a Python file, ``"my_rotor.py:MY_ROTOR"``, relative to
+        ``folder``.
     place : str
         File and line of the case, for messages.
 
@@ -47,7 +48,7 @@ def find(name: str, folder: Path, place: str) -> Family:
     if isinstance(made, Model):
         return _single(made)
     models = [key for key, value in vars(module).items() if isinstance(value, Family | Model)]
-    found = f"{attribute!r} there is a {type(made).__name__}" if hasattr(module, attribute) else "there is no such name"
+    found = f"it is a {type(made).__name__}" if hasattr(module, attribute) else "there is no such name"
     raise CaseError(
         f"{place}: {path} declares no model {attribute!r}: {found}, expected a Family or a Model."
         f"{nearest(attribute, models)}\n  models there: {', '.join(models) or 'none'}"
@@ -61,7 +62,7 @@ def _single(model: Model) -> Family:
 
 @lru_cache(maxsize=64)
 def _run(path: Path, text: str, digest: str) -> ModuleType:
-    """Run a model file. The same text gives the same objects, so that its kernels are found again; no file is written."""
+    """Run a model file; the same text gives the same objects, so that its kernels are found again."""
     module = ModuleType(f"whirlmap_user_{path.stem}_{digest[:12]}")
     module.__file__ = str(path)
     try:

@@ -1,10 +1,11 @@
 """From what is written to what the model takes: units converted, groups evaluated, contradictions refused.
 
-Files and changes are layers, later ones on top. Two rules decide between a dimensionless symbol and the dimensional
-inputs of its group:
+Files and changes are layers, later ones on top. Two rules decide between a dimensionless symbol and the
+dimensional inputs of its group:
 
 1. A symbol that is given wins over its group, whatever the layer.
-2. An input that would then change nothing takes precedence over the symbols that it feeds where they stand in a lower
+2. An input that would then change nothing takes precedence over the symbols that it feeds where they stand in
+a lower
    layer (``speed`` over the case's ``s``); in the same layer the two contradict each other and are refused.
 """
 
@@ -25,7 +26,7 @@ from whirlmap.units import read
 
 @dataclass(frozen=True)
 class Input:
-    """A dimensional input: its declaration, its value in the declared unit, what was written and where from."""
+    """A dimensional input: its value in the declared unit, what was written, and where it comes from."""
 
     parameter: Parameter
     value: float
@@ -83,10 +84,11 @@ def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
     if family.groups:
         switches = {**{name: choices[0] for name, choices in family.switches.items()}, **switches}
     asked: Layer = {name: v if isinstance(v, Given) else Given(name, v) for name, v in changes.items()}
-    work = _Work(family, model, switches, frozenset(picked))
-    for layer in case.layers:
-        work.add({n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}, by_hand=False)
-    work.add(asked, by_hand=True)
+    work = _Work(family, model, switches)
+    for number, layer in enumerate(case.layers, start=1):
+        suits = {n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}
+        work.add(suits, by_hand=False, strict=number == len(case.layers) and not picked)
+    work.add(asked, by_hand=True, strict=True)
     return work.settled(case)
 
 
@@ -102,8 +104,8 @@ def _model(family: Family, switches: Mapping[str, str], picked: Mapping[str, Any
 class _Work:
     """Inputs and explicit symbols while the layers are put on top of each other."""
 
-    def __init__(self, family: Family, model: Model, switches: Mapping[str, str], picked: frozenset[str]) -> None:
-        self.family, self.model, self.switches, self.picked = family, model, switches, picked
+    def __init__(self, family: Family, model: Model, switches: Mapping[str, str]) -> None:
+        self.family, self.model, self.switches = family, model, switches
         self.groups = family.groups
         self.read = {p.name for p in model.read()}
         self.explicit: dict[str, Given] = {}
@@ -111,11 +113,15 @@ class _Work:
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
 
-    def add(self, layer: Layer, *, by_hand: bool) -> None:
-        """Put a layer on top."""
+    def add(self, layer: Layer, *, by_hand: bool, strict: bool) -> None:
+        """Put a layer on top.
+
+        What is asked for by hand must have an effect. Symbols of a strict layer must be read; in others they
+        may belong to switches that have been replaced since.
+        """
         symbols = {name: given for name, given in layer.items() if not self._input(name)}
         for name, given in symbols.items():
-            self._refuse_unread(given, by_hand=by_hand)
+            self._refuse_unread(given, strict=strict)
             if name in self.read:
                 self.explicit[name] = given
                 self.values[name] = self._number(given, self.model.parameter(name))
@@ -140,14 +146,15 @@ class _Work:
                 chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
                 raise CaseError(f"{given.name} has no effect on {self.family.name} with {chosen}")
             return
-        if self.groups.fed_by(given.name, self.switches, frozenset(beside)) & self.read:
-            for name in self.groups.fed_by(given.name, self.switches, frozenset(beside)) & self.explicit.keys():
+        free = self.groups.fed_by(given.name, self.switches, beside)
+        if free & self.read:
+            for name in free & self.explicit.keys():
                 del self.explicit[name], self.values[name]
             return
         rivals = sorted(fed & beside)
         raise CaseError(
-            f"{given.where}: found {given.name} and {', '.join(rivals)} given together, but {given.name} sets nothing"
-            f" but {', '.join(sorted(fed))}; expected one of them"
+            f"{given.where}: found {given.name} and {', '.join(rivals)} given together, but {given.name}"
+            f" sets nothing but {', '.join(sorted(fed))}; expected one of them"
         )
 
     def _number(self, given: Given, parameter: Parameter) -> float | Fraction:
@@ -162,14 +169,16 @@ class _Work:
             raise CaseError(f"{given.where}: found {given.written}, which {fault} ({parameter.meaning})")
         if self._input(given.name):
             return exact
-        ratio = isinstance(given.value, int | Fraction) or (isinstance(given.value, str) and "/" in given.value)
+        ratio = isinstance(given.value, int | Fraction) or "/" in str(given.value)
         return exact if parameter.order and ratio else float(exact)
 
-    def _refuse_unread(self, given: Given, *, by_hand: bool) -> None:
+    def _refuse_unread(self, given: Given, *, strict: bool) -> None:
         """Refuse a symbol that the model does not know, or does not read with these switches."""
-        if given.name in self.read or (self.picked and not by_hand and given.name in self._anywhere()):
+        if given.name in self.read:
             return
-        if given.name in self._anywhere() or given.name in self.switches:
+        if given.name in self._anywhere():
+            if not strict:
+                return
             chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
             raise CaseError(f"{given.where}: {self.family.name} with {chosen} does not read {given.name!r}")
         parameters = [p.name for p in self.model.parameters if p.name in self.read]
@@ -220,13 +229,17 @@ class _Work:
             switches=self.switches,
             values={p.name: values[p.name] for p in self.model.parameters},
             notes=notes,
-            inputs={
-                q.name: Input(q, float(self.inputs[q.name]), self.given_inputs[q.name].written, self.given_inputs[q.name].note)
-                for q in (self.groups.inputs if self.groups else ())
-                if q.name in self.inputs and not self._replaced(q.name)
-            },
+            inputs=self._shown_inputs(),
             quantities=self._quantities({**self.inputs, **values}),
         )
+
+    def _shown_inputs(self) -> dict[str, Input]:
+        shown = {}
+        for q in self.groups.inputs if self.groups else ():
+            if q.name in self.inputs and not self._replaced(q.name):
+                given = self.given_inputs[q.name]
+                shown[q.name] = Input(q, float(self.inputs[q.name]), given.written, given.note)
+        return shown
 
     def _missing(self, name: str, known: Mapping[str, Any]) -> list[str]:
         assert self.groups
@@ -243,13 +256,14 @@ class _Work:
         missing = self._missing(p.name, known)
         if missing:
             raise CaseError(
-                f"{case.name}: found no value for {p.name!r} ({p.meaning}), expected one, or the dimensional inputs"
-                f" that it follows from: missing {', '.join(dict.fromkeys(missing))}"
+                f"{case.name}: found no value for {p.name!r} ({p.meaning}), expected one, or the dimensional"
+                f" inputs that it follows from: missing {', '.join(dict.fromkeys(missing))}"
             )
         value, expression = self.groups.evaluate(p.name, self.switches, known)
         fault = p.fault(float(value))
         if fault:
-            raise CaseError(f"{case.name}: {p.name} = {expression} = {float(value):g}, which {fault} ({p.meaning})")
+            found = f"{p.name} = {expression} = {float(value):g}"
+            raise CaseError(f"{case.name}: found {found}, which {fault} ({p.meaning})")
         return value if p.order else float(value), f"group: {expression}"
 
     def _quantities(self, known: Mapping[str, Any]) -> dict[str, tuple[float, Output]]:

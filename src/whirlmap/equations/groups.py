@@ -1,14 +1,15 @@
 """Dimensionless groups: how a model's parameters follow from dimensional inputs.
 
-A family of models may carry `Groups`: the inputs that an engineer has, declared like parameters, and an expression of
-them for each parameter that follows from them. The expressions are SymPy, so that `show` prints them and a test can
-check that a change of units leaves them alone. They are evaluated in exact arithmetic on the numbers as written, and
-rounded once.
+A family of models may carry `Groups`: the inputs that an engineer has, declared like parameters, and an
+expression of them for each parameter that follows from them. The expressions are SymPy, so that `show` prints
+them and a test can check that a change of units leaves them alone. They are evaluated in exact arithmetic on
+the numbers as written, and rounded once.
 """
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 
 from sympy import Expr, Rational, Symbol, sympify
 
@@ -29,8 +30,8 @@ class Groups:
     declare : callable
         ``declare(switches) -> {parameter: expression}`` of inputs, and of other parameters of the mapping.
     quantities : callable
-        ``quantities(switches) -> {name: Output}``: dimensional results worth showing (natural frequency, speeds),
-        in inputs and parameters.
+        ``quantities(switches) -> {name: Output}``: dimensional results worth showing (natural frequency,
+        speeds), in inputs and parameters.
     """
 
     inputs: tuple[Parameter, ...]
@@ -43,24 +44,20 @@ class Groups:
 
     def expressions(self, switches: Switches) -> dict[str, Expr]:
         """Expression of each parameter that follows from the inputs, by name."""
-        return {p.name: sympify(e) for p, e in self.declare(switches).items()}
+        return dict(_declared(self.declare, tuple(sorted(switches.items())))[0])
 
     def fed_by(self, name: str, switches: Switches, explicit: frozenset[str] = frozenset()) -> frozenset[str]:
-        """Names of the parameters that change with an input, also by way of others; ``explicit`` ones are fixed."""
-        expressions = self.expressions(switches)
+        """Names of the parameters that change with an input, directly or not; ``explicit`` ones are fixed."""
+        reads = _declared(self.declare, tuple(sorted(switches.items())))[1]
         fed: set[str] = set()
         while True:
-            more = {
-                group
-                for group, expression in expressions.items()
-                if group not in explicit | fed and {q.name for q in expression.free_symbols} & (fed | {name})
-            }
+            more = {g for g, names in reads.items() if g not in explicit | fed and names & (fed | {name})}
             if not more:
                 return frozenset(fed)
             fed |= more
 
     def missing(self, name: str, switches: Switches, known: frozenset[str]) -> list[str]:
-        """Names that the expression of a parameter reads and that are neither known nor follow from what is."""
+        """Names that the expression of a parameter needs and that do not follow from what is known."""
         expression = self.expressions(switches)[name]
         lacking: list[str] = []
         for symbol in sorted(expression.free_symbols, key=str):
@@ -80,7 +77,8 @@ class Groups:
         name : str
             Name of the parameter.
         values : mapping of str to Fraction or float
-            Inputs in their declared units, and parameters that are given explicitly, which win over their group.
+            Inputs in their declared units, and parameters that are given explicitly, which win over their
+            group.
 
         Returns
         -------
@@ -94,6 +92,15 @@ class Groups:
         while missing := [q for q in exact.free_symbols if q.name not in values]:
             exact = exact.xreplace({q: expressions[q.name] for q in missing})
         return value_of(exact, values), str(expressions[name])
+
+
+@lru_cache(maxsize=64)
+def _declared(
+    declare: Callable[[Switches], Mapping[Parameter, Expr]], switches: tuple[tuple[str, str], ...]
+) -> tuple[dict[str, Expr], dict[str, frozenset[str]]]:
+    """Expression of each group, and the names that it reads."""
+    expressions = {p.name: sympify(e) for p, e in declare(dict(switches)).items()}
+    return expressions, {g: frozenset(q.name for q in e.free_symbols) for g, e in expressions.items()}
 
 
 def value_of(expression: Expr, values: Mapping[str, Fraction | float]) -> Fraction | float:

@@ -128,7 +128,7 @@ class Model:
             )
         self._refuse_unknown("the equations", self.equations.values(), known | {t} | self._table_names())
         self._refuse_unknown("the harmonics", map(sympify, self.harmonics), set(self.parameters))
-        self._refuse_unknown("the outputs", (o.expression for o in self.outputs.values()), known | self._table_names())
+        self._refuse_unknown("the outputs", (o.expression for o in self.outputs.values()), known)
         self._refuse_unknown("the stops", (e for s in self.stops.values() for e in (s.gap, s.reachable)), known)
         self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):

@@ -1,13 +1,19 @@
 """Loading: from a case, or a model in hand, to a system that is ready to integrate."""
 
 from collections.abc import Mapping
+from fractions import Fraction
 from pathlib import Path
 from typing import Any
 
-from whirlmap.cases import Case, read, settle
+from sympy import srepr, sympify
+
+from whirlmap.cases import Case, Settled, read, settle
 from whirlmap.cases.case import start_values
 from whirlmap.equations.model import Family, Model
+from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.system import System, exact_order
+from whirlmap.references import key_of, references
+from whirlmap.results.provenance import Pieces, model_hash
 
 
 def load(
@@ -18,14 +24,14 @@ def load(
     Parameters
     ----------
     case : str, Path, Case, Family or Model
-        Name of a stock case (`whirlmap.cases.names`), path of a TOML file, or a model of your own, whose parameters
-        are then all given as changes.
+        Name of a stock case (`whirlmap.cases.names`), path of a TOML file, or a model of your own, whose
+        parameters are then all given as changes.
     start : mapping of str to number, optional
         Start values that replace the case's and the model's.
     **changes : number or str
-        Dimensionless symbols (``s=2.5``, ``r_p="1/4"``), dimensional inputs with their units (``mu="0.03 Pa*s"``,
-        ``speed="1500 rpm"``) and switches (``edition="literal"``). A changed input recomputes its groups; a symbol that
-        is given wins over its group.
+        Dimensionless symbols (``s=2.5``, ``r_p="1/4"``), dimensional inputs with their units
+        (``mu="0.03 Pa*s"``, ``speed="1500 rpm"``) and switches (``edition="literal"``). A changed input
+        recomputes its groups; a symbol that is given wins over its group.
 
     Returns
     -------
@@ -37,13 +43,20 @@ def load(
     CaseError
         Naming what was found, what was expected and the nearest valid name.
     RangeError
-        For a start value of an unknown state.
+        For a start value of an unknown state, or a start at which the run has ended already (a journal
+        outside of its bearing).
     """
     found = _case(case)
     settled = settle(found, changes)
+    for name in found.start:
+        if name not in (states := [s.name for s in settled.model.states]):
+            raise CaseError(
+                f"{found.path}: start: found the state {name!r}, expected one of {' '.join(states)}."
+                f"{nearest(name, states)}"
+            )
     orders = {p.name for p in settled.model.parameters if p.order}
-    values = {name: _order(value, name) if name in orders else float(value) for name, value in settled.values.items()}
-    return System(
+    values = {name: _order(v, name) if name in orders else float(v) for name, v in settled.values.items()}
+    system = System(
         model=settled.model,
         values=values,
         start={**found.start, **start_values(start or {})},
@@ -51,6 +64,23 @@ def load(
         notes=dict(settled.notes),
         details=settled,
     )
+    _refuse_ended(system)
+    return system
+
+
+def _refuse_ended(system: System) -> None:
+    """Refuse a start that somebody gave and that lies behind one of the model's stops."""
+    if not system.start:
+        return  # the model's own start; an equilibrium is not known yet
+    model = system.model
+    point = {s: system.start.get(s.name, s.start) for s in model.states}
+    point |= {p: float(system.values[p.name]) for p in model.parameters}
+    for name, stop in model.stops.items():
+        if float(sympify(stop.gap).subs(point)) <= 0:
+            given = ", ".join(f"{state} = {value:g}" for state, value in system.start.items())
+            raise RangeError(
+                f"start {given}: {stop.meaning} there already ({name}), expected a start before that"
+            )
 
 
 def _case(case: str | Path | Case | Family | Model) -> Case:
@@ -66,3 +96,42 @@ def _case(case: str | Path | Case | Family | Model) -> Case:
 def _order(value: Any, name: str) -> Any:
     exact = exact_order(value, name)
     return float(value) if exact is None else exact
+
+
+def pieces(system: System) -> Pieces:
+    """Describe a system as plain data, for `whirlmap.results.provenance.provenance`."""
+    model, settled = system.model, system.details
+    parameters: dict[str, dict[str, Any]] = {
+        p.name: _entry(system.values[p.name], p.unit, system.notes.get(p.name, "")) for p in model.parameters
+    }
+    case_hash = ""
+    if isinstance(settled, Settled):
+        case_hash = settled.case.digest
+        for name, given in settled.inputs.items():
+            parameters[name] = _entry(given.value, given.parameter.unit, given.note)
+    sources = [entry["source"] for entry in parameters.values()]
+    cited = [key_of(source) for source in sources if source.startswith("source:")]
+    return Pieces(
+        model=model.name,
+        model_hash=_model_hash(system),
+        case=system.case,
+        case_hash=case_hash,
+        parameters=parameters,
+        switches=dict(model.switches),
+        start=dict(system.start),
+        citations=tuple(dict.fromkeys([*model.sources, *(key for key in cited if key in references())])),
+    )
+
+
+def _model_hash(system: System) -> str:
+    model = system.model
+    named = [(state.name, srepr(model.equations[state])) for state in model.states]
+    named += [(f"output {name}", srepr(output.expression)) for name, output in model.outputs.items()]
+    named += [(f"stop {name}", srepr(stop.gap)) for name, stop in model.stops.items()]
+    named += [("parameters", " ".join(p.name for p in model.parameters))]
+    return model_hash(named)
+
+
+def _entry(value: Any, unit: str, source: str) -> dict[str, Any]:
+    exact = isinstance(value, Fraction) and value.denominator != 1
+    return {"value": str(value) if exact else float(value), "unit": unit, "source": source}

@@ -228,9 +228,15 @@ class _Printer(PythonCodePrinter):
 
 _PRINTER = _Printer({"fully_qualified_modules": False})
 
+#: Functions that kernels know. SymPy's printer would print others, which Numba then refuses in its own words.
+KNOWN = {"sin", "cos", "exp", "log", "atan2", "atan", "tanh", "sign", "Abs", "root", "inverse", "Piecewise"}
+
 
 def code(expression: Expr) -> str:
     """Print one lowered expression as Python source on floats."""
+    for call in expression.atoms(Function):
+        if type(call).__name__ not in KNOWN:
+            raise ModelError(f"function {type(call).__name__} cannot be lowered: {call}")
     return _PRINTER.doprint(expression)
 
 

@@ -4,16 +4,17 @@ Two kinds of module are written. A *locked* module steps many lanes at one phase
 from a table; a *free* module gives each lane its own time and computes them. Both share everything else.
 """
 
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
 from typing import Literal
 
-from sympy import Expr, Integer, sympify
+from sympy import Expr, Symbol, sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import Table
-from whirlmap.equations.variational import jacobian
+from whirlmap.kernels.differentiate import jacobian_code
 from whirlmap.kernels.lower import Hoisted, Read, Straight, code, local_name, straight
 from whirlmap.kernels.methods import Method
 
@@ -30,6 +31,7 @@ import numpy as np
 from numba import njit
 
 L, N, M, H, STAGES, NODES, ENTRIES = {lanes}, {states}, {outputs}, {harmonics}, {stages}, {nodes}, {entries}
+SCRATCH, READS = {scratch}, {reads}
 BOUND = {bound!r}
 STAGE_TIMES = {times!r}
 kernel = njit(nogil=True, cache=True, error_model="numpy", fastmath={{{fast}}})
@@ -71,27 +73,20 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
 
     hoisted = Hoisted(model.parameters)
     rates = straight(model, [model.equations[s] for s in model.states], hoisted)
-    derived: dict[tuple[int, int], Expr] = jacobian(model) if tangents else {}
-    lowered = straight(model, derived.values(), hoisted)
-    entries = dict(zip(derived, lowered.results, strict=True))
-    moving = {at: e for at, e in entries.items() if e not in hoisted.symbols and not e.is_number}
+    nothing: tuple[Straight, dict[tuple[int, int], Expr]] = (Straight((), ()), {})
+    names = [Symbol(local_name(s), real=True) for s in model.states]
+    slopes, entries = jacobian_code(rates, names, hoisted) if tangents else nothing
+    moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
     slots = {at: i for i, at in enumerate(moving)}
-    slopes = Straight(lowered.steps, tuple(moving.values()))
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
     gaps = straight(model, [stop.gap for stop in model.stops.values()], hoisted)
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
     nodes = tuple(sorted({float(c) for c in method.c}))
-    head = HEADER.format(
-        version=__version__, model=model.name, method=method.name, lanes=LANES, states=model.dimension,
-        outputs=len(model.outputs), harmonics=len(model.harmonics), stages=method.stages, nodes=len(nodes),
-        entries=max(len(slots), 1), bound=float(model.bound), times=nodes, fast=", ".join(repr(f) for f in FAST_MATH),
-    )  # fmt: skip
     writer = _Writer(model, hoisted, kind)
     parts = [
-        head,
-        writer.function("rates(y, c, p, tables, offsets, dy)", rates,
+        writer.function("rates(y, c, p, tables, offsets, scratch, cells, dy)", rates,
                         [f"dy[{i * LANES} + l]" for i in range(model.dimension)]),
-        writer.function("slopes(y, c, p, tables, offsets, jac)", slopes,
+        writer.function("slopes(y, c, p, tables, offsets, scratch, cells, jac)", slopes,
                         [f"jac[{i * LANES} + l]" for i in range(len(slots))]),
         writer.tangent(entries, slots),
         writer.function("observed(y, p, o)", observed, [f"o[{i * LANES} + l]" for i in range(len(model.outputs))]),
@@ -100,7 +95,13 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
         writer.step(method, nodes),
         _template("stepping" if kind == "locked" else "marching"),
     ]  # fmt: skip
-    return KernelSource("\n\n".join(p for p in parts if p), hoisted, entries, slots, model.tables, nodes)
+    head = HEADER.format(
+        version=__version__, model=model.name, method=method.name, lanes=LANES, states=model.dimension,
+        outputs=len(model.outputs), harmonics=len(model.harmonics), stages=method.stages, nodes=len(nodes),
+        entries=max(len(slots), 1), scratch=writer.scratch,
+        reads=writer.reads, bound=float(model.bound), times=nodes, fast=", ".join(repr(f) for f in FAST_MATH),
+    )  # fmt: skip
+    return KernelSource("\n\n".join(p for p in [head, *parts] if p), hoisted, entries, slots, model.tables, nodes)
 
 
 @cache
@@ -115,6 +116,7 @@ class _Writer:
     def __init__(self, model: Model, hoisted: Hoisted, kind: str) -> None:
         self.model, self.hoisted, self.kind = model, hoisted, kind
         self.tables = {table.name: (i, table) for i, table in enumerate(model.tables)}
+        self.scratch, self.reads = 1, 1
 
     def loads(self, names: set[str]) -> list[str]:
         """Statements that read the named inputs of one lane."""
@@ -137,27 +139,42 @@ class _Writer:
             if f"{kind}{i}" in names
         ]
 
-    def body(self, lines: Straight) -> list[str]:
-        """Statements of straight-line code, table readings included."""
-        out = []
-        for number, line in enumerate(lines.steps):
-            if isinstance(line, Read):
-                index, table = self.tables[line.table]
-                out += read_table(table, line, f"offsets[{index * LANES} + l]", number)
-            else:
-                out.append(f"{line[0].name} = {code(line[1])}")
-        return out
-
     def function(self, signature: str, lines: Straight, targets: list[str]) -> str:
-        """Write a kernel function that stores the results of straight-line code."""
-        names = lines.names()
+        """Write a kernel function that stores the results of straight-line code.
+
+        Reading a table goes through an index, and LLVM vectorises no loop that both stores and reads through one. So
+        code with tables becomes three loops: what the coordinates need, the table readings, and the rest; what crosses
+        from one to the next is kept in ``scratch`` and ``cells``.
+        """
         out = ["@inner", f"def {signature}:"]
-        if self.kind == "locked":
-            out += [f"    {w}" for w in self.waves(names, "")]
-        out.append("    for l in range(L):")
-        statements = [*self.loads(names), *self.body(lines)]
-        statements += [f"{target} = {code(result)}" for target, result in zip(targets, lines.results, strict=True)]
-        return "\n".join([*out, *(f"        {line}" for line in statements or ["pass"])])
+        results = [(target, code(result)) for target, result in zip(targets, lines.results, strict=True)]
+        reads = [step for step in lines.steps if isinstance(step, Read)]
+        before, after = _split(lines)
+        rows = _Rows()
+        if reads:
+            loop = [f"{symbol.name} = {code(e)}" for symbol, e in before]
+            for number, read in enumerate(reads):
+                index, table = self.tables[read.table]
+                loop += find_cell(table, read, f"offsets[{index * LANES} + l]", number, rows)
+            crossing = [s for s, _ in before if s.name in _used(after, lines.results)]
+            loop += [f"{rows.at(s.name)} = {s.name}" for s in crossing]
+            out += self.loop(loop, _used(before, [c for r in reads for c in r.coordinates]))
+            for number, read in enumerate(reads):
+                out += self.loop(read_table(self.tables[read.table][1], read, number, rows), set())
+            loads = [f"{s.name} = {rows.at(s.name)}" for s in crossing]
+            loads += [f"{o[2].name} = {rows.at(o[2].name)}" for read in reads for o in read.outputs]
+        else:
+            loads, after = [], [*before, *after]
+        body = [*loads, *(f"{symbol.name} = {code(e)}" for symbol, e in after)]
+        out += self.loop([*body, *(f"{t} = {r}" for t, r in results)], _used(after, lines.results))
+        self.scratch, self.reads = max(self.scratch, len(rows.names)), max(self.reads, len(reads))
+        return "\n".join(out)
+
+    def loop(self, statements: list[str], names: set[str]) -> list[str]:
+        """A flat loop over lanes, after the statements that read its inputs."""
+        shared = self.waves(names, "") if self.kind == "locked" else []
+        lines = [*self.loads(names), *statements] or ["pass"]
+        return [*(f"    {w}" for w in shared), "    for l in range(L):", *(f"        {line}" for line in lines)]
 
     def tangent(self, entries: dict[tuple[int, int], Expr], slots: dict[tuple[int, int], int]) -> str:
         """Write the product of the Jacobian with one tangent vector; entries without a slot are parameters."""
@@ -179,19 +196,17 @@ class _Writer:
         """Write the test of a step's end: every gap open, every state finite and within bounds."""
         sizes = [f"abs(y[{i * LANES} + l])" for i, s in enumerate(self.model.states) if s.cyclic is None]
         tests = [f"{code(g)} > 0.0" for g in gaps.results] + [f"{' + '.join(sizes) or '0.0'} < BOUND"]
-        out = ["@inner", "def examine(y, p, good):", "    for l in range(L):"]
-        statements = [*self.loads(gaps.names()), *self.body(gaps)]
+        statements = [f"{symbol.name} = {code(e)}" for symbol, e in _split(gaps)[0]]
         statements.append(f"good[l] = 1 if ({' & '.join(f'({x})' for x in tests)}) else 0")
-        return "\n".join([*out, *(f"        {line}" for line in statements)])
+        return "\n".join(["@inner", "def examine(y, p, good):", *self.loop(statements, gaps.names())])
 
     def phases(self, frequencies: Straight) -> str:
         """Write the harmonics of each lane at its own time."""
-        out = ["@inner", "def phases(time, p, c):", "    for l in range(L):"]
-        statements = self.loads(frequencies.names()) + self.body(frequencies)
+        statements = [f"{symbol.name} = {code(e)}" for symbol, e in _split(frequencies)[0]]
         for i, w in enumerate(frequencies.results):
             statements += [f"angle = ({code(w)}) * time[l]", f"c[{2 * i * LANES} + l] = cos(angle)",
                            f"c[{(2 * i + 1) * LANES} + l] = sin(angle)"]  # fmt: skip
-        return "\n".join([*out, *(f"        {line}" for line in statements or ["pass"])])
+        return "\n".join(["@inner", "def phases(time, p, c):", *self.loop(statements, frequencies.names())])
 
     def step(self, method: Method, nodes: tuple[float, ...]) -> str:
         """Write one step of the method: fused combinations of stages, and one call of ``rates`` for all stages.
@@ -201,7 +216,7 @@ class _Writer:
         locked = self.kind == "locked"
         head = "waves, starts, counters, " if locked else ""
         time = "" if locked else "time, "
-        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, k, jac, c, rows, count):"]
+        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, k, jac, c, scratch, cells, rows, count):"]
         out += [] if locked else ["    stage_time = np.empty(L)"]
         out += ["    for stage in range(STAGES):", "        if stage == 0:", "            node = 0",
                 "            for i in range(rows * L):", "                x[i] = y[i]"]  # fmt: skip
@@ -215,8 +230,8 @@ class _Writer:
             out += ["        for l in range(L):", "            stage_time[l] = time[l] + STAGE_TIMES[node] * h[l]",
                     "        phases(stage_time, p, c)"]  # fmt: skip
         out += ["        at = stage * rows * L",
-                "        rates(x, c, p, tables, offsets, k[at : at + N * L])",
-                "        if count > 0:", "            slopes(x, c, p, tables, offsets, jac)",
+                "        rates(x, c, p, tables, offsets, scratch, cells, k[at : at + N * L])",
+                "        if count > 0:", "            slopes(x, c, p, tables, offsets, scratch, cells, jac)",
                 "        for v in range(count):", "            a = N * (1 + v) * L",
                 "            tangent(x[a : a + N * L], jac, p, k[at + a : at + a + N * L])"]  # fmt: skip
         return "\n".join([*out, *_combine(method.b)])
@@ -228,45 +243,81 @@ def _combine(weights: tuple) -> list[str]:
             f"            x[a + l] = y[a + l] + h[l] * ({' + '.join(terms)})"]  # fmt: skip
 
 
-def read_table(table: Table, line: Read, offset: str, number: int) -> list[str]:
-    """Write the reading of a table: find the cell, then a polynomial (Horner) for each output and derivative.
+class _Rows:
+    """Rows of the scratch array, given out by name."""
 
-    A coordinate outside of [0, 1] reads the outermost cell's polynomial; NaN stays NaN.
-    """
-    axes = range(len(table.cells))
+    def __init__(self) -> None:
+        self.names: list[str] = []
+
+    def at(self, name: str) -> str:
+        """Source of the entry of a named row in lane l."""
+        if name not in self.names:
+            self.names.append(name)
+        return f"scratch[{self.names.index(name) * LANES} + l]"
+
+
+def _split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:
+    """Assignments that the coordinates of tables need (all of them where no table is read), and the others."""
+    steps = [step for step in lines.steps if not isinstance(step, Read)]
+    reads = [step for step in lines.steps if isinstance(step, Read)]
+    if not reads:
+        return steps, []
+    needed = {c for read in reads for c in read.coordinates}
+    for symbol, e in reversed(steps):
+        if symbol in needed:
+            needed |= e.free_symbols
+    return [s for s in steps if s[0] in needed], [s for s in steps if s[0] not in needed]
+
+
+def _used(steps: list[tuple[Symbol, Expr]], results: Iterable[Expr]) -> set[str]:
+    """Names that assignments and results read."""
+    return {s.name for e in (*(e for _, e in steps), *results) for s in e.free_symbols}
+
+
+def find_cell(table: Table, read: Read, offset: str, number: int, rows: _Rows) -> list[str]:
+    """Write the search of a table's cell, branch-free; a coordinate outside of [0, 1] gets the outermost cell."""
     out = []
-    for axis, (cells, z) in enumerate(zip(table.cells, line.coordinates, strict=True)):
-        name = f"{number}_{axis}"
-        out += [f"r{name} = {z.name} * {float(cells)!r}",
-                f"m{name} = r{name} if r{name} < {cells - 0.5!r} else {cells - 0.5!r}",
-                f"i{name} = int(m{name} if m{name} > 0.0 else 0.0)",
-                f"d{name} = r{name} - i{name}"]  # fmt: skip
-    cell = f"i{number}_0" if len(axes) == 1 else f"(i{number}_0 * {table.cells[1]} + i{number}_1)"
-    size = (table.degree + 1) ** len(axes)
-    out.append(f"b{number} = {offset} + {cell} * {size * len(table.outputs)}")
-    for output, orders, symbol in line.outputs:
+    for axis, (cells, z) in enumerate(zip(table.cells, read.coordinates, strict=True)):
+        out += [f"r = {z.name} * {float(cells)!r}",
+                f"m = r if r < {cells - 0.5!r} else {cells - 0.5!r}",
+                f"i{axis} = int(m if m > 0.0 else 0.0)",
+                f"{rows.at(f'd{number}_{axis}')} = r - i{axis}"]  # fmt: skip
+    cell = "i0" if len(table.cells) == 1 else f"(i0 * {table.cells[1]} + i1)"
+    size = (table.degree + 1) ** len(table.cells) * len(table.outputs)
+    return [*out, f"cells[{number * LANES} + l] = {offset} + {cell} * {size}"]
+
+
+def read_table(table: Table, read: Read, number: int, rows: _Rows) -> list[str]:
+    """Write the reading of a table: a polynomial in its cell (Horner) for each output and derivative.
+
+    Outside of [0, 1] the outermost cell's polynomial goes on; NaN stays NaN. With two coordinates the polynomials in the
+    second are shared by the value and the derivatives.
+    """
+    terms = table.degree + 1
+    size = terms ** len(table.cells)
+    out = [f"b = cells[{number * LANES} + l]"]
+    out += [f"d{axis} = {rows.at(f'd{number}_{axis}')}" for axis in range(len(table.cells))]
+    made: set[tuple[int, int]] = set()
+    for output, orders, symbol in read.outputs:
         scale = "".join(f" * {float(n)!r}" for n, order in zip(table.cells, orders, strict=True) if order)
-        value = _polynomial(f"tables[b{number} + {{}}]", output * size, table.degree, orders, number, 0)
-        out.append(f"{symbol.name} = ({value}){scale}")
+        base = output * size
+        if len(table.cells) == 1:
+            inner = [f"tables[b + {base + k}]" for k in range(terms)]
+        else:
+            inner = [f"g{output}_{orders[1]}_{k}" for k in range(terms)]
+            if (output, orders[1]) not in made:
+                made.add((output, orders[1]))
+                for k, row in enumerate(inner):
+                    entries = [f"tables[b + {base + k * terms + j}]" for j in range(terms)]
+                    out.append(f"{row} = {_horner(entries, 'd1', orders[1])}")
+        out.append(f"{rows.at(symbol.name)} = ({_horner(inner, 'd0', orders[0])}){scale}")
     return out
 
 
-def _polynomial(entry: str, base: int, degree: int, orders: tuple[int, ...], number: int, axis: int) -> str:
-    d = f"d{number}_{axis}"
-    deeper = axis + 1 < len(orders)
-
-    def coefficient(power: int) -> str:
-        at = base + power * (degree + 1) if deeper else base + power
-        return f"({_polynomial(entry, at, degree, orders, number, axis + 1)})" if deeper else entry.format(at)
-
-    first = orders[axis]
-    out = _times(coefficient(degree), degree if first else 1)
-    for power in range(degree - 1, first - 1, -1):
-        out = f"({out}) * {d} + {_times(coefficient(power), power if first else 1)}"
+def _horner(coefficients: list[str], x: str, order: int) -> str:
+    """Polynomial, or its first derivative, in Horner's form."""
+    terms = [c if order == 0 or k == 1 else f"{float(k)!r} * {c}" for k, c in enumerate(coefficients)][order:]
+    out = terms[-1]
+    for term in reversed(terms[:-1]):
+        out = f"({out}) * {x} + {term}"
     return out
-
-
-def _times(text: str, factor: int) -> str:
-    return text if factor == 1 else f"{float(factor)!r} * {text}"
-
-

@@ -1,7 +1,8 @@
 """Dimensional inputs of the gear pair, and every dimensionless group of it as an expression of them.
 
-Definitions are those of `studies/gear_psfd/audit.md`, section 3.1. Lengths are over the clearance c (the same in both
-bearings; each shaft has two identical bearings in two identical housings), time is counted in radians of the clock.
+Definitions are those of `studies/gear_psfd/audit.md`, section 3.1. Lengths are over the clearance c (the same
+in both bearings; each shaft has two identical bearings in two identical housings), time is counted in radians
+of the clock.
 """
 
 from collections.abc import Mapping
@@ -47,8 +48,8 @@ speed = Parameter("speed", "rad/s", "speed of the pinion's shaft", above=0)
 g = Parameter("g", "m/s^2", "gravity", at_least=0)
 
 INPUTS = (
-    z_p, z_g, m_p, m_g, m_1, m_2, K_p, K_g, C_p, C_g, k_11, k_21, k_12, k_22, c_1, c_2, K_m, C_m, e_TE, e_up, e_ug,
-    mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g,
+    z_p, z_g, m_p, m_g, m_1, m_2, K_p, K_g, C_p, C_g, k_11, k_21, k_12, k_22, c_1, c_2, K_m, C_m,
+    e_TE, e_up, e_ug, mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g,
 )  # fmt: skip
 
 omega_0 = sqrt(K_p / m_p)  # natural frequency of the pinion on a rigid bearing
@@ -60,13 +61,13 @@ def groups(switches: Mapping[str, str]) -> dict[Parameter, Expr]:
 
 
 def clocks(edition: str) -> dict[Parameter, Expr]:
-    """Turning rates of shafts, mesh and journals over the clock's speed, with what the clock is in each edition."""
+    """Express the rates of shafts, mesh and journals over the clock's speed; each edition has its clock."""
     if edition == "physical":  # the clock is the pinion's shaft; external gears turn against each other
         return {pair.r_p: 1, pair.r_g: -z_p / z_g, pair.r_m: z_p, pair.j_p: pair.r_p, pair.j_g: pair.r_g}
     quarter, eighth = Rational(1, 4), Rational(1, 8)  # the clock is the mesh; orders are those of (34)-(37)
     if edition == "intended":
         return {pair.r_p: quarter, pair.r_g: -eighth, pair.r_m: 1, pair.j_p: pair.r_p, pair.j_g: pair.r_g}
-    return {pair.r_p: quarter, pair.r_g: eighth, pair.r_m: 1, pair.j_p: 1, pair.j_g: 1}  # 1/2 in (31) and (33)
+    return {pair.r_p: quarter, pair.r_g: eighth, pair.r_m: 1, pair.j_p: 1, pair.j_g: 1}  # (31), (33)
 
 
 MACHINE: dict[Parameter, Expr] = {
@@ -96,16 +97,22 @@ MACHINE: dict[Parameter, Expr] = {
 
 
 def quantities(switches: Mapping[str, str]) -> dict[str, Output]:  # noqa: ARG001
-    """Dimensional results that tell an engineer where the machine runs, and how far the model's assumptions carry."""
+    """Dimensional results: where the machine runs, and how far the model's assumptions carry."""
     clock = pair.s * omega_0
     return {
         "omega_0": Output(omega_0, "rad/s", "natural frequency sqrt(K_p/m_p)"),
         "clock_speed": Output(clock, "rad/s", "speed of the clock, which s counts"),
         "pinion_speed": Output(pair.r_p * clock, "rad/s", "speed of the pinion's shaft"),
-        "gear_speed": Output(pair.r_g * clock, "rad/s", "speed of the gear's shaft, negative against the pinion"),
+        "gear_speed": Output(
+            pair.r_g * clock, "rad/s", "speed of the gear's shaft; negative: against the pinion"
+        ),
         "mesh_frequency": Output(pair.r_m * clock, "rad/s", "tooth-passing frequency"),
-        "slenderness_1": Output(L_1 / (2 * R_1), "1", "length over diameter, bearing 1; a short bearing is below 0.25"),
-        "slenderness_2": Output(L_2 / (2 * R_2), "1", "length over diameter, bearing 2; a short bearing is below 0.25"),
+        "slenderness_1": Output(
+            L_1 / (2 * R_1), "1", "length over diameter of bearing 1; short is below 0.25"
+        ),
+        "slenderness_2": Output(
+            L_2 / (2 * R_2), "1", "length over diameter of bearing 2; short is below 0.25"
+        ),
         "ring_1": Output(pi * H / L_1, "1", "pi H/L_1; psi is too large by about a third of its square"),
         "ring_2": Output(pi * H / L_2, "1", "pi H/L_2; psi is too large by about a third of its square"),
     }

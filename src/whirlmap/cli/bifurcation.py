@@ -1,0 +1,237 @@
+"""``whirlmap bifurcation``: the section of a system against one parameter."""
+
+from collections import Counter
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli import pictures, report
+from whirlmap.cli.messages import choice, say
+from whirlmap.cli.options import (
+    COMPUTING, OUTPUT, CaseName, Changes, Force, Json, Method, Out, Quiet, Start, Steps, Transient, Workers, assignments,
+    open_system,
+)  # fmt: skip
+from whirlmap.cli.outputs import claim
+from whirlmap.cli.progress import Progress
+from whirlmap.errors import RangeError, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.integrate.system import System
+
+SWEEP = "Sweep"
+
+EXAMPLES = """
+[bold]Examples[/bold]
+
+  whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out diagram.png
+
+  whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --follow both --out hysteresis.nc
+
+  whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --set psi=0.1 --lyapunov 200 --out figure5
+
+  whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp,eps_1
+"""
+
+
+def bifurcation(
+    case: CaseName,
+    vary: Annotated[
+        str,
+        typer.Option(
+            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
+            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log.",
+        ),
+    ],
+    follow: Annotated[
+        str | None,
+        typer.Option(
+            "--follow", metavar="up|down|both", rich_help_panel=SWEEP,
+            help="Carry the state from each point to the next; both shows hysteresis. Without it each point starts cold.",
+        ),
+    ] = None,
+    changes: Changes = None,
+    start: Start = None,
+    transient: Transient = 100,
+    keep: Annotated[
+        int,
+        typer.Option(
+            "--keep", metavar="N", rich_help_panel=COMPUTING,
+            help="Section points kept of each point, once per T; at least two common periods are.",
+        ),
+    ] = 64,
+    most: Annotated[
+        int,
+        typer.Option(
+            "--most", metavar="N", rich_help_panel=COMPUTING, help="Longest return that is sought, in common periods."
+        ),
+    ] = 64,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            "--tolerance", metavar="X", rich_help_panel=COMPUTING,
+            help="Largest difference that counts as a return, relative to the range of each state.",
+        ),
+    ] = 1e-6,
+    lyapunov: Annotated[
+        int,
+        typer.Option(
+            "--lyapunov", metavar="N", rich_help_panel=COMPUTING,
+            help="Common periods over which the largest Lyapunov exponent of points that do not return is measured;"
+            " 0: not measured, else 16 or more.",
+        ),
+    ] = 0,
+    steps: Steps = None,
+    method: Method = "rk4",
+    workers: Workers = None,
+    plot: Annotated[
+        str | None,
+        typer.Option(
+            "--plot", metavar="STATE,...", rich_help_panel=OUTPUT,
+            help="States in the picture, separated by commas; the displacements of the model where absent.",
+        ),
+    ] = None,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:  # fmt: skip
+    """Sweep one parameter of CASE and say where the motion is periodic, and where it is not.
+
+    Each point settles, is tested for a return, and gives its Poincaré section once per T. Ctrl-C keeps the points
+    that are finished: they are reported and written, marked as incomplete.
+    """
+    from whirlmap.sweep.grid import Range
+
+    swept = Range.parse(vary)
+    if follow is not None:
+        choice("--follow", follow, ("up", "down", "both"))
+    if swept.name in assignments(changes, "--set"):
+        raise RangeError(f"{swept.name} is set and varied: found it in --set and in --vary, expected it in one of them")
+    destination = claim(out, "bifurcation", force=force)
+    system = open_system(case, changes, start)
+    _refuse_input(system, swept.name)
+    states = _states(system, plot)
+    from whirlmap.analysis.returns import Settling
+    from whirlmap.sweep.run import diagram_in_batches, expected_periods
+
+    settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
+    total = swept.count * (2 if follow == "both" else 1)
+    with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
+        work = diagram_in_batches(
+            system, swept.name, swept.values, follow=follow, settling=settling, lyapunov=lyapunov, steps=steps,
+            method=method, workers=workers, progress=progress,
+            on_batch=lambda done, points: progress.expect(progress.done * points / done),
+        )  # type: ignore[arg-type]  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    files = destination.write(work.dataset, lambda ds: pictures.diagram(system, ds, states))
+    facts = summary(system, work.dataset, swept.name)
+    if json:
+        report.print_json({**facts, "files": files})
+    else:
+        _print(facts)
+        report.print_written(files)
+    if not work.complete:
+        say(f"interrupted after {work.done} of {work.total} points; these were kept")
+        raise typer.Exit(130)
+
+
+def _states(system: "System", plot: str | None) -> list[str]:
+    if plot is None:
+        return pictures.swing_of(system)
+    states = [name.strip() for name in plot.split(",") if name.strip()]
+    for name in states or [plot]:
+        if name not in system.states:
+            raise RangeError(
+                f"--plot: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
+                f"\n  states: {' '.join(system.states)}"
+            )
+    return states
+
+
+def _refuse_input(system: "System", name: str) -> None:
+    """Say which parameters can be varied in place of a dimensional input."""
+    if name in getattr(system.details, "inputs", {}):
+        fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
+        hint = f"; it feeds {', '.join(fed)}" if fed else ""
+        raise RangeError(
+            f"--vary: found the dimensional input {name!r}, expected a dimensionless parameter{hint}"
+            f"\n  parameters: {' '.join(system.parameters)}"
+        )
+
+
+def _words(text: str) -> list[str]:
+    return "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
+
+
+def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
+    """What is said about a diagram: every sweep point by point."""
+    sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
+    return {
+        "case": system.case,
+        "model": system.model.name,
+        "parameters": {name: value for name, value in system.values.items() if name != parameter},
+        "varied": parameter,
+        "follow": ds.attrs["follow"],
+        "values": ds[parameter].values,
+        "sweeps": [_sweep(sweep, parameter) for sweep in sweeps],
+        "incomplete": ds.attrs.get("incomplete"),
+    }
+
+
+def _sweep(ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
+    from whirlmap.results.regime import Regime
+    from whirlmap.results.status import Status
+
+    return {
+        "direction": str(ds["direction"].values) if "direction" in ds.coords else None,
+        "regime": [Regime(int(r)).label for r in ds["regime"].values],
+        "period": [int(n) or None for n in ds["period_T"].values],
+        "period_common": [int(m) or None for m in ds["period_common"].values],
+        "status": [Status(int(k)).name for k in ds["status"].values],
+        "lyapunov": ds["lyapunov"].values,
+        "lyapunov_error": ds["lyapunov_error"].values,
+        "end_time": ds["end_time"].values,
+        "peak_to_peak": {
+            str(q): (ds["maximum"] - ds["minimum"]).sel(quantity=q).values for q in ds["quantity"].values
+        },
+    }  # fmt: skip
+
+
+def _print(facts: dict[str, Any]) -> None:
+    name, values = facts["varied"], facts["values"]
+    typer.echo(f"{facts['case']}: {name} from {values[0]:.6g} to {values[-1]:.6g}, {len(values)} points")
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
+    for sweep in facts["sweeps"]:
+        labels = [_label(r, n, s) for r, n, s in zip(sweep["regime"], sweep["period"], sweep["status"], strict=True)]
+        counted = ", ".join(f"{count} {label}" for label, count in Counter(labels).most_common(8))
+        where = f"sweep {sweep['direction']}" if sweep["direction"] else "points"
+        typer.echo(f"{where}: {counted}")
+        rows = [
+            (f"{values[a]:.6g}", f"{values[b]:.6g}", b - a + 1, labels[a], _largest(sweep, a, b))
+            for a, b in _stretches(labels)
+        ]
+        title = f"Regimes, {where}" if sweep["direction"] else "Regimes"
+        columns = (f"{name} from", "to", "points", "regime", "largest exponent")
+        report.show(report.table(title, columns, rows[:60], numbers=(0, 1, 2)))
+        if len(rows) > 60:
+            typer.echo(f"  and {len(rows) - 60} more stretches: --json or --out NAME.nc has them all")
+
+
+def _label(regime: str, period: int | None, status: str) -> str:
+    if status in ("unresolved", "failed"):
+        return status
+    return f"periodic, {period}T" if regime == "periodic" else regime
+
+
+def _largest(sweep: dict[str, Any], first: int, last: int) -> str:
+    measured = [v for v in sweep["lyapunov"][first : last + 1] if v == v]
+    return f"{min(measured):.3g} to {max(measured):.3g}" if measured else "-"
+
+
+def _stretches(labels: list[str]) -> list[tuple[int, int]]:
+    starts = [i for i in range(len(labels)) if i == 0 or labels[i] != labels[i - 1]]
+    return list(zip(starts, [s - 1 for s in starts[1:]] + [len(labels) - 1], strict=True))

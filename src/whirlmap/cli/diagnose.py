@@ -1,0 +1,145 @@
+"""``whirlmap diagnose``: everything about one operating point, and what its regime is."""
+
+from typing import Annotated, Any
+
+import typer
+
+from whirlmap.cli import pictures, report
+from whirlmap.cli.options import (
+    COMPUTING, CaseName, Changes, Force, Json, Method, Out, Quiet, Start, Steps, Transient, Workers, open_system,
+)  # fmt: skip
+from whirlmap.cli.outputs import claim
+from whirlmap.cli.progress import Progress
+
+EXAMPLES = """
+[bold]Examples[/bold]
+
+  whirlmap diagnose duffing --set gamma=0.29
+
+  whirlmap diagnose gear-psfd/intended --set s=3.27 --set psi=1e-4 --json
+
+  whirlmap diagnose gear-psfd/machine --set "speed=1500 rpm" --out sheet.png
+"""
+
+
+def diagnose(
+    case: CaseName,
+    changes: Changes = None,
+    start: Start = None,
+    transient: Transient = 100,
+    most: Annotated[
+        int,
+        typer.Option(
+            "--most", metavar="N", rich_help_panel=COMPUTING, help="Longest return that is sought, in common periods."
+        ),
+    ] = 64,
+    tolerance: Annotated[
+        float,
+        typer.Option(
+            "--tolerance", metavar="X", rich_help_panel=COMPUTING,
+            help="Largest difference that counts as a return, relative to the range of each state.",
+        ),
+    ] = 1e-6,
+    exponents: Annotated[
+        int | None,
+        typer.Option(
+            "--exponents", metavar="N", rich_help_panel=COMPUTING,
+            help="Number of Lyapunov exponents, largest first; 4 where absent.",
+        ),
+    ] = None,
+    max_periods: Annotated[
+        int,
+        typer.Option(
+            "--max-periods", metavar="N", rich_help_panel=COMPUTING,
+            help="Common periods after which the exponents stop, whatever their error.",
+        ),
+    ] = 3200,
+    points: Annotated[
+        int,
+        typer.Option(
+            "--points", metavar="N", rich_help_panel=COMPUTING,
+            help="Section points of the correlation dimension, where the motion does not return.",
+        ),
+    ] = 5000,
+    steps: Steps = None,
+    method: Method = "rk4",
+    workers: Workers = None,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:  # fmt: skip
+    """Say what the motion of one operating point of CASE is, with the evidence.
+
+    Many start states settle; each is tested for a return. Lyapunov exponents, and where the motion does not return
+    its correlation dimension and spectrum, are the evidence. A motion whose evidence does not agree is undecided.
+    """
+    destination = claim(out, "diagnose", force=force)
+    system = open_system(case, changes, start)
+    from whirlmap.analysis.diagnosis import diagnose as measure
+    from whirlmap.analysis.diagnosis import verdict_json
+    from whirlmap.analysis.returns import Settling
+    from whirlmap.kernels.source import LANES
+
+    settling = Settling(transient=transient, most=most, tolerance=tolerance)
+    longest = LANES * system.common_multiple * (transient + 4 * most + max_periods + points // LANES)
+    with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
+        ds = measure(
+            system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points, steps=steps,
+            method=method, workers=workers, progress=progress,
+        )  # fmt: skip
+    verdict = verdict_json(ds)
+    files = destination.write(ds, lambda made: pictures.diagnosis(system, made))
+    if json:
+        report.print_json({**verdict, "case": system.case, "files": files})
+    else:
+        typer.echo(f"{system.case}: {headline(verdict)}")
+        _print(verdict)
+        report.print_written(files)
+
+
+def headline(verdict: dict[str, Any]) -> str:
+    """The regime in a few words: ``periodic, 4T, 1 common period, 4 turns of forcing``."""
+    words = [str(verdict["regime"])]
+    if verdict["regime"] == "periodic":
+        words.append(f"{verdict['period']}T")
+        words.append(f"{verdict['period_common']} common period{'s' if verdict['period_common'] != 1 else ''}")
+        words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
+    elif verdict["regime"] in ("contact", "diverged"):
+        words.append(f"at time {report.number(verdict.get('end_time'))}")
+    return ", ".join(words)
+
+
+def _print(verdict: dict[str, Any]) -> None:
+    typer.echo(f"status: {verdict['status']}; {100 * (verdict['confidence'] or 0):.0f} % of the start states agree")
+    pairs = zip(verdict["lyapunov"], verdict["lyapunov_error"], verdict["lyapunov_per_common_period"], strict=True)
+    rows = [(str(i), report.with_error(v, e), c) for i, (v, e, c) in enumerate(pairs, 1)]
+    columns = ("", "per unit of time", "per common period")
+    parts = [report.table("Lyapunov exponents", columns, rows, numbers=(0, 1, 2))] if rows else []
+    rows = [
+        ("Kaplan-Yorke dimension", report.number(verdict["kaplan_yorke"])),
+        (
+            "correlation dimension",
+            report.with_error(verdict["correlation_dimension"], verdict["correlation_dimension_error"]),
+        ),
+    ]
+    parts.append(report.table("Dimensions", ("", "value"), rows, numbers=(1,)))
+    rows = [(name, _evidence(vote)) for name, vote in verdict["indicators"].items()]
+    parts.append(report.table("Evidence", ("indicator", "says"), rows))
+    rows = [(name, a["peak_to_peak"], a["rms"]) for name, a in verdict["amplitude"].items()]
+    parts.append(report.table("Amplitude", ("", "peak to peak", "rms about mean"), rows, numbers=(1, 2)))
+    if verdict["max_eccentricity"]:
+        rows = [(name, e, verdict["min_film"][name]) for name, e in verdict["max_eccentricity"].items()]
+        columns = ("", "largest eccentricity", "thinnest film over c")
+        parts.append(report.table("Films", columns, rows, numbers=(1, 2)))
+    report.show(*parts)
+
+
+def _evidence(vote: dict[str, Any]) -> str:
+    shown = [str(vote["vote"])] if vote.get("vote") is not None else []
+    shown += [
+        f"{key.replace('_', ' ')} {report.number(v) if isinstance(v, float) else v}"
+        for key, v in vote.items()
+        if key != "vote" and v is not None
+    ]
+    return ", ".join(shown)

@@ -1,0 +1,114 @@
+"""``whirlmap``: the program, its commands, and the one place where errors end.
+
+Exit codes: 0 done, 1 a check failed, 2 the input was wrong, 130 interrupted.
+"""
+
+import sys
+from collections.abc import Sequence
+from typing import Annotated, Any
+
+import typer
+from typer.core import TyperCommand, TyperGroup
+
+from whirlmap import __version__
+from whirlmap.cli import bifurcation, cache, cases, diagnose, reproduce, show, simulate
+from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
+from whirlmap.errors import WhirlmapError
+
+
+class Program(TyperGroup):
+    """The group of commands; turns errors of the user into one message and an exit code."""
+
+    def main(
+        self,
+        args: Sequence[str] | None = None,
+        prog_name: str | None = None,
+        complete_var: str | None = None,
+        standalone_mode: bool = True,
+        **more: Any,
+    ) -> Any:
+        """Run a command, and exit with its code."""
+        if not standalone_mode:
+            return super().main(args, prog_name, complete_var, standalone_mode=False, **more)
+        try:
+            code = super().main(args, prog_name or "whirlmap", complete_var, standalone_mode=False, **more)
+        except WhirlmapError as error:
+            complain(str(error))
+            code = 2
+        except UsageError as error:
+            complain(plain_words(error))
+            code = 2
+        sys.exit(code if isinstance(code, int) else 0)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Invoke the command; Ctrl-C that it did not answer itself ends it."""
+        try:
+            return super().invoke(ctx)
+        except KeyboardInterrupt:
+            say("interrupted: nothing was finished, so nothing was written")
+            raise typer.Exit(130) from None
+
+
+class Command(TyperCommand):
+    """A command that refuses an option given twice with different values."""
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Parse the arguments."""
+        given_twice(self.params, args)
+        return super().parse_args(ctx, args)
+
+
+app = typer.Typer(
+    cls=Program,
+    add_completion=False,
+    invoke_without_command=True,
+    rich_markup_mode="rich",
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["--help", "-h"]},
+)
+
+EXAMPLES = """
+[bold]Examples[/bold]
+
+  whirlmap cases
+
+  whirlmap show gear-psfd/machine
+
+  whirlmap diagnose duffing --set gamma=0.29
+
+  whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out diagram.png
+
+  whirlmap reproduce
+"""
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"whirlmap {__version__}")
+        raise typer.Exit
+
+
+@app.callback(epilog=EXAMPLES)
+def program(
+    context: typer.Context,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
+    ] = False,
+) -> None:
+    """At which speeds does a geared rotor run periodically, and where does it turn quasi-periodic or chaotic?
+
+    Each command takes a case, a named set of parameters, and changes to it, and prints what it found; with
+    --out it also writes files. Every command explains itself with --help.
+    """
+    if context.invoked_subcommand is None:
+        typer.echo(context.get_help())
+
+
+for module in (cases, show, simulate, diagnose, bifurcation, reproduce, cache):
+    name = module.__name__.rpartition(".")[2]
+    app.command(name, cls=Command, epilog=module.EXAMPLES)(getattr(module, name))
+
+
+def run() -> None:
+    """Entry point of the program."""
+    app(prog_name="whirlmap")

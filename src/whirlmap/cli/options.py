@@ -1,0 +1,107 @@
+"""Options that commands share, and how their text is read."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from whirlmap.errors import InputError
+
+if TYPE_CHECKING:
+    from whirlmap.integrate.system import System
+
+SYSTEM, COMPUTING, OUTPUT = "System", "Computing", "Output"
+
+CaseName = Annotated[
+    str,
+    typer.Argument(
+        metavar="CASE", help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml."
+    ),
+]
+Changes = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        help='Change a symbol, a dimensional input with its unit ("speed=1500 rpm") or a switch (arc=positive).'
+        " May be repeated. `whirlmap show CASE` lists the names.",
+        rich_help_panel=SYSTEM,
+    ),
+]
+Start = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--start", metavar="STATE=VALUE", help="Start value of a state. May be repeated.", rich_help_panel=SYSTEM
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option(
+        "--out",
+        metavar="PLACE",
+        help="Where to write: NAME.nc the data, NAME.png, .svg or .pdf the picture, a folder's name both."
+        " Without it no file is written.",
+        rich_help_panel=OUTPUT,
+    ),
+]
+Force = Annotated[bool, typer.Option("--force", help="Replace what --out names.", rich_help_panel=OUTPUT)]
+Json = Annotated[
+    bool, typer.Option("--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT)
+]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress.", rich_help_panel=OUTPUT)]
+Workers = Annotated[
+    int | None,
+    typer.Option(
+        "--workers", metavar="N", min=1, max=4096, rich_help_panel=COMPUTING,
+        help="Threads; all cores where absent. The numbers do not depend on it.",
+    ),
+]  # fmt: skip
+Steps = Annotated[
+    int | None,
+    typer.Option(
+        "--steps", metavar="N", help="Integration steps per period T; 100 where absent.", rich_help_panel=COMPUTING
+    ),
+]
+Method = Annotated[
+    str, typer.Option("--method", metavar="NAME", help="Integration method.", rich_help_panel=COMPUTING)
+]
+Transient = Annotated[
+    int,
+    typer.Option(
+        "--transient", metavar="N", help="Common periods dropped before anything is looked at.",
+        rich_help_panel=COMPUTING,
+    ),
+]  # fmt: skip
+
+
+def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
+    """Read ``name=value`` texts of a repeatable option.
+
+    Raises
+    ------
+    InputError
+        Where a text has another form, or a name is given two different values.
+    """
+    example = '--start x=0.5' if option == "--start" else '--set gamma=0.3, --set "speed=1500 rpm"'
+    found: dict[str, str] = {}
+    for text in texts or ():
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise InputError(f"{option}: found {text!r}, expected name=value, as in {example}")
+        if found.setdefault(name, value) != value:
+            raise InputError(f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
+    return found
+
+
+def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] | None) -> "System":
+    """Load a case with the changes and the start state of the command line, and refuse a start that cannot be."""
+    changed, begin = assignments(changes, "--set"), assignments(start, "--start")
+    if "start" in changed:
+        raise InputError("--set: found start, expected a symbol or a switch; start values are given with --start")
+    from whirlmap.integrate.loading import load
+    from whirlmap.sweep.run import refuse_start
+
+    system = load(case, start=begin, **changed)
+    refuse_start(system)
+    return system

@@ -1,0 +1,57 @@
+"""Which picture goes with which command: panels of `whirlmap.plot` put together, nothing drawn here."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from whirlmap.integrate.system import System
+
+#: Periods T of a time series that its picture shows, the last ones.
+SHOWN = 40
+
+
+def swing_of(system: "System") -> list[str]:
+    """States that a picture of this system shows first."""
+    return [s.name for s in system.model.swing] or [system.states[0]]
+
+
+def partner_of(system: "System", state: str) -> str:
+    """State against which another is drawn: the one that its rate equals, else the next one."""
+    for s, rate in system.model.equations.items():
+        if s.name == state and getattr(rate, "name", None) in system.states:
+            return str(rate.name)
+    names = system.states
+    return names[(names.index(state) + 1) % len(names)]
+
+
+def simulation(system: "System", ds: "xr.Dataset") -> "Figure":
+    """Time series of the states that swing, and the phase portrait of the first."""
+    from whirlmap.plot.phase_portrait import draw_phase_portrait
+    from whirlmap.plot.style import WIDE, new_figure
+    from whirlmap.plot.time_series import draw_time_series
+
+    states = swing_of(system)
+    fig = new_figure(WIDE, 1.2 + 1.1 * max(len(states), 2))
+    grid = fig.add_gridspec(len(states), 2, width_ratios=[3, 2])
+    for row, state in enumerate(states):
+        draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN)
+    draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
+    fig.suptitle(system.case)
+    return fig
+
+
+def diagnosis(system: "System", ds: "xr.Dataset") -> "Figure":
+    """The sheet of a diagnosis."""
+    from whirlmap.plot.figures import diagnosis_figure
+
+    return diagnosis_figure(ds, swing_of(system)[0], title=system.case)
+
+
+def diagram(system: "System", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
+    """Bifurcation diagrams of some states over their regimes."""
+    from whirlmap.plot.figures import diagram_figure
+
+    return diagram_figure(ds, list(states), columns=2 if len(states) > 3 else 1, title=system.case)

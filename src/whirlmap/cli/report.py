@@ -1,0 +1,88 @@
+"""Results on standard output: tables for people, one JSON object for programs."""
+
+import json
+import math
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from enum import Enum
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+#: Columns of a table that is piped into a file, where no terminal says how wide it is.
+WIDE = 160
+
+
+def console() -> "Console":
+    """The console for standard output."""
+    from rich.console import Console
+
+    return Console(width=None if sys.stdout.isatty() else WIDE, highlight=False, soft_wrap=False, markup=False)
+
+
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()) -> Any:
+    """A plain table; ``numbers`` are the columns that are set flush right."""
+    from rich.box import SIMPLE_HEAD
+    from rich.table import Table
+    from rich.text import Text
+
+    made = Table(title=Text(title, style="bold"), title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    for i, column in enumerate(columns):
+        made.add_column(column, justify="right" if i in numbers else "left", overflow="fold", no_wrap=i == 0)
+    for row in rows:
+        made.add_row(*(Text(cell if isinstance(cell, str) else number(cell)) for cell in row))
+    return made
+
+
+def show(*parts: "RenderableType") -> None:
+    """Print parts one below the other."""
+    to = console()
+    for part in parts:
+        to.print(part)
+
+
+def number(value: Any) -> str:
+    """A number in at most seven digits; a ratio as it is written; a dash where there is none."""
+    if isinstance(value, Fraction):
+        return str(value)
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return "-"
+    return f"{float(value):.7g}"
+
+
+def with_error(value: Any, error: Any) -> str:
+    """A measured number with its error."""
+    if value is None:
+        return "-"
+    return f"{float(value):.5g}" if error is None else f"{float(value):.5g} +- {float(error):.2g}"
+
+
+def print_json(content: Mapping[str, Any]) -> None:
+    """Print one JSON object, and nothing else, on standard output; what is not finite is null."""
+    sys.stdout.write(json.dumps(jsonable(content), ensure_ascii=False, allow_nan=False) + "\n")
+
+
+def jsonable(value: Any) -> Any:
+    """Plain data for JSON: NaN and infinity as None, exact ratios and paths as text, NumPy values as Python's own."""
+    if isinstance(value, Mapping):
+        return {str(k): jsonable(v) for k, v in value.items()}
+    if hasattr(value, "tolist"):
+        return jsonable(value.tolist())
+    if isinstance(value, list | tuple | set | frozenset):
+        return [jsonable(v) for v in value]
+    if isinstance(value, Enum):
+        return jsonable(value.value)
+    if isinstance(value, Fraction | Path):
+        return str(value)
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    return value if value is None or isinstance(value, str | int | bool) else str(value)
+
+
+def print_written(files: Sequence[Path]) -> None:
+    """Say which files were written."""
+    for file in files:
+        sys.stdout.write(f"written: {file}\n")

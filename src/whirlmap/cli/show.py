@@ -1,0 +1,221 @@
+"""``whirlmap show``: everything that is in a case, before it is run."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli import report
+from whirlmap.cli.options import CaseName, Changes, Json, Start, open_system
+
+if TYPE_CHECKING:
+    from whirlmap.integrate.system import System
+
+EXAMPLES = """
+[bold]Examples[/bold]
+
+  whirlmap show gear-psfd/machine
+
+  whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed
+
+  whirlmap show duffing --equations
+
+  whirlmap show my_rotor.toml --json
+"""
+
+#: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
+SIDE_BY_SIDE = 220
+
+
+def show(
+    case: CaseName,
+    changes: Changes = None,
+    start: Start = None,
+    equations: Annotated[bool, typer.Option("--equations", help="Print the equations of motion too.")] = False,
+    json: Json = False,
+) -> None:
+    """Print every symbol of CASE with its value, unit, meaning and where the value comes from.
+
+    Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches, the start
+    state, the clocks and periods, and what is worth a warning. Nothing is simulated.
+    """
+    system = open_system(case, changes, start)
+    facts = describe(system, equations=equations)
+    if json:
+        report.print_json(facts)
+    else:
+        _print(facts)
+
+
+def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
+    """All there is to say about a system, as plain data."""
+    from whirlmap.integrate.equilibrium import start_states
+    from whirlmap.references import references
+
+    model, settled = system.model, system.details
+    x, found = start_states(model, system.vector[:, None])
+    begin = {s.name: system.start.get(s.name, float(v)) for s, v in zip(model.states, x[:, 0], strict=True)}
+    used = {p.name for p in model.read()}
+    facts: dict[str, Any] = {
+        "case": system.case,
+        "file": settled.case.path,
+        "description": settled.case.description,
+        "model": model.name,
+        "switches": _switches(settled.case.family, model),
+        "inputs": {
+            name: {
+                "value": given.value, "unit": given.parameter.unit, "written": given.written,
+                "meaning": given.parameter.meaning, "source": given.note,
+            }
+            for name, given in settled.inputs.items()
+        },
+        "parameters": {
+            p.name: {
+                "value": system.values[p.name], "unit": p.unit, "meaning": p.meaning,
+                "source": system.notes.get(p.name, ""), "read": p.name in used,
+            }
+            for p in model.parameters
+        },
+        "quantities": {
+            name: {"value": value, "unit": output.unit, "meaning": output.meaning, "rpm": _rpm(value, output.unit)}
+            for name, (value, output) in settled.quantities.items()
+        },
+        "outputs": {name: {"unit": o.unit, "meaning": o.meaning} for name, o in model.outputs.items()},
+        "stops": {name: stop.meaning for name, stop in model.stops.items()},
+        "states": {
+            s.name: {
+                "start": begin[s.name], "unit": s.unit, "meaning": s.meaning, "cyclic": s.cyclic,
+                "given": s.name in system.start,
+            }
+            for s in model.states
+        },
+        "start": "static equilibrium" if model.start == "equilibrium" else "the model's own",
+        "start_found": bool(found[0]),
+        "forced": model.forced,
+        "period": system.period,
+        "common_multiple": system.common_multiple if system.orders is not None else None,
+        "common_period": system.common_period if system.orders is not None else None,
+        "clocks": _clocks(system),
+        "sources": {key: references()[key].text for key in model.sources if key in references()},
+    }  # fmt: skip
+    facts["warnings"] = warnings(facts)
+    if equations:
+        facts["equations"] = {s.name: str(model.equations[s]) for s in model.states}
+    return facts
+
+
+def _switches(family: Any, model: Any) -> dict[str, Any]:
+    return {
+        name: {
+            "value": model.switches.get(name, choices[0]), "choices": list(choices),
+            "meaning": family.meanings.get(name, ""),
+        }
+        for name, choices in family.switches.items()
+    }  # fmt: skip
+
+
+def _clocks(system: "System") -> dict[str, Any]:
+    """Angular frequency of each clock, and its speed ratio where the model counts one."""
+    from sympy import sympify
+
+    numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
+    rates = {name: float(sympify(rate).subs(numbers)) for name, rate in system.model.clocks.items()}
+    s = float(system.values["s"]) if "s" in system.values else None
+    return {name: {"frequency": w, "s": None if s is None else s * abs(w)} for name, w in rates.items()}
+
+
+def _rpm(value: float, unit: str) -> float | None:
+    from whirlmap.units import convert
+
+    return convert(value, "rad/s", "rpm") if unit == "rad/s" else None
+
+
+def warnings(facts: dict[str, Any]) -> list[str]:
+    """What a reader should know before trusting a result."""
+    made = []
+    values = {name: p["value"] for name, p in facts["parameters"].items()}
+    switches = {name: s["value"] for name, s in facts["switches"].items()}
+    if not facts["start_found"]:
+        made.append("there is no static equilibrium: a run begins beside the clearance centre instead")
+    if facts["common_multiple"] is None:
+        made.append("an order of a harmonic is not a ratio p/q with q up to 10000: there is no common period")
+    still = [name for name in ("j_p", "j_g") if name in values and float(values[name]) == 0.0]
+    if still and switches.get("arc") == "positive":
+        made.append(
+            f"{' and '.join(still)} = 0: a damper that does not rotate carries no weight; without a centring spring"
+            " gravity drives the journal to the wall"
+        )
+    for name, limit in (("slenderness_1", 0.25), ("slenderness_2", 0.25)):
+        if facts["quantities"].get(name, {"value": 0})["value"] > limit:
+            value = facts["quantities"][name]["value"]
+            made.append(f"{name} = {value:.3g} is above {limit}: the film is that of a short bearing")
+    for name in ("ring_1", "ring_2"):
+        value = facts["quantities"].get(name, {"value": 0})["value"]
+        if value > 0.6:
+            made.append(f"{name} = {value:.3g}: the porous ring is thick, psi is too large by about {value**2 / 3:.0%}")
+    return made
+
+
+def _print(facts: dict[str, Any]) -> None:
+    from rich.columns import Columns
+
+    typer.echo(f"{facts['case']}: model {facts['model']}")
+    if facts["description"]:
+        typer.echo(facts["description"])
+    for text in facts["warnings"]:
+        typer.echo(f"warning: {text}")
+    tables = []
+    if facts["inputs"]:
+        rows = [(n, i["written"], i["meaning"], i["source"]) for n, i in facts["inputs"].items()]
+        tables.append(report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,)))
+    rows = [
+        (n, report.number(p["value"]) + _unit(p["unit"]), p["meaning"], _origin(p))
+        for n, p in facts["parameters"].items()
+    ]  # fmt: skip
+    title = "Dimensionless groups" if facts["inputs"] else "Parameters"
+    tables.append(report.table(title, ("symbol", "value", "meaning", "from"), rows, numbers=(1,)))
+    wide = report.console().width >= SIDE_BY_SIDE
+    report.show(*([Columns(tables, padding=(0, 3))] if wide else tables))
+    rest = []
+    if facts["switches"]:
+        rows = [(n, s["value"], " | ".join(s["choices"]), s["meaning"]) for n, s in facts["switches"].items()]
+        rest.append(report.table("Switches", ("switch", "value", "choices", "chooses"), rows))
+    if facts["quantities"]:
+        rows = [
+            (n, report.number(q["value"]) + _unit(q["unit"]), "" if q["rpm"] is None else f"{q['rpm']:.5g} rpm", q["meaning"])
+            for n, q in facts["quantities"].items()
+        ]  # fmt: skip
+        rest.append(report.table("Dimensional results", ("quantity", "value", "", "meaning"), rows, numbers=(1, 2)))
+    if facts["clocks"]:
+        rows = [(n, c["frequency"], c["s"]) for n, c in facts["clocks"].items()]
+        columns = ("clock", "frequency, per unit of the model's time", "speed ratio s")
+        rest.append(report.table("Clocks", columns, rows, numbers=(1, 2)))
+    rows = [
+        (n, report.number(s["start"]) + _unit(s["unit"]), s["meaning"], "given" if s["given"] else "")
+        for n, s in facts["states"].items()
+    ]
+    rest.append(report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,)))
+    report.show(*rest)
+    _print_periods(facts)
+    for name, text in facts["stops"].items():
+        typer.echo(f"a run ends with {name}: {text}")
+    for state, rate in facts.get("equations", {}).items():
+        typer.echo(f"d {state}/dt = {rate}")
+    for key, text in facts["sources"].items():
+        typer.echo(f"[{key}] {text}")
+
+
+def _print_periods(facts: dict[str, Any]) -> None:
+    if not facts["forced"]:
+        typer.echo(f"unforced: cut by its section; typical time {facts['period']:.7g}")
+        return
+    common = facts["common_multiple"]
+    beside = "no common period" if common is None else f"common period {facts['common_period']:.7g} = {common} T"
+    typer.echo(f"period T = {facts['period']:.7g}, {beside}")
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else f" {unit}"
+
+
+def _origin(parameter: dict[str, Any]) -> str:
+    return str(parameter["source"]) + ("" if parameter["read"] else " (not read)")

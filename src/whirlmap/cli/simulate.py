@@ -1,0 +1,132 @@
+"""``whirlmap simulate``: the time series of one operating point."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli import pictures, report
+from whirlmap.cli.messages import say
+from whirlmap.cli.options import (
+    COMPUTING, CaseName, Changes, Force, Json, Method, Out, Quiet, Start, Steps, Workers, open_system,
+)  # fmt: skip
+from whirlmap.cli.outputs import claim
+from whirlmap.cli.progress import Progress
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.integrate.system import System
+
+EXAMPLES = """
+[bold]Examples[/bold]
+
+  whirlmap simulate duffing
+
+  whirlmap simulate duffing --set gamma=0.29 --start x=0.5 --transient 100 --out run.png
+
+  whirlmap simulate gear-psfd/machine --set "speed=1500 rpm" --periods 10 --every 5 --out run.nc
+"""
+
+
+def simulate(
+    case: CaseName,
+    changes: Changes = None,
+    start: Start = None,
+    periods: Annotated[
+        int,
+        typer.Option(
+            "--periods", metavar="N", help="Common periods recorded (unforced models: typical times).",
+            rich_help_panel=COMPUTING,
+        ),
+    ] = 20,
+    transient: Annotated[
+        int,
+        typer.Option("--transient", metavar="N", help="Common periods dropped before.", rich_help_panel=COMPUTING),
+    ] = 0,
+    every: Annotated[
+        int, typer.Option("--every", metavar="N", help="Steps between samples.", rich_help_panel=COMPUTING)
+    ] = 1,
+    steps: Steps = None,
+    method: Method = "rk4",
+    workers: Workers = None,
+    out: Out = None,
+    force: Force = False,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:  # fmt: skip
+    """Integrate one operating point of CASE and report how each state and output moves.
+
+    A common period is the shortest time after which everything that drives the system repeats. Ctrl-C keeps what
+    was recorded until then.
+    """
+    destination = claim(out, "simulate", force=force)
+    system = open_system(case, changes, start)
+    from whirlmap.sweep.run import simulation_in_stretches
+
+    total = (periods + transient) * system.common_multiple
+    with Progress("simulate", max(total, 1), quiet=quiet) as progress:
+        work = simulation_in_stretches(
+            system, periods=periods, transient=transient, every=every, steps=steps, method=method, workers=workers,
+            progress=progress,
+        )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    files = destination.write(work.dataset, lambda ds: pictures.simulation(system, ds))
+    facts = summary(system, work.dataset)
+    if json:
+        report.print_json({**facts, "files": files})
+    else:
+        _print(facts)
+        report.print_written(files)
+    if not work.complete:
+        say(f"interrupted after {work.done} of {work.total} common periods; these were kept")
+        raise typer.Exit(130)
+
+
+def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
+    """What is said about a time series."""
+    from whirlmap.results.status import Status
+
+    series = {**{str(s): ds["x"].sel(state=s) for s in ds["state"].values},
+              **{str(o): ds["outputs"].sel(output=o) for o in ds["output"].values}}  # fmt: skip
+    return {
+        "case": system.case,
+        "model": system.model.name,
+        "parameters": dict(system.values),
+        "status": Status(int(ds["status"])).name,
+        "end_time": float(ds["end_time"]),
+        "stop": ds.attrs.get("stop"),
+        "start_found": bool(ds["start_found"]),
+        "period": system.period,
+        "common_period": system.common_period,
+        "samples": ds.sizes["time"],
+        "time": [float(ds["time"][0]), float(ds["time"][-1])],
+        "motion": {
+            name: {
+                "minimum": float(v.min()), "maximum": float(v.max()), "mean": float(v.mean()), "rms": float(v.std()),
+                "last": float(v[-1]),
+            }
+            for name, v in series.items()
+        },
+        "incomplete": ds.attrs.get("incomplete"),
+    }  # fmt: skip
+
+
+def _print(facts: dict[str, Any]) -> None:
+    from whirlmap.results.status import Status
+
+    begin, end = facts["time"]
+    typer.echo(f"{facts['case']}: {facts['samples']} samples from time {begin:.6g} to {end:.6g}")
+    typer.echo(f"period T = {facts['period']:.7g}, common period = {facts['common_period']:.7g}")
+    status = Status[facts["status"]]
+    if status == Status.ok:
+        typer.echo("status: ok, ran to its end")
+    else:
+        typer.echo(f"status: {status.name} at time {facts['end_time']:.9g}: {status.sentence}")
+    if not facts["start_found"]:
+        typer.echo("note: there is no static equilibrium; the run began beside the clearance centre")
+    columns = ("", "minimum", "maximum", "mean", "rms about mean", "last")
+    rows = [
+        (name, m["minimum"], m["maximum"], m["mean"], m["rms"], m["last"]) for name, m in facts["motion"].items()
+    ]
+    report.show(report.table("Motion", columns, rows, numbers=range(1, 6)))

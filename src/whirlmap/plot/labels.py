@@ -1,0 +1,66 @@
+"""Symbols and axis labels: the ASCII names of a Dataset as a reader of the papers expects them."""
+
+import re
+
+import xarray as xr
+
+from whirlmap.errors import RangeError, nearest
+
+_GREEK = (
+    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi rho sigma tau upsilon phi chi psi omega"
+).split()
+_LATEX = {name: "\\" + name for name in _GREEK} | {name.title(): "\\" + name.title() for name in
+          ("gamma", "delta", "theta", "lambda", "xi", "sigma", "phi", "psi", "omega")}  # fmt: skip
+_LATEX |= {"eps": r"\varepsilon", "varepsilon": r"\varepsilon"}
+
+
+def symbol(name: str) -> str:
+    """Give a name in mathematical type: ``yp`` as y_p, ``eps_1`` as epsilon_1, ``vx1`` as v_x1.
+
+    The first part is the letter, what follows it or stands behind an underscore is the index; longer words stay words.
+    """
+    head, _, index = name.partition("_")
+    if not index and head not in _LATEX and 1 < len(head) <= 3:
+        head, index = head[0], head[1:]
+    index = re.sub("_", ",", index)
+    letter = _LATEX.get(head, head if len(head) == 1 else rf"\mathrm{{{head}}}")
+    return f"${letter}_{{{index}}}$" if index else f"${letter}$"
+
+
+def unit_text(unit: str) -> str:
+    """Give a unit as it stands behind a symbol: ``[m/s]``, and a dash for a pure number."""
+    return "[–]" if unit in ("1", "") else f"[{unit}]"
+
+
+def unit_of(ds: xr.Dataset, name: str) -> str:
+    """Unit of a state, an output or a coordinate, from what the Dataset says."""
+    for variable, dim in (("x", "state"), ("section", "state"), ("output", "output")):
+        if variable in ds and dim in ds.coords and name in ds[dim].values:
+            each = str(ds[variable].attrs.get("unit_of_each", "")).split()
+            position = ds[dim].values.tolist().index(name)
+            return each[position] if position < len(each) else str(ds[variable].attrs.get("units", "1"))
+    return str(ds[name].attrs.get("units", "1")) if name in ds else "1"
+
+
+def axis_label(ds: xr.Dataset, name: str, *, meaning: bool = False) -> str:
+    """Symbol and unit of a state, output or coordinate, after its meaning where there is room for it."""
+    text = f"{symbol(name)} {unit_text(unit_of(ds, name))}"
+    words = str(ds[name].attrs.get("long_name", "")) if meaning and name in ds else ""
+    words = re.split(r"[:;,(]", words)[0].strip()  # what follows is a definition: too long for an axis
+    return f"{words}, {text}" if words and words != name else text
+
+
+def check_name(name: str, known: list[str], what: str) -> str:
+    """Return the name where the Dataset knows it, else raise `RangeError` with the nearest one."""
+    if name not in known:
+        raise RangeError(f"there is no {what} {name!r}.{nearest(name, known)}\n  {what}s: {' '.join(known)}")
+    return name
+
+
+def velocity_of(ds: xr.Dataset, coordinate: str) -> str:
+    """Name of the state that is a coordinate's velocity: ``vyp`` of ``yp``, or ``v`` of ``x``."""
+    known = [str(s) for s in ds["state"].values]
+    for name in ("v" + coordinate, "v"):
+        if name in known:
+            return name
+    raise RangeError(f"no state is the velocity of {coordinate!r}: name it with velocity=\n  states: {' '.join(known)}")

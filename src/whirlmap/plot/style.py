@@ -1,0 +1,123 @@
+"""One house style for every picture: sizes, fonts, colours, and how a regime looks.
+
+Nothing here touches matplotlib's global settings for longer than a call: drawing functions carry `styled`, which sets
+`HOUSE` around them. The colours are those of Okabe and Ito, told apart with any colour vision; a regime also has a
+marker, and an ended run a hatch, so that a print in grey can be read.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import wraps
+from typing import Any, ParamSpec, TypeVar
+
+import matplotlib as mpl
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from whirlmap.results.regime import Regime
+from whirlmap.results.status import Status
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
+SKY, PURPLE, INDIGO, INK, GREY, PALE = "#56B4E9", "#CC79A7", "#332288", "#1A1A1A", "#B8B8B8", "#E9E9E9"
+
+#: Width of a figure over both columns of a page, and over one [inch].
+WIDE, NARROW = 7.2, 4.2
+
+HOUSE: dict[str, Any] = {
+    "font.family": "DejaVu Sans",
+    "font.size": 8.0,
+    "mathtext.fontset": "dejavusans",
+    "axes.titlesize": 8.5,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 5.0,
+    "axes.labelsize": 8.5,
+    "axes.linewidth": 0.7,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.limits": (-4, 5),
+    "axes.axisbelow": True,
+    "xtick.labelsize": 7.5,
+    "ytick.labelsize": 7.5,
+    "xtick.major.width": 0.7,
+    "ytick.major.width": 0.7,
+    "legend.fontsize": 7.5,
+    "legend.frameon": False,
+    "lines.linewidth": 0.9,
+    "hatch.linewidth": 0.6,
+    "figure.titlesize": 9.5,
+    "figure.facecolor": "white",
+    "savefig.facecolor": "white",
+    "path.simplify": True,
+}
+
+
+@dataclass(frozen=True)
+class Look:
+    """How one kind of operating point is drawn: face colour, marker, hatch, and its word in legends."""
+
+    label: str
+    colour: str
+    marker: str
+    hatch: str = ""
+    text: str = "white"
+
+
+#: How each regime is drawn, everywhere.
+REGIMES: dict[Regime, Look] = {
+    Regime.undecided: Look("undecided", GREY, "d", text=INK),
+    Regime.periodic: Look("periodic", BLUE, "o"),
+    Regime.quasi_periodic: Look("quasi-periodic", GREEN, "s"),
+    Regime.chaotic: Look("chaotic", VERMILION, "^"),
+    Regime.contact: Look("contact", "#FFFFFF", "X", "//////", INK),
+    Regime.diverged: Look("diverged", "#F3DCE8", "P", "\\\\\\\\", INK),
+}
+
+#: How points are drawn whose run did not come to a regime at all.
+UNFINISHED: dict[Status, Look] = {
+    Status.unresolved: Look("unresolved", "#FFFFFF", ".", "......", INK),
+    Status.failed: Look("not computed", "#FFFFFF", "_", "------", INK),
+}
+
+#: Sweeps that carry the state along, by direction.
+DIRECTIONS: dict[str, Look] = {"up": Look("speeding up", INDIGO, "^"), "down": Look("slowing down", ORANGE, "v")}
+
+
+def look_of(regime: int, status: int = 0) -> Look:
+    """How an operating point of this regime and status is drawn."""
+    ended = Status(int(status))
+    return UNFINISHED[ended] if ended in UNFINISHED else REGIMES[Regime(int(regime))]
+
+
+def styled(function: Callable[P, R]) -> Callable[P, R]:
+    """Run a drawing function in the house style, and leave matplotlib's settings as they were."""
+
+    @wraps(function)
+    def inside(*args: P.args, **kwargs: P.kwargs) -> R:
+        with mpl.rc_context(HOUSE):
+            return function(*args, **kwargs)
+
+    return inside
+
+
+def new_figure(width: float = WIDE, height: float = 4.5) -> Figure:
+    """Give an empty figure [inch] that lays out its panels so that no label is cut; no pyplot, no global state."""
+    return Figure(figsize=(width, height), layout="constrained")
+
+
+def axes_or_new(ax: Axes | None, width: float = NARROW, height: float = 3.2) -> Axes:
+    """Return the given Axes, or those of a new figure."""
+    return new_figure(width, height).add_subplot() if ax is None else ax
+
+
+def write_reason(ax: Axes, reason: str) -> Axes:
+    """Turn a panel into the sentence that says why it is empty."""
+    ax.set_xticks([])
+    ax.set_yticks([])
+    for spine in ax.spines.values():
+        spine.set(visible=True, color=GREY, linestyle=(0, (4, 3)))
+    ax.text(0.5, 0.5, reason, transform=ax.transAxes, ha="center", va="center", color="#555555", wrap=True)
+    return ax

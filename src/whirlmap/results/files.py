@@ -1,0 +1,167 @@
+"""Writing results: where to, whether allowed, and never half.
+
+A file appears under its name only when it is complete: it is written beside under another name and then
+renamed. What exists is replaced only with ``force``, and that is checked before anything is computed.
+"""
+
+import os
+import tempfile
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from whirlmap.errors import OutputError, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+DATASETS = (".nc",)
+PICTURES = (".png", ".svg", ".pdf")
+
+
+@dataclass(frozen=True)
+class Places:
+    """Where the outputs of a command go: None where that kind was not asked for."""
+
+    dataset: Path | None = None
+    picture: Path | None = None
+    folder: Path | None = None
+
+
+def places(out: str | Path, name: str) -> Places:
+    """Read what ``--out`` asks for.
+
+    Parameters
+    ----------
+    out : str or Path
+        ``NAME.nc`` for the Dataset, ``NAME.png``, ``.svg`` or ``.pdf`` for the picture, a folder for both.
+    name : str
+        Name, without suffix, of the files in a folder.
+
+    Raises
+    ------
+    OutputError
+        For any other suffix.
+    """
+    path = Path(out).expanduser()
+    suffix = path.suffix.lower()
+    if suffix in DATASETS:
+        return Places(dataset=path)
+    if suffix in PICTURES:
+        return Places(picture=path)
+    if suffix and not path.is_dir():
+        known = (*DATASETS, *PICTURES)
+        raise OutputError(
+            f"{path}: found the suffix {path.suffix!r}, expected one of {' '.join(known)}, or a folder's name"
+            f" without suffix.{nearest(suffix, known)}"
+        )
+    return Places(dataset=path / f"{name}.nc", picture=path / f"{name}.png", folder=path)
+
+
+def check_writable(path: str | Path, *, force: bool = False) -> None:
+    """Refuse a place that cannot be written, or must not be overwritten; nothing is created that stays.
+
+    Commands call this before they compute anything.
+
+    Parameters
+    ----------
+    path : str or Path
+        A file, or a folder that is to be made. Its parent must exist. An empty folder counts as new.
+    force : bool
+        What exists may be replaced.
+
+    Raises
+    ------
+    OutputError
+        The parent is missing or is no folder; something exists and ``force`` is false; the folder refuses a
+        file.
+    """
+    path = Path(path)
+    parent = path.parent
+    if not parent.is_dir():
+        reason = "is not a folder" if parent.exists() else "does not exist"
+        raise OutputError(f"{path}: the folder {parent} {reason}; make it first")
+    as_file = path.suffix.lower() in (*DATASETS, *PICTURES)
+    if as_file and path.is_dir():
+        raise OutputError(f"{path}: found a folder, expected a file or nothing")
+    if not as_file and path.exists() and not path.is_dir():
+        raise OutputError(f"{path}: found a file, expected a folder or nothing")
+    if not force and os.path.lexists(path) and (as_file or any(path.iterdir())):
+        raise OutputError(f"{path}: exists already; use --force (force=True) to replace it, or another name")
+    folder = path if path.is_dir() else parent
+    try:  # permissions, read-only mounts and full disks answer only to an attempt
+        handle, trial = tempfile.mkstemp(dir=folder, prefix=".whirlmap-")
+        os.close(handle)
+        Path(trial).unlink()
+    except OSError as error:
+        raise OutputError(f"{path}: the folder {folder} cannot be written ({error.strerror})") from None
+
+
+def write(dataset: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
+    """Write a Dataset as NetCDF (netCDF4), complete or not at all.
+
+    Raises
+    ------
+    OutputError
+        As `check_writable`; a suffix other than ``.nc``; or the disk refuses.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in DATASETS:
+        raise OutputError(f"{path}: found the suffix {path.suffix!r}, expected .nc for a Dataset")
+
+    def fill(trial: Path) -> None:
+        dataset.to_netcdf(trial, engine="netcdf4", format="NETCDF4")
+
+    return replace_file(path, fill, force=force)
+
+
+def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = False) -> Path:
+    """Have ``fill(temporary path)`` write a file, and give it its name when it is complete.
+
+    The temporary file lies in the same folder, keeps the suffix, and is removed whatever happens.
+    """
+    check_writable(path, force=force)
+    trial = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        fill(trial)
+        if force:
+            trial.replace(path)
+        else:
+            _claim(trial, path)
+    except OSError as error:
+        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
+    finally:
+        trial.unlink(missing_ok=True)
+    return path
+
+
+def _claim(trial: Path, path: Path) -> None:
+    """Name a file, unless somebody else took the name while it was computed."""
+    try:
+        os.link(trial, path)
+    except OSError:  # the name is taken, or the file system has no hard links
+        if os.path.lexists(path):
+            raise OutputError(
+                f"{path}: appeared while this was computed; use --force to replace it"
+            ) from None
+        trial.replace(path)
+
+
+def read(path: str | Path) -> "xr.Dataset":
+    """Read a Dataset into memory and close its file.
+
+    Raises
+    ------
+    OutputError
+        Where there is no such file, or it is not NetCDF.
+    """
+    import xarray as xr
+
+    path = Path(path)
+    if not path.is_file():
+        raise OutputError(f"{path}: no such file")
+    try:
+        return xr.load_dataset(path, engine="netcdf4")
+    except (OSError, ValueError) as error:
+        raise OutputError(f"{path}: cannot be read as NetCDF ({error})") from error

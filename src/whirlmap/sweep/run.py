@@ -1,0 +1,287 @@
+"""Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches of points, simulations in stretches.
+
+The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch to the
+next, and a stretch of a simulation starts from the end of the one before, at the same phase of the forcing.
+"""
+
+import os
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from math import gcd
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+from sympy import sympify
+
+from whirlmap.analysis.points import DEFAULT_STEPS, parameter_values
+from whirlmap.analysis.returns import Settling
+from whirlmap.analysis.trajectory import simulate
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.system import System
+from whirlmap.kernels.source import LANES
+from whirlmap.results.status import Status
+from whirlmap.sweep.diagram import Follow, bifurcation_diagram
+
+Array = NDArray[np.float64]
+
+#: Points of a chain in one batch; a chain walks them one by one.
+CHAIN = 16
+
+#: Stretches of a simulation.
+STRETCHES = 16
+
+#: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
+NOT_REACHED = {"status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0}
+
+
+@dataclass(frozen=True)
+class Work:
+    """What was done of a piece of work: all of it, or what was finished when Ctrl-C came.
+
+    Attributes
+    ----------
+    dataset : xr.Dataset or None
+        None where nothing was finished. Carries the attribute ``incomplete`` where something is missing.
+    done, total : int
+        Points, or common periods.
+    """
+
+    dataset: xr.Dataset | None
+    done: int
+    total: int
+
+    @property
+    def complete(self) -> bool:
+        """Whether all was done."""
+        return self.done == self.total
+
+
+def diagram_in_batches(
+    system: System,
+    parameter: str,
+    values: ArrayLike,
+    *,
+    follow: Follow | None = None,
+    settling: Settling | None = None,
+    lyapunov: int = 0,
+    steps: int | None = None,
+    method: str = "rk4",
+    workers: int | None = None,
+    batch: int | None = None,
+    progress: Callable[[int], None] | None = None,
+    on_batch: Callable[[int, int], None] | None = None,
+) -> Work:
+    """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it, and what is finished is returned.
+
+    Parameters
+    ----------
+    batch : int, optional
+        Points in a batch; enough to keep all workers busy where absent.
+    on_batch : callable, optional
+        ``on_batch(done, total)`` after each batch, in points.
+
+    Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both directions was
+    interrupted on its way down, points not reached have ``status`` failed.
+    """
+    points = np.atleast_1d(np.asarray(values, dtype=float))
+    settling = settling or Settling()
+    if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
+        raise RangeError(f"values of {parameter!r} must be finite and ascend")
+    parameter_values(system, {parameter: points[[0, -1]]})  # before the first batch, not when the last one is reached
+    ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
+    size = batch or (2 * LANES * (workers or cores()) if follow is None else CHAIN)
+    if follow is not None and not system.model.forced:
+        size = points.size  # its section does not hold the state at the end of a record
+    _refuse_memory(
+        "the diagram", 2 * len(ways) * points.size * _kept(system, settling) * system.model.dimension
+        + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
+    )  # fmt: skip
+    options: dict[str, Any] = {
+        "settling": settling, "lyapunov": lyapunov, "steps": steps, "method": method, "workers": workers, "progress": progress,
+    }  # fmt: skip
+    finished: dict[Any, list[xr.Dataset]] = {way: [] for way in ways}
+    done, total = 0, points.size * len(ways)
+    try:
+        for way in ways:
+            for ds in _batches(system, parameter, points, way, size, options):
+                finished[way].append(ds)
+                done += ds.sizes[parameter]
+                if on_batch:
+                    on_batch(done, total)
+    except KeyboardInterrupt:
+        pass
+    return Work(_joined(finished, parameter, points, follow, done, total), done, total)
+
+
+def _batches(
+    system: System, parameter: str, points: Array, way: Follow | None, size: int, options: dict[str, Any]
+) -> Iterator[xr.Dataset]:
+    parts = [points[i : i + size] for i in range(0, points.size, size)]
+    if way == "down":
+        parts = [points[max(i - size, 0) : i] for i in range(points.size, 0, -size)]
+    now = system
+    for part in parts:
+        ds = bifurcation_diagram(now, parameter, part, follow=way, **options)
+        yield ds
+        if way is not None and part is not parts[-1]:
+            last = ds.isel({parameter: 0 if way == "down" else -1})
+            state = last["section"].isel(period=-1).values
+            ran = int(last["status"]) == Status.ok
+            now = system.replace(start=dict(zip(system.states, state.tolist(), strict=True))) if ran else system
+
+
+def _joined(
+    finished: dict[Any, list[xr.Dataset]], parameter: str, points: Array, follow: Follow | None, done: int, total: int
+) -> xr.Dataset | None:
+    sweeps = []
+    for way, parts in finished.items():
+        if parts:
+            ordered = parts[::-1] if way == "down" else parts
+            sweeps.append(_concat(ordered, parameter) if len(ordered) > 1 else ordered[0])
+    if not sweeps:
+        return None
+    ds = sweeps[0]
+    if len(sweeps) > 1:
+        if sweeps[1].sizes[parameter] < points.size:
+            meta = {name: v.attrs for name, v in sweeps[1].variables.items()}
+            sweeps[1] = sweeps[1].reindex({parameter: ds[parameter]}, fill_value=_fill(sweeps[1]))
+            for name, attributes in meta.items():
+                sweeps[1][name].attrs = attributes
+        ds = _concat(sweeps, "direction")
+    ds.attrs = {**sweeps[0].attrs, "follow": follow or "none"}
+    if done < total:
+        ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
+    return ds
+
+
+def _fill(ds: xr.Dataset) -> dict[Any, Any]:
+    return {name: NOT_REACHED.get(str(name), np.nan) for name in ds.data_vars}
+
+
+def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
+    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN."""
+    joined: xr.Dataset = xr.concat(
+        parts, dim=dim, join="outer", data_vars="minimal" if dim != "direction" else "all", coords="minimal",
+        compat="equals", combine_attrs="override",
+    )  # fmt: skip
+    return joined
+
+
+def simulation_in_stretches(
+    system: System,
+    *,
+    periods: int = 20,
+    transient: int = 0,
+    every: int = 1,
+    steps: int | None = None,
+    method: str = "rk4",
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Work:
+    """Simulate stretch by stretch; `KeyboardInterrupt` ends it, and what is finished is returned.
+
+    Parameters, and the Dataset, are those of `simulate`.
+    """
+    options: dict[str, Any] = {"every": every, "steps": steps, "method": method, "workers": workers, "progress": progress}
+    common = system.common_multiple
+    per = common * (DEFAULT_STEPS if steps is None else steps)
+    if min(periods, every, per) < 1 or periods * per % every:  # simulate says what is wrong
+        return Work(simulate(system, periods=periods, transient=transient, **options), periods, periods)
+    samples = periods * per // every
+    _refuse_memory("the time series", 3 * samples * (system.model.dimension + len(system.model.outputs)))
+    first = transient * per
+    least = every // gcd(per, every)
+    stretch = max(-(-periods // (STRETCHES * least)), 1) * least
+    parts: list[xr.Dataset] = []
+    done, now = 0, system
+    try:
+        while done < periods and not (parts and int(parts[-1]["status"]) != Status.ok):
+            length = min(stretch, periods - done)
+            parts.append(simulate(now, periods=length, transient=0 if parts else transient, **options))
+            done += length
+            last = parts[-1]["x"].isel(time=-1).values
+            if np.isfinite(last).all():
+                now = system.replace(start=dict(zip(system.states, last.tolist(), strict=True)))
+    except KeyboardInterrupt:
+        if not parts:
+            return Work(None, 0, periods)
+        ds = _joined_series(parts, first + every * np.arange(done * per // every + 1), per // common)
+        ds.attrs["incomplete"] = f"interrupted after {done} of {periods} common periods"
+        return Work(ds, done, periods)
+    return Work(_joined_series(parts, first + every * np.arange(samples + 1), per // common), periods, periods)
+
+
+def _joined_series(parts: list[xr.Dataset], count: NDArray[np.int64], steps: int) -> xr.Dataset:
+    """Join stretches, each of which begins with the sample that the one before ended with; ``count`` are steps."""
+    first, last = parts[0], parts[-1]
+    ds: xr.Dataset = xr.concat(
+        [first, *(part.isel(time=slice(1, None)) for part in parts[1:])], dim="time", data_vars="minimal",
+        coords="minimal", compat="override", combine_attrs="override",
+    )  # fmt: skip
+    if ds.sizes["time"] < count.size:  # the run ended early: what is left is NaN, as in one piece
+        ds = ds.pad(time=(0, count.size - ds.sizes["time"]), keep_attrs=True)
+    period = float(first.attrs["period_T"])
+    for name, values in (("time", count * period / steps), ("turn", count / steps)):
+        ds = ds.assign_coords({name: ("time", values, first[name].attrs)})
+    if len(parts) > 1:  # a later stretch counts time from its own start
+        before = sum(part.sizes["time"] - 1 for part in parts[:-1])
+        ds["end_time"] = last["end_time"] + float(ds["time"][before])
+        ds["end_time"].attrs = last["end_time"].attrs
+    ds["status"] = last["status"]
+    ds.attrs = {**first.attrs, **({"stop": last.attrs["stop"]} if "stop" in last.attrs else {})}
+    return ds
+
+
+def expected_periods(system: System, points: int, settling: Settling) -> int:
+    """Periods T that a diagram takes at least, over all points: what a progress bar begins with."""
+    each = settling.transient + min(settling.first_window, 2 * settling.most)
+    return points * (each * system.common_multiple + _kept(system, settling))
+
+
+def _kept(system: System, settling: Settling) -> int:
+    common = system.common_multiple
+    return common * max(-(-settling.keep // common), 2)
+
+
+def refuse_start(system: System) -> None:
+    """Refuse a start state that the user gave and at which the run would already be over.
+
+    Raises
+    ------
+    RangeError
+        Naming the states, what holds there already and the quantity behind it.
+    """
+    if not system.start:
+        return
+    x, _ = start_states(system.model, system.vector[:, None])
+    at = {s: system.start.get(s.name, float(value)) for s, value in zip(system.model.states, x[:, 0], strict=True)}
+    numbers = {**at, **dict(zip(system.model.parameters, system.vector.tolist(), strict=True))}
+    for stop in system.model.stops.values():
+        gap = sympify(stop.gap)
+        if float(gap.subs(numbers)) > 0:
+            continue
+        where = ", ".join(f"{s.name} = {at[s]:g}" for s in system.model.states if s in gap.free_symbols)
+        measures = [
+            f"{name} = {float(sympify(o.expression).subs(numbers)):g} ({o.meaning}), which must lie in [0, 1)"
+            for name, o in system.model.outputs.items()
+            if sympify(o.expression).free_symbols == gap.free_symbols
+        ]
+        found = measures[0] if measures else f"{gap} = {float(gap.subs(numbers)):g}, which must be above 0"
+        raise RangeError(f"start: found {where}, so {found}: {stop.meaning} already")
+
+
+def _refuse_memory(what: str, numbers: int) -> None:
+    """Refuse work whose result would not fit into half of the memory."""
+    try:
+        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
+    except (AttributeError, ValueError, OSError):  # not a POSIX system
+        memory = 16 * 2**30
+    if 8 * numbers > memory // 2:
+        raise RangeError(
+            f"{what} would need {8 * numbers / 2**30:.3g} GB, expected at most {memory / 2**31:.3g} GB, half of this"
+            " machine's memory: ask for fewer points, fewer kept periods, or every so many steps"
+        )
