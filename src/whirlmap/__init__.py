@@ -1,3 +1,50 @@
-"""whirlmap: labelled regime maps for geared rotors on fluid films."""
+"""whirlmap: labelled regime maps for geared rotors on fluid films.
+
+Names are imported when they are first used, so that importing the package costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from whirlmap.analysis.diagnosis import diagnose as diagnose
+    from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
+    from whirlmap.analysis.lyapunov import lyapunov_spectrum as lyapunov_spectrum
+    from whirlmap.analysis.returns import Settling as Settling
+    from whirlmap.analysis.spectrum import full_spectrum as full_spectrum
+    from whirlmap.analysis.spectrum import power_spectrum as power_spectrum
+    from whirlmap.analysis.trajectory import section as section
+    from whirlmap.analysis.trajectory import simulate as simulate
+    from whirlmap.integrate.loading import load as load
+    from whirlmap.integrate.system import System as System
+    from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "diagnose": "whirlmap.analysis.diagnosis",
+    "correlation_dimension": "whirlmap.analysis.dimension",
+    "lyapunov_spectrum": "whirlmap.analysis.lyapunov",
+    "Settling": "whirlmap.analysis.returns",
+    "full_spectrum": "whirlmap.analysis.spectrum",
+    "power_spectrum": "whirlmap.analysis.spectrum",
+    "section": "whirlmap.analysis.trajectory",
+    "simulate": "whirlmap.analysis.trajectory",
+    "load": "whirlmap.integrate.loading",
+    "System": "whirlmap.integrate.system",
+    "bifurcation_diagram": "whirlmap.sweep.diagram",
+}
+
+__all__ = ["__version__", *_HOMES]
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its home."""
+    if name in _HOMES:
+        return getattr(import_module(_HOMES[name]), name)
+    raise AttributeError(f"module 'whirlmap' has no attribute {name!r}")
+
+
+def __dir__() -> list[str]:
+    """Public names."""
+    return sorted(__all__)

@@ -9,8 +9,10 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import method as method_named
+from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
 
@@ -117,25 +119,15 @@ def make_ensemble(
     return ensemble, found
 
 
-def run_attributes(system: System, ensemble: Ensemble, **more: Any) -> dict[str, Any]:
-    """Attributes that every Dataset of a run carries: where its numbers come from."""
-    from whirlmap.results.provenance import provenance
-
-    model = system.model
-    return provenance(
-        model=model.name,
-        equations={s.name: str(model.equations[s]) for s in model.states},
-        parameters={
-            p.name: (float(system.values[p.name]), p.unit, system.notes.get(p.name, "")) for p in model.parameters
-        },
-        switches=dict(model.switches),
-        sources=model.sources,
-        case=system.case,
-        case_hash=getattr(system.details, "hash", ""),
+def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[str, Any]:
+    """Attributes that every Dataset of a run carries: where its numbers come from, and the settings by name."""
+    origin = provenance(
+        pieces(system),
         method=ensemble.method.name,
-        steps_per_T=ensemble.steps,
-        **more,
+        steps_per_period=ensemble.steps,
+        citations=(ensemble.method.source,),
     )
+    return {**origin, **settings}
 
 
 def cyclic_states(system: System) -> dict[int, float]:

@@ -22,17 +22,12 @@ if TYPE_CHECKING:
 
 SWEEP = "Sweep"
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out diagram.png
-
-  whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --follow both --out hysteresis.nc
-
-  whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --set psi=0.1 --lyapunov 200 --out figure5
-
-  whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp,eps_1
-"""
+EXAMPLES = (
+    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out diagram.png",
+    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --follow both --out hysteresis.nc",
+    "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --set psi=0.1 --lyapunov 200 --out figure5",
+    "whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp,eps_1",
+)
 
 
 def bifurcation(

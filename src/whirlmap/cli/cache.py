@@ -7,15 +7,11 @@ import typer
 from whirlmap.cli import report
 from whirlmap.cli.options import Json
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap cache
-
-  whirlmap cache --clear
-
-  WHIRLMAP_CACHE=/tmp/kernels whirlmap cache
-"""
+EXAMPLES = (
+    "whirlmap cache",
+    "whirlmap cache --clear",
+    "WHIRLMAP_CACHE=/tmp/kernels whirlmap cache",
+)
 
 
 def cache(

@@ -3,13 +3,10 @@
 from whirlmap.cli import report
 from whirlmap.cli.options import Json
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap cases
-
-  whirlmap cases --json
-"""
+EXAMPLES = (
+    "whirlmap cases",
+    "whirlmap cases --json",
+)
 
 
 def cases(json: Json = False) -> None:

@@ -11,15 +11,11 @@ from whirlmap.cli.options import (
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap diagnose duffing --set gamma=0.29
-
-  whirlmap diagnose gear-psfd/intended --set s=3.27 --set psi=1e-4 --json
-
-  whirlmap diagnose gear-psfd/machine --set "speed=1500 rpm" --out sheet.png
-"""
+EXAMPLES = (
+    "whirlmap diagnose duffing --set gamma=0.29",
+    "whirlmap diagnose gear-psfd/intended --set s=3.27 --set psi=1e-4 --json",
+    'whirlmap diagnose gear-psfd/machine --set "speed=1500 rpm" --out sheet.png',
+)
 
 
 def diagnose(

@@ -62,24 +62,23 @@ app = typer.Typer(
     cls=Program,
     add_completion=False,
     invoke_without_command=True,
-    rich_markup_mode="rich",
+    rich_markup_mode="markdown",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["--help", "-h"]},
 )
 
-EXAMPLES = """
-[bold]Examples[/bold]
+EXAMPLES = (
+    "whirlmap cases",
+    "whirlmap show gear-psfd/machine",
+    "whirlmap diagnose duffing --set gamma=0.29",
+    "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out diagram.png",
+    "whirlmap reproduce",
+)
 
-  whirlmap cases
 
-  whirlmap show gear-psfd/machine
-
-  whirlmap diagnose duffing --set gamma=0.29
-
-  whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out diagram.png
-
-  whirlmap reproduce
-"""
+def epilog(examples: Sequence[str]) -> str:
+    """Examples as they stand at the end of a help text."""
+    return "\n\n".join(["**Examples**", *(f"- `{line}`" for line in examples)])
 
 
 def _version(wanted: bool) -> None:
@@ -88,7 +87,7 @@ def _version(wanted: bool) -> None:
         raise typer.Exit
 
 
-@app.callback(epilog=EXAMPLES)
+@app.callback(epilog=epilog(EXAMPLES))
 def program(
     context: typer.Context,
     version: Annotated[
@@ -106,7 +105,7 @@ def program(
 
 for module in (cases, show, simulate, diagnose, bifurcation, reproduce, cache):
     name = module.__name__.rpartition(".")[2]
-    app.command(name, cls=Command, epilog=module.EXAMPLES)(getattr(module, name))
+    app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
 
 
 def run() -> None:

@@ -12,13 +12,10 @@ from whirlmap.cli.progress import Progress
 
 QUALITIES = ("quick", "full")
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap reproduce
-
-  whirlmap reproduce --quality full --out reproduction-full
-"""
+EXAMPLES = (
+    "whirlmap reproduce",
+    "whirlmap reproduce --quality full --out reproduction-full",
+)
 
 
 def reproduce(

@@ -10,17 +10,12 @@ from whirlmap.cli.options import CaseName, Changes, Json, Start, open_system
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap show gear-psfd/machine
-
-  whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed
-
-  whirlmap show duffing --equations
-
-  whirlmap show my_rotor.toml --json
-"""
+EXAMPLES = (
+    "whirlmap show gear-psfd/machine",
+    'whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed',
+    "whirlmap show duffing --equations",
+    "whirlmap show my_rotor.toml --json",
+)
 
 #: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
 SIDE_BY_SIDE = 220

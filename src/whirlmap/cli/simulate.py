@@ -17,15 +17,11 @@ if TYPE_CHECKING:
 
     from whirlmap.integrate.system import System
 
-EXAMPLES = """
-[bold]Examples[/bold]
-
-  whirlmap simulate duffing
-
-  whirlmap simulate duffing --set gamma=0.29 --start x=0.5 --transient 100 --out run.png
-
-  whirlmap simulate gear-psfd/machine --set "speed=1500 rpm" --periods 10 --every 5 --out run.nc
-"""
+EXAMPLES = (
+    "whirlmap simulate duffing",
+    "whirlmap simulate duffing --set gamma=0.29 --start x=0.5 --transient 100 --out run.png",
+    'whirlmap simulate gear-psfd/machine --set "speed=1500 rpm" --periods 10 --every 5 --out run.nc',
+)
 
 
 def simulate(

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from fractions import Fraction
+from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
@@ -113,7 +114,7 @@ def pieces(system: System) -> Pieces:
     cited = [key_of(source) for source in sources if source.startswith("source:")]
     return Pieces(
         model=model.name,
-        model_hash=_model_hash(system),
+        model_hash=_model_hash(model),
         case=system.case,
         case_hash=case_hash,
         parameters=parameters,
@@ -123,8 +124,8 @@ def pieces(system: System) -> Pieces:
     )
 
 
-def _model_hash(system: System) -> str:
-    model = system.model
+@lru_cache(maxsize=64)
+def _model_hash(model: Model) -> str:
     named = [(state.name, srepr(model.equations[state])) for state in model.states]
     named += [(f"output {name}", srepr(output.expression)) for name, output in model.outputs.items()]
     named += [(f"stop {name}", srepr(stop.gap)) for name, stop in model.stops.items()]

@@ -37,7 +37,7 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
 
 
 def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..., Array]]) -> Expr:
-    tables = {table.name: table for table in model.tables}
+    tables = {table.name: _exact_once(table) for table in model.tables}
 
     def replace(e: tabulated) -> Expr:
         if any(e.orders):
@@ -49,11 +49,24 @@ def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..
     return expression.replace(lambda e: isinstance(e, tabulated), replace)
 
 
-def _output(table: Table, index: int) -> Callable[..., Array]:
-    def read(parameter: ArrayLike, *coordinates: ArrayLike) -> Array:
+def _exact_once(table: Table) -> Callable[..., tuple[Array, ...]]:
+    """A table's exact functions; the last few arguments are remembered, for every output asks for the same ones."""
+    known: dict[tuple, tuple[Array, ...]] = {}
+
+    def exact(parameter: ArrayLike, *coordinates: ArrayLike) -> tuple[Array, ...]:
         values = np.asarray(parameter, dtype=float)
         if values.ndim and np.ptp(values) > 0:
             raise ModelError(f"table {table.name!r} is exact at one value of its parameter at a time")
-        return table.exact(float(values.flat[0]), *coordinates)[index]
+        places = [np.asarray(c, dtype=float) for c in coordinates]
+        key = (float(values.flat[0]), *((c.shape, c.tobytes()) for c in places))
+        if key not in known:
+            if len(known) > 7:
+                known.clear()
+            known[key] = table.exact(key[0], *places)
+        return known[key]
 
-    return read
+    return exact
+
+
+def _output(exact: Callable[..., tuple[Array, ...]], index: int) -> Callable[..., Array]:
+    return lambda parameter, *coordinates: exact(parameter, *coordinates)[index]

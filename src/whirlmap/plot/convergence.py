@@ -15,7 +15,7 @@ COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)
 def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, errors: float = 2.0) -> Axes:
     """Running mean of the largest exponents against the number of periods, with the band of the final value.
 
-    Reads ``running(period, exponent)``, ``exponent``, ``exponent_error`` and ``status``.
+    Reads ``running`` (period by exponent), ``exponent``, ``exponent_error`` and ``status``.
 
     Parameters
     ----------
@@ -29,7 +29,7 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
     if not np.isfinite(running).any():
         worst = Status(int(np.max(ds["status"].values)))
         return write_reason(ax, "no exponent:\n" + (worst.sentence if worst else "nothing measured"))
-    period = ds["period"].values
+    period = np.arange(1, running.shape[0] + 1)
     final, error = ds["exponent"].values[:count], ds["exponent_error"].values[:count]
     ax.axhline(0.0, color=INK, lw=0.7, zorder=0.5)
     for k in range(running.shape[1]):
@@ -43,9 +43,9 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
     size = max(float(np.ptp(bounds)), 4 * errors * float(error.max()), 1e-12)
     ax.set_ylim(float(bounds.min()) - 0.15 * size, float(bounds.max()) + 0.15 * size)
     ax.set_xlim(0, float(period[-1]))
-    ax.set_xlabel("common periods [–]" if "common_period" in ds.attrs else "periods [–]")
+    ax.set_xlabel("common periods [–]")
     ax.set_ylabel((r"$\lambda_1$ " if running.shape[1] == 1 else r"$\lambda$ ") + unit_text(unit_of(ds, "exponent")))
-    ax.set_title(rf"$\lambda_1$ = {with_error(float(final[0]), float(error[0]))}; band: {errors:g} standard errors")
+    ax.set_title(rf"$\lambda_1$ = {with_error(float(final[0]), float(error[0]))} (band: {errors:g} s.e.)")
     if running.shape[1] > 1:
         ax.legend(loc="center right", ncols=2)
     return ax
@@ -54,6 +54,6 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
 def with_error(value: float, error: float) -> str:
     """A number with its standard error, cut to two digits of the error: ``0.1234 ± 0.0021``."""
     if not (np.isfinite(error) and error > 0):
-        return f"{value:.4g}"
+        return f"{value:.4g}".replace("-", "−")
     digits = int(np.clip(1 - np.floor(np.log10(error)), 0, 8))
-    return f"{value:.{digits}f} ± {error:.{digits}f}"
+    return f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")

@@ -57,15 +57,16 @@ def draw_diagram(
     at = ds[parameter].values.astype(float)
     log = is_log(at) if log is None else log
     cloud = ds["section"].sel(state=state)
-    size = _markersize(cloud.size) if markersize is None else markersize
-    for sweep, colour in _sweeps(ds):
+    size = _markersize(at.size, ds.sizes["period"]) if markersize is None else markersize
+    for order, (sweep, colour) in enumerate(_sweeps(ds)):
         values = sweep["section"].sel(state=state).transpose(parameter, "period").values
         if colour_by_regime and "direction" not in ds.dims:
             for regime in np.unique(sweep["regime"].values):
                 chosen = sweep["regime"].values == regime
                 _points(ax, at[chosen], values[chosen], look_of(int(regime)).colour, size)
         else:
-            _points(ax, at, values, colour, size)
+            # Where two sweeps agree, the later is drawn within the earlier, so that both are seen.
+            _points(ax, at, values, colour, size * 1.8 if "direction" in ds.dims and order == 0 else size)
     _parameter_axis(ax, ds, at, log)
     _shade_ended(ax, ds, at, log)
     swing = _swing(ds, state)
@@ -162,8 +163,8 @@ def _sweeps(ds: xr.Dataset) -> list[tuple[xr.Dataset, str]]:
     return [(ds, INK)]
 
 
-def _markersize(points: int) -> float:
-    return float(np.clip(120.0 / np.sqrt(max(points, 1)), 0.7, 3.5))
+def _markersize(values: int, periods: int) -> float:
+    return float(np.clip(32.0 / np.sqrt(values) / periods**0.15, 0.8, 2.6))
 
 
 def _points(ax: Axes, at: NDArray[np.float64], values: NDArray[np.float64], colour: str, size: float) -> None:
@@ -223,7 +224,8 @@ def _write_period(
     ax: Axes, edges: NDArray[np.float64], first: int, last: int, bottom: float, text: str, look: Look
 ) -> None:
     """Write the number of T into a stretch that takes up enough of the axis for its text."""
-    if _share(ax, edges, first, last) >= 0.022 * len(text):
+    inches = _share(ax, edges, first, last) * ax.get_position().width * ax.figure.get_figure(root=True).get_size_inches()[0]
+    if inches >= 0.075 * len(text):
         middle = np.sqrt(edges[first] * edges[last + 1]) if ax.get_xscale() == "log" else edges[[first, last + 1]].mean()
         ax.text(float(middle), bottom + 0.47, text, ha="center", va="center", fontsize=6.5, color=look.text, clip_on=True)
 

@@ -1,6 +1,7 @@
 """Composed figures: diagrams with their regimes, the paper's Figures 2 to 7, and the sheet of a diagnosis."""
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from fractions import Fraction
 
 import numpy as np
@@ -12,6 +13,7 @@ from whirlmap.plot.convergence import draw_convergence
 from whirlmap.plot.diagram import draw_diagram, draw_exponents, draw_regime_strip, legend_handles
 from whirlmap.plot.dimension import draw_correlation_sum, draw_local_slope
 from whirlmap.plot.orbit import draw_orbit
+from whirlmap.plot.parts import clock_name, journal_of, marked_shaft, parts_of
 from whirlmap.plot.phase_portrait import draw_phase_portrait
 from whirlmap.plot.section import draw_section
 from whirlmap.plot.spectrum import Orders, draw_power_spectrum
@@ -22,6 +24,9 @@ Reasons = Mapping[str, str]
 
 #: What stands in a panel for which nothing was given, and no reason either.
 ABSENT = "not computed"
+
+#: Periods T of a time series that a sheet shows.
+SHOWN = 40
 
 
 @styled
@@ -68,6 +73,7 @@ def diagram_figure(
         if exponents:
             _bare(strip)
             draw_exponents(ds, ax=fig.add_subplot(grid[rows + 1, column], sharex=top), log=log)
+    fig.align_ylabels()
     fig.legend(handles=legend_handles(ds), loc="outside lower center", ncols=6)
     if title:
         fig.suptitle(title)
@@ -142,60 +148,71 @@ def paper_orbit_figure(
 
 @styled
 def diagnosis_figure(
-    series: xr.Dataset | None,
+    ds: xr.Dataset,
     coordinate: str,
     *,
+    velocity: str | None = None,
     orbit: tuple[str, str] | None = None,
     clearance: float | None = 1.0,
-    order: Fraction | float = 1,
+    order: Fraction | float | None = None,
     shaft: str = "",
-    spectrum: xr.Dataset | None = None,
-    lines: xr.Dataset | None = None,
-    section: xr.Dataset | None = None,
-    lyapunov: xr.Dataset | None = None,
-    dimension: xr.Dataset | None = None,
-    velocity: str | None = None,
     orders: Orders | None = None,
-    clock: str = "mesh",
+    clock: str = "",
     turns: float | None = None,
     highest: float | None = 3.0,
-    reasons: Reasons | None = None,
     title: str = "",
+    **given: xr.Dataset,
 ) -> Figure:
     """Six panels on one operating point, what a rotordynamicist looks at first.
 
-    Orbit of a journal in its clearance circle (or, without ``orbit``, the time series), phase portrait, section, power
-    spectrum with named orders, convergence of the exponents, correlation sum with the fitted range.
+    Orbit of a journal in its clearance circle (or, for a system without one, the time series), phase portrait, section,
+    power spectrum with named orders, convergence of the exponents, correlation sum with the fitted range. What the
+    Dataset lacks is said in the panel.
 
     Parameters
     ----------
+    ds : xr.Dataset
+        From `diagnose`, which holds all parts; or from `simulate`, with the other parts given one by one.
+    coordinate, velocity : str
+        States of phase portrait and section, and of the spectrum.
     orbit : tuple of str, optional
-        States of the orbit panel, horizontal and vertical: ``("u1x", "u1y")``.
+        States of the orbit panel, horizontal and vertical; the first journal where absent.
     clearance : float, optional
         Radius of the clearance circle, None where the orbit has none.
-    order, shaft : Fraction or float, str
-        Turns in one T and name of the shaft whose turns are marked on the orbit.
-
-    Other parameters are those of `paper_orbit_figure`.
+    order, shaft : number, str
+        Turns in one T and name of the shaft whose turns are marked; the second clock of the Dataset where absent.
+    orders : mapping of str to number
+        Named orders; the Dataset's clocks where absent.
+    clock : str
+        What 1/T is called; the clock that turns once in T where absent.
+    **given : xr.Dataset
+        ``spectrum``, ``lines``, ``section``, ``lyapunov``, ``dimension``: parts that ``ds`` does not hold.
     """
-    fig = new_figure(1.35 * WIDE, 6.0)
-    axes = fig.subplots(2, 3).ravel()
-    why = dict(reasons or {})
+    parts = replace(parts_of(ds, coordinate), **given)
+    orders = parts.orders if orders is None else orders
+    clock = clock or clock_name(orders)
+    if order is None:
+        shaft, order = marked_shaft(orders) if not shaft else (shaft, orders.get(shaft, 1))
+    path = journal_of(ds) if orbit is None else orbit
 
     def first(ds: xr.Dataset, ax: Axes) -> Axes:
-        if orbit is None:
-            return draw_time_series(ds, coordinate, ax=ax, turns=turns)
-        return draw_orbit(ds, *orbit, ax=ax, clearance=clearance, order=order, shaft=shaft, turns=turns)
+        if path is None:
+            return draw_time_series(ds, coordinate, ax=ax, turns=turns or SHOWN)
+        return draw_orbit(ds, *path, ax=ax, clearance=clearance, order=abs(order), shaft=shaft, turns=turns)
 
-    _panel(axes[0], series, "series", why, first)
-    _panel(axes[1], series, "series", why, lambda ds, ax: draw_phase_portrait(
+    fig = new_figure(1.35 * WIDE, 6.2)
+    axes = fig.subplots(2, 3).ravel()
+    sizes = {name: abs(value) for name, value in orders.items()}
+    why = parts.reasons
+    _panel(axes[0], parts.series, "series", why, first)
+    _panel(axes[1], parts.series, "series", why, lambda ds, ax: draw_phase_portrait(
         ds, coordinate, velocity, ax=ax, turns=turns))  # fmt: skip
-    _panel(axes[2], section, "section", why, lambda ds, ax: draw_section(
-        ds, coordinate, velocity, ax=ax, orbit=series))  # fmt: skip
-    _panel(axes[3], spectrum, "spectrum", why, lambda ds, ax: draw_power_spectrum(
-        ds, ax=ax, lines=lines, orders=orders, highest=highest, clock=clock, name=coordinate))  # fmt: skip
-    _panel(axes[4], lyapunov, "lyapunov", why, lambda ds, ax: draw_convergence(ds, ax=ax, count=2))
-    _panel(axes[5], dimension, "dimension", why, lambda ds, ax: draw_correlation_sum(ds, ax=ax))
+    _panel(axes[2], parts.section, "section", why, lambda ds, ax: draw_section(
+        ds, coordinate, velocity, ax=ax, orbit=parts.series))  # fmt: skip
+    _panel(axes[3], parts.spectrum, "spectrum", why, lambda ds, ax: draw_power_spectrum(
+        ds, ax=ax, lines=parts.lines, orders=sizes, highest=highest, clock=clock, name=coordinate))  # fmt: skip
+    _panel(axes[4], parts.lyapunov, "lyapunov", why, lambda ds, ax: draw_convergence(ds, ax=ax, count=2))
+    _panel(axes[5], parts.dimension, "dimension", why, lambda ds, ax: draw_correlation_sum(ds, ax=ax))
     for ax, letter in zip(axes, "abcdef", strict=True):
         _letter(ax, letter)
     if title:
@@ -214,7 +231,9 @@ def _panel(
 
 
 def _letter(ax: Axes, letter: str) -> None:
-    ax.set_title(letter, loc="right", fontweight="bold")
+    """Put the letter that a caption refers to into the upper right corner."""
+    ax.text(0.985, 0.975, letter, transform=ax.transAxes, ha="right", va="top", fontweight="bold", fontsize=9, zorder=1e5,
+            bbox={"fc": "white", "ec": "none", "pad": 1.0, "alpha": 0.8})  # fmt: skip
 
 
 def _bare(ax: Axes) -> None:

@@ -34,7 +34,7 @@ def unit_text(unit: str) -> str:
 
 def unit_of(ds: xr.Dataset, name: str) -> str:
     """Unit of a state, an output or a coordinate, from what the Dataset says."""
-    for variable, dim in (("x", "state"), ("section", "state"), ("output", "output")):
+    for variable, dim in (("x", "state"), ("section", "state"), ("outputs", "output")):
         if variable in ds and dim in ds.coords and name in ds[dim].values:
             each = str(ds[variable].attrs.get("unit_of_each", "")).split()
             position = ds[dim].values.tolist().index(name)

@@ -59,7 +59,7 @@ def draw_orbit(
         ax.plot(0, 0, marker="+", ms=6, color=GREY, mew=0.8, ls="", zorder=0.8)
     ax.plot(u, v, color=BLUE, gid="orbit", **line_style(alive.sum()))  # type: ignore[arg-type]
     marks = at_turns(part, float(order))
-    size = float(np.clip(50.0 / np.sqrt(max(marks.size, 1)), 1.2, 4.0))
+    size = float(np.clip(24.0 / np.sqrt(max(marks.size, 1)), 1.2, 4.0))
     label = f"once per turn{' of the ' + shaft if shaft else ''}"
     ax.plot(u[marks], v[marks], ls="", marker="o", ms=size, mew=0, color=VERMILION, label=label, gid="marks", zorder=3)
     if marks.size:

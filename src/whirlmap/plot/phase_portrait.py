@@ -50,7 +50,7 @@ def draw_phase_portrait(
     ax.plot(u, v, color=SKY, gid="orbit", **line_style(alive.sum()))  # type: ignore[arg-type]
     if section:
         whole = at_turns(part)
-        size = float(np.clip(60.0 / np.sqrt(max(whole.size, 1)), 1.2, 4.0))
+        size = float(np.clip(24.0 / np.sqrt(max(whole.size, 1)), 1.2, 4.0))
         ax.plot(u[whole], v[whole], ls="", marker="o", ms=size, mew=0, color=INK, gid="section", zorder=3)
     if ended:
         last = np.flatnonzero(alive)[-1]

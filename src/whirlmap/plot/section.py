@@ -49,18 +49,26 @@ def draw_section(
     if not keep.any():
         worst = Status(int(np.max(ds["status"].values)))
         return write_reason(ax, f"no section points:\n{worst.sentence}" if worst else "no section points")
-    size = float(np.clip(90.0 / np.sqrt(keep.sum()), 0.9, 5.0)) if markersize is None else markersize
-    ax.plot(u[keep], v[keep], ls="", marker="o", ms=size, mew=0, color=colour, rasterized=keep.sum() > 2000, gid="section")
     largest = float(np.nanmax(np.abs(ds["section"].values)))
     for name, values, setter in ((x, u, ax.set_xlim), (y, v, ax.set_ylim)):
         swing, all_states = ranges_of(orbit, name)
         setter(*limits(values, amplitude=swing, others=max(all_states, largest), margin=0.08))
+    size = _markersize(ax, u[keep], v[keep]) if markersize is None else markersize
+    ax.plot(u[keep], v[keep], ls="", marker="o", ms=size, mew=0, color=colour, rasterized=keep.sum() > 2000, gid="section")
     ax.set_xlabel(axis_label(ds, x))
     ax.set_ylabel(axis_label(ds, y))
     ax.set_title(f"section, {keep.sum()} points" + _how_often(ds))
     return ax
 
 
+def _markersize(ax: Axes, u: np.ndarray, v: np.ndarray) -> float:
+    """Size of the points by the number of places they fall on: the few of a periodic orbit are drawn large."""
+    places = np.stack([u, v], axis=1) - [ax.get_xlim()[0], ax.get_ylim()[0]]
+    places /= [np.diff(ax.get_xlim())[0], np.diff(ax.get_ylim())[0]]
+    return float(np.clip(40.0 / np.sqrt(len(np.unique(np.rint(300 * places), axis=0))), 0.9, 5.0))
+
+
 def _how_often(ds: xr.Dataset) -> str:
-    often = {"T": ", once per $T$", "common": ", once per common period"}
-    return often.get(str(ds.attrs.get("once_per", "")), "")
+    _, _, often = str(ds["section"].attrs.get("long_name", "")).partition("once per ")
+    often = {"T": "$T$", "common": "common period"}.get(str(ds.attrs.get("once_per", often)), often)
+    return f", once per {often}" if often else ""

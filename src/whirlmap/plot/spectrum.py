@@ -65,11 +65,13 @@ def draw_power_spectrum(
         keep = np.isfinite(at) & (at <= top) & (height > floor)
         ax.plot(at[keep], level(height[keep]), ls="", marker="v", ms=3.2, mfc="none", mec=VERMILION, mew=0.7, gid="lines",
                 zorder=3)  # fmt: skip
-        title = f"{int(lines['count'])} lines hold {100 * float(lines['line_fraction']):.3g} % of the power"
+        share = f"{100 * float(lines['line_fraction']):.3g} % of the power"
+        title = f"1 line holds {share}" if int(lines["count"]) == 1 else f"{int(lines['count'])} lines hold {share}"
     ax.set_xlim(0, top)
     if not decibel:
         ax.set_yscale("log")
-    ends = level(np.array([floor, max(float(shown[seen].max(initial=0.0)), floor * 10) * 10]))
+    lowest = max(floor, 0.1 * float(shown[seen].min(initial=np.inf)))
+    ends = level(np.array([lowest, max(float(shown[seen].max(initial=0.0)), 10 * lowest) * 10]))
     ax.set_ylim(float(ends[0]), float(ends[1]))
     ax.set_xlabel(f"frequency / {clock} frequency [–]")
     what = f"power of {symbol(name)}" if name else "power"

@@ -17,7 +17,7 @@ COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, INK)
 
 def values_of(ds: xr.Dataset, name: str) -> np.ndarray:
     """Series of one state or output of a simulation."""
-    for variable, dim in (("x", "state"), ("output", "output")):
+    for variable, dim in (("x", "state"), ("outputs", "output")):
         if variable in ds and name in ds[dim].values:
             return np.asarray(ds[variable].sel({dim: name}).values, dtype=float)
     known = [str(n) for dim in ("state", "output") if dim in ds for n in ds[dim].values]
@@ -49,7 +49,7 @@ def draw_time_series(
 ) -> Axes:
     """States or outputs of one operating point against time.
 
-    Reads ``x(time, state)``, ``output(time, output)``, ``turn``, ``status`` and ``end_time``. A run that ended early is
+    Reads ``x(time, state)``, ``outputs(time, output)``, ``turn``, ``status`` and ``end_time``. A run that ended early is
     hatched from its end on, with the reason.
 
     Parameters

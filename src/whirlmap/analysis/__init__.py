@@ -1,0 +1,1 @@
+"""What a motion is: sections, returns, spectra, exponents, dimensions."""

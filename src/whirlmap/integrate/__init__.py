@@ -1,0 +1,1 @@
+"""Systems in time: start states, ensembles of lanes, events."""

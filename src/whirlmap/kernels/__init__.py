@@ -1,0 +1,1 @@
+"""Models as machine code: lowering, generated modules, the cache, and the plain NumPy oracle."""
