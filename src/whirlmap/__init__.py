@@ -6,6 +6,8 @@ Names are imported when they are first used, so that importing the package costs
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
+from whirlmap.version import __version__ as __version__
+
 if TYPE_CHECKING:
     from whirlmap.analysis.diagnosis import diagnose as diagnose
     from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
@@ -19,7 +21,6 @@ if TYPE_CHECKING:
     from whirlmap.integrate.system import System as System
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
 
-__version__ = "0.1.0"
 
 _HOMES = {
     "diagnose": "whirlmap.analysis.diagnosis",

@@ -123,7 +123,7 @@ def test_groups_do_not_depend_on_the_system_of_units():
     plain = {name: Fraction(given.value) for name, given in settled.inputs.items()}
     scaled = {}
     for q in INPUTS:
-        m, l, t = powers[q.unit]  # noqa: E741
+        m, l, t = powers[q.unit]
         scaled[q.name] = plain[q.name] * mass**m * length**l * time**t
     for edition in ("literal", "intended", "physical"):
         for name in groups.expressions({"edition": edition}):

@@ -79,8 +79,8 @@ def diagnose(
     swarm = {system.parameters[0]: np.full(LANES, system.vector[0])}
     ensemble, found = make_ensemble(system, swarm, steps=steps, method=method, workers=workers, swarm=True)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
-    data = _label_data(system, ensemble, returns, found)
-    votes: dict[str, Any] = {"return": _return_vote(system, returns)}
+    data = _label_data(ensemble, returns, found)
+    votes: dict[str, Any] = {"return": _return_vote(returns)}
     alive = np.flatnonzero(ensemble.running)
     coords: dict[str, Any] = {
         "state": names_coordinate("state", system.states, "state"),
@@ -114,8 +114,7 @@ def turns_per_T(system: System) -> dict[str, float]:
     }
 
 
-def _label_data(system: System, ensemble: Ensemble, r: Returns, found: NDArray[np.bool_]) -> dict[str, Any]:
-    model = system.model
+def _label_data(ensemble: Ensemble, r: Returns, found: NDArray[np.bool_]) -> dict[str, Any]:
     data: dict[str, Any] = {
         "status": status_variable((), ensemble.status[0]),
         "run_status": status_variable("run", ensemble.status),
@@ -133,7 +132,7 @@ def _label_data(system: System, ensemble: Ensemble, r: Returns, found: NDArray[n
     return data
 
 
-def _return_vote(system: System, r: Returns) -> dict[str, Any]:
+def _return_vote(r: Returns) -> dict[str, Any]:
     same = bool((r.regime == r.regime[0]).all() and (r.period == r.period[0]).all())
     vote = Regime(int(r.regime[0])).label if same else "undecided"
     return {
@@ -150,7 +149,8 @@ def _exponents(
     tangent, _ = make_ensemble(
         system, repeat, starts=part.x, steps=steps, method=method, tangents=count, workers=workers
     )
-    pieces, done, stretch = [], 0, 32
+    pieces: list[Array] = []
+    done, stretch = 0, 32
     while True:
         pieces.append(exponents(tangent, stretch, align=16 if not pieces else 0, progress=progress))
         done += stretch
@@ -231,7 +231,7 @@ def _section(
     votes["dimension"] = {"vote": status, "value": _number(d["D2"]), "error": _number(d["D2_error"])}
     for name, v in d.data_vars.items():
         data[f"dimension_{name}"] = v
-    data |= {name: c.variable for name, c in d.coords.items() if name not in data}
+    data |= {str(name): c.variable for name, c in d.coords.items() if name not in data}
 
 
 def _decide(r: Returns, votes: dict[str, Any]) -> tuple[Regime, float]:

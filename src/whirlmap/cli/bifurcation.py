@@ -5,12 +5,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from whirlmap.cli import pictures, report
+from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import choice, say
-from whirlmap.cli.options import (
-    COMPUTING, OUTPUT, CaseName, Changes, Force, Json, Method, Out, Quiet, Start, Steps, Transient, Workers, assignments,
-    open_system,
-)  # fmt: skip
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import RangeError, nearest
@@ -22,16 +18,18 @@ if TYPE_CHECKING:
 
 SWEEP = "Sweep"
 
+WAYS = ("up", "down", "both")
+
 EXAMPLES = (
-    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out diagram.png",
-    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --follow both --out hysteresis.nc",
-    "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --set psi=0.1 --lyapunov 200 --out figure5",
-    "whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp,eps_1",
+    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out gamma.png",
+    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:99 --follow both",
+    "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out figure4",
+    "whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp",
 )
 
 
 def bifurcation(
-    case: CaseName,
+    case: options.CaseName,
     vary: Annotated[
         str,
         typer.Option(
@@ -43,69 +41,59 @@ def bifurcation(
         str | None,
         typer.Option(
             "--follow", metavar="up|down|both", rich_help_panel=SWEEP,
-            help="Carry the state from each point to the next; both shows hysteresis. Without it each point starts cold.",
+            help="Carry the state from each point to the next; both shows hysteresis."
+            " Without it each point starts cold.",
         ),
     ] = None,
-    changes: Changes = None,
-    start: Start = None,
-    transient: Transient = 100,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
     keep: Annotated[
         int,
         typer.Option(
-            "--keep", metavar="N", rich_help_panel=COMPUTING,
+            "--keep", metavar="N", rich_help_panel=options.COMPUTING,
             help="Section points kept of each point, once per T; at least two common periods are.",
         ),
     ] = 64,
-    most: Annotated[
-        int,
-        typer.Option(
-            "--most", metavar="N", rich_help_panel=COMPUTING, help="Longest return that is sought, in common periods."
-        ),
-    ] = 64,
-    tolerance: Annotated[
-        float,
-        typer.Option(
-            "--tolerance", metavar="X", rich_help_panel=COMPUTING,
-            help="Largest difference that counts as a return, relative to the range of each state.",
-        ),
-    ] = 1e-6,
+    most: options.Most = 64,
+    tolerance: options.Tolerance = 1e-6,
     lyapunov: Annotated[
         int,
         typer.Option(
-            "--lyapunov", metavar="N", rich_help_panel=COMPUTING,
-            help="Common periods over which the largest Lyapunov exponent of points that do not return is measured;"
-            " 0: not measured, else 16 or more.",
+            "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
+            help="Common periods over which points that do not return have their largest Lyapunov exponent"
+            " measured; 0: not measured, else 16 or more.",
         ),
     ] = 0,
-    steps: Steps = None,
-    method: Method = "rk4",
-    workers: Workers = None,
+    steps: options.Steps = None,
+    method: options.Method = "rk4",
+    workers: options.Workers = None,
     plot: Annotated[
         str | None,
         typer.Option(
-            "--plot", metavar="STATE,...", rich_help_panel=OUTPUT,
+            "--plot", metavar="STATE,...", rich_help_panel=options.OUTPUT,
             help="States in the picture, separated by commas; the displacements of the model where absent.",
         ),
     ] = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
-    quiet: Quiet = False,
+    out: options.Out = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
     """Sweep one parameter of CASE and say where the motion is periodic, and where it is not.
 
-    Each point settles, is tested for a return, and gives its Poincaré section once per T. Ctrl-C keeps the points
-    that are finished: they are reported and written, marked as incomplete.
+    Each point settles, is tested for a return, and gives its Poincaré section once per T. Ctrl-C keeps the
+    points that are finished: they are reported and written, marked as incomplete.
     """
     from whirlmap.sweep.grid import Range
 
     swept = Range.parse(vary)
     if follow is not None:
-        choice("--follow", follow, ("up", "down", "both"))
-    if swept.name in assignments(changes, "--set"):
-        raise RangeError(f"{swept.name} is set and varied: found it in --set and in --vary, expected it in one of them")
+        choice("--follow", follow, WAYS)
+    if swept.name in options.assignments(changes, "--set"):
+        raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
     destination = claim(out, "bifurcation", force=force)
-    system = open_system(case, changes, start)
+    system = options.open_system(case, changes, start)
     _refuse_input(system, swept.name)
     states = _states(system, plot)
     from whirlmap.analysis.returns import Settling
@@ -115,10 +103,12 @@ def bifurcation(
     total = swept.count * (2 if follow == "both" else 1)
     with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
         work = diagram_in_batches(
-            system, swept.name, swept.values, follow=follow, settling=settling, lyapunov=lyapunov, steps=steps,
-            method=method, workers=workers, progress=progress,
-            on_batch=lambda done, points: progress.expect(progress.done * points / done),
-        )  # type: ignore[arg-type]  # fmt: skip
+            system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
+            settling=settling, lyapunov=lyapunov, steps=steps, method=method, workers=workers,
+            progress=progress, on_batch=lambda done, points: progress.expect(
+                progress.done * points / done, f"{done} of {points} points"
+            ),
+        )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
     files = destination.write(work.dataset, lambda ds: pictures.diagram(system, ds, states))
@@ -162,7 +152,7 @@ def _words(text: str) -> list[str]:
 
 
 def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
-    """What is said about a diagram: every sweep point by point."""
+    """Say what a diagram holds, every sweep point by point."""
     sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
     return {
         "case": system.case,
@@ -171,12 +161,12 @@ def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any
         "varied": parameter,
         "follow": ds.attrs["follow"],
         "values": ds[parameter].values,
-        "sweeps": [_sweep(sweep, parameter) for sweep in sweeps],
+        "sweeps": [_sweep(sweep) for sweep in sweeps],
         "incomplete": ds.attrs.get("incomplete"),
     }
 
 
-def _sweep(ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
+def _sweep(ds: "xr.Dataset") -> dict[str, Any]:
     from whirlmap.results.regime import Regime
     from whirlmap.results.status import Status
 
@@ -201,7 +191,7 @@ def _print(facts: dict[str, Any]) -> None:
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     for sweep in facts["sweeps"]:
-        labels = [_label(r, n, s) for r, n, s in zip(sweep["regime"], sweep["period"], sweep["status"], strict=True)]
+        labels = list(map(_label, sweep["regime"], sweep["period"], sweep["status"]))
         counted = ", ".join(f"{count} {label}" for label, count in Counter(labels).most_common(8))
         where = f"sweep {sweep['direction']}" if sweep["direction"] else "points"
         typer.echo(f"{where}: {counted}")

@@ -4,8 +4,7 @@ from typing import Annotated
 
 import typer
 
-from whirlmap.cli import report
-from whirlmap.cli.options import Json
+from whirlmap.cli import options, report
 
 EXAMPLES = (
     "whirlmap cache",
@@ -15,12 +14,13 @@ EXAMPLES = (
 
 
 def cache(
-    clear: Annotated[bool, typer.Option("--clear", help="Delete every compiled kernel.")] = False, json: Json = False
+    clear: Annotated[bool, typer.Option("--clear", help="Delete every compiled kernel.")] = False,
+    json: options.Json = False,
 ) -> None:
     """Show the folder of compiled kernels and its size, or clear it.
 
-    A model is compiled the first time that it is run, which takes some seconds to a minute; the machine code is
-    kept in this folder. The variable WHIRLMAP_CACHE chooses another one. Clearing is always safe.
+    A model is compiled the first time that it is run, which takes some seconds to a minute; the machine code
+    is kept in this folder. The variable WHIRLMAP_CACHE chooses another one. Clearing is always safe.
     """
     from whirlmap.kernels import cache as kernels
 

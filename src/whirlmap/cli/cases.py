@@ -1,7 +1,6 @@
 """``whirlmap cases``: the stock cases, with a line on each."""
 
-from whirlmap.cli import report
-from whirlmap.cli.options import Json
+from whirlmap.cli import options, report
 
 EXAMPLES = (
     "whirlmap cases",
@@ -9,7 +8,7 @@ EXAMPLES = (
 )
 
 
-def cases(json: Json = False) -> None:
+def cases(json: options.Json = False) -> None:
     """List the stock cases: named sets of parameters, each number with its source.
 
     Every other command takes one of these names, or the path of a case file of your own. `whirlmap show CASE`

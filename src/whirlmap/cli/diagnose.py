@@ -4,10 +4,7 @@ from typing import Annotated, Any
 
 import typer
 
-from whirlmap.cli import pictures, report
-from whirlmap.cli.options import (
-    COMPUTING, CaseName, Changes, Force, Json, Method, Out, Quiet, Start, Steps, Transient, Workers, open_system,
-)  # fmt: skip
+from whirlmap.cli import options, pictures, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 
@@ -19,59 +16,49 @@ EXAMPLES = (
 
 
 def diagnose(
-    case: CaseName,
-    changes: Changes = None,
-    start: Start = None,
-    transient: Transient = 100,
-    most: Annotated[
-        int,
-        typer.Option(
-            "--most", metavar="N", rich_help_panel=COMPUTING, help="Longest return that is sought, in common periods."
-        ),
-    ] = 64,
-    tolerance: Annotated[
-        float,
-        typer.Option(
-            "--tolerance", metavar="X", rich_help_panel=COMPUTING,
-            help="Largest difference that counts as a return, relative to the range of each state.",
-        ),
-    ] = 1e-6,
+    case: options.CaseName,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    most: options.Most = 64,
+    tolerance: options.Tolerance = 1e-6,
     exponents: Annotated[
         int | None,
         typer.Option(
-            "--exponents", metavar="N", rich_help_panel=COMPUTING,
+            "--exponents", metavar="N", rich_help_panel=options.COMPUTING,
             help="Number of Lyapunov exponents, largest first; 4 where absent.",
         ),
     ] = None,
     max_periods: Annotated[
         int,
         typer.Option(
-            "--max-periods", metavar="N", rich_help_panel=COMPUTING,
+            "--max-periods", metavar="N", min=32, max=100_000_000, rich_help_panel=options.COMPUTING,
             help="Common periods after which the exponents stop, whatever their error.",
         ),
     ] = 3200,
     points: Annotated[
         int,
         typer.Option(
-            "--points", metavar="N", rich_help_panel=COMPUTING,
+            "--points", metavar="N", min=1, max=100_000_000, rich_help_panel=options.COMPUTING,
             help="Section points of the correlation dimension, where the motion does not return.",
         ),
     ] = 5000,
-    steps: Steps = None,
-    method: Method = "rk4",
-    workers: Workers = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
-    quiet: Quiet = False,
+    steps: options.Steps = None,
+    method: options.Method = "rk4",
+    workers: options.Workers = None,
+    out: options.Out = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
     """Say what the motion of one operating point of CASE is, with the evidence.
 
-    Many start states settle; each is tested for a return. Lyapunov exponents, and where the motion does not return
-    its correlation dimension and spectrum, are the evidence. A motion whose evidence does not agree is undecided.
+    Many start states settle, and each is tested for a return. Lyapunov exponents and, where the motion does
+    not return, its correlation dimension and spectrum are the evidence; where it does not agree, the motion
+    is undecided.
     """
     destination = claim(out, "diagnose", force=force)
-    system = open_system(case, changes, start)
+    system = options.open_system(case, changes, start)
     from whirlmap.analysis.diagnosis import diagnose as measure
     from whirlmap.analysis.diagnosis import verdict_json
     from whirlmap.analysis.returns import Settling
@@ -81,8 +68,8 @@ def diagnose(
     longest = LANES * system.common_multiple * (transient + 4 * most + max_periods + points // LANES)
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
         ds = measure(
-            system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points, steps=steps,
-            method=method, workers=workers, progress=progress,
+            system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
+            steps=steps, method=method, workers=workers, progress=progress,
         )  # fmt: skip
     verdict = verdict_json(ds)
     files = destination.write(ds, lambda made: pictures.diagnosis(system, made))
@@ -95,11 +82,12 @@ def diagnose(
 
 
 def headline(verdict: dict[str, Any]) -> str:
-    """The regime in a few words: ``periodic, 4T, 1 common period, 4 turns of forcing``."""
+    """Say the regime in a few words: ``periodic, 4T, 1 common period, 4 turns of forcing``."""
     words = [str(verdict["regime"])]
     if verdict["regime"] == "periodic":
         words.append(f"{verdict['period']}T")
-        words.append(f"{verdict['period_common']} common period{'s' if verdict['period_common'] != 1 else ''}")
+        many = verdict["period_common"]
+        words.append(f"{many} common period{'s' if many != 1 else ''}")
         words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
@@ -107,10 +95,13 @@ def headline(verdict: dict[str, Any]) -> str:
 
 
 def _print(verdict: dict[str, Any]) -> None:
-    typer.echo(f"status: {verdict['status']}; {100 * (verdict['confidence'] or 0):.0f} % of the start states agree")
-    pairs = zip(verdict["lyapunov"], verdict["lyapunov_error"], verdict["lyapunov_per_common_period"], strict=True)
-    rows = [(str(i), report.with_error(v, e), c) for i, (v, e, c) in enumerate(pairs, 1)]
-    columns = ("", "per unit of time", "per common period")
+    agree = 100 * (verdict["confidence"] or 0)
+    typer.echo(f"status: {verdict['status']}; {agree:.0f} % of the start states agree")
+    columns_of = (verdict[key] for key in ("lyapunov", "lyapunov_error", "lyapunov_per_common_period"))
+    rows: list[tuple[Any, ...]] = [
+        (str(i), report.with_error(v, e), c) for i, (v, e, c) in enumerate(zip(*columns_of, strict=True), 1)
+    ]
+    columns: tuple[str, ...] = ("", "per unit of time", "per common period")
     parts = [report.table("Lyapunov exponents", columns, rows, numbers=(0, 1, 2))] if rows else []
     rows = [
         ("Kaplan-Yorke dimension", report.number(verdict["kaplan_yorke"])),

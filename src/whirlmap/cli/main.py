@@ -25,17 +25,23 @@ class Program(TyperGroup):
         prog_name: str | None = None,
         complete_var: str | None = None,
         standalone_mode: bool = True,
-        **more: Any,
+        windows_expand_args: bool = True,
+        **extra: Any,
     ) -> Any:
         """Run a command, and exit with its code."""
-        if not standalone_mode:
-            return super().main(args, prog_name, complete_var, standalone_mode=False, **more)
+        program = prog_name or "whirlmap"
         try:
-            code = super().main(args, prog_name or "whirlmap", complete_var, standalone_mode=False, **more)
+            code = super().main(args, program, complete_var, False, windows_expand_args, **extra)
+            if not standalone_mode:
+                return code
         except WhirlmapError as error:
+            if not standalone_mode:
+                raise
             complain(str(error))
             code = 2
         except UsageError as error:
+            if not standalone_mode:
+                raise
             complain(plain_words(error))
             code = 2
         sys.exit(code if isinstance(code, int) else 0)
@@ -90,11 +96,11 @@ def _version(wanted: bool) -> None:
 @app.callback(epilog=epilog(EXAMPLES))
 def program(
     context: typer.Context,
-    version: Annotated[
+    version: Annotated[  # noqa: ARG001 (read by its callback)
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and stop.")
     ] = False,
 ) -> None:
-    """At which speeds does a geared rotor run periodically, and where does it turn quasi-periodic or chaotic?
+    """Say where a geared rotor runs periodically, and where it turns quasi-periodic or chaotic.
 
     Each command takes a case, a named set of parameters, and changes to it, and prints what it found; with
     --out it also writes files. Every command explains itself with --help.

@@ -16,7 +16,8 @@ SYSTEM, COMPUTING, OUTPUT = "System", "Computing", "Output"
 CaseName = Annotated[
     str,
     typer.Argument(
-        metavar="CASE", help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml."
+        metavar="CASE",
+        help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml.",
     ),
 ]
 Changes = Annotated[
@@ -24,15 +25,18 @@ Changes = Annotated[
     typer.Option(
         "--set",
         metavar="NAME=VALUE",
-        help='Change a symbol, a dimensional input with its unit ("speed=1500 rpm") or a switch (arc=positive).'
-        " May be repeated. `whirlmap show CASE` lists the names.",
+        help='Change a symbol, a dimensional input with its unit ("speed=1500 rpm") or a switch'
+        " (arc=positive). May be repeated. `whirlmap show CASE` lists the names.",
         rich_help_panel=SYSTEM,
     ),
 ]
 Start = Annotated[
     list[str] | None,
     typer.Option(
-        "--start", metavar="STATE=VALUE", help="Start value of a state. May be repeated.", rich_help_panel=SYSTEM
+        "--start",
+        metavar="STATE=VALUE",
+        help="Start value of a state. May be repeated.",
+        rich_help_panel=SYSTEM,
     ),
 ]
 Out = Annotated[
@@ -47,7 +51,10 @@ Out = Annotated[
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace what --out names.", rich_help_panel=OUTPUT)]
 Json = Annotated[
-    bool, typer.Option("--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT)
+    bool,
+    typer.Option(
+        "--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress.", rich_help_panel=OUTPUT)]
 Workers = Annotated[
@@ -60,7 +67,10 @@ Workers = Annotated[
 Steps = Annotated[
     int | None,
     typer.Option(
-        "--steps", metavar="N", help="Integration steps per period T; 100 where absent.", rich_help_panel=COMPUTING
+        "--steps",
+        metavar="N",
+        help="Integration steps per period T; 100 where absent.",
+        rich_help_panel=COMPUTING,
     ),
 ]
 Method = Annotated[
@@ -73,6 +83,24 @@ Transient = Annotated[
         rich_help_panel=COMPUTING,
     ),
 ]  # fmt: skip
+Most = Annotated[
+    int,
+    typer.Option(
+        "--most",
+        metavar="N",
+        help="Longest return that is sought, in common periods.",
+        rich_help_panel=COMPUTING,
+    ),
+]
+Tolerance = Annotated[
+    float,
+    typer.Option(
+        "--tolerance",
+        metavar="X",
+        help="Largest difference that counts as a return, relative to the range of each state.",
+        rich_help_panel=COMPUTING,
+    ),
+]
 
 
 def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
@@ -83,25 +111,31 @@ def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
     InputError
         Where a text has another form, or a name is given two different values.
     """
-    example = '--start x=0.5' if option == "--start" else '--set gamma=0.3, --set "speed=1500 rpm"'
+    example = "--start x=0.5" if option == "--start" else '--set gamma=0.3, --set "speed=1500 rpm"'
     found: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
         if not (name and equals and value):
             raise InputError(f"{option}: found {text!r}, expected name=value, as in {example}")
         if found.setdefault(name, value) != value:
-            raise InputError(f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
+            raise InputError(
+                f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them"
+            )
     return found
 
 
 def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] | None) -> "System":
-    """Load a case with the changes and the start state of the command line, and refuse a start that cannot be."""
+    """Load a case with the changes and the start state of the command line; refuse an impossible start."""
     changed, begin = assignments(changes, "--set"), assignments(start, "--start")
     if "start" in changed:
-        raise InputError("--set: found start, expected a symbol or a switch; start values are given with --start")
+        raise InputError(
+            "--set: found start, expected a symbol or a switch; start values are given with --start"
+        )
     from whirlmap.integrate.loading import load
-    from whirlmap.sweep.run import refuse_start
 
     system = load(case, start=begin, **changed)
-    refuse_start(system)
+    if system.start:
+        from whirlmap.sweep.run import refuse_start
+
+        refuse_start(system)
     return system

@@ -29,6 +29,12 @@ def partner_of(system: "System", state: str) -> str:
 
 def simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     """Time series of the states that swing, and the phase portrait of the first."""
+    from whirlmap.plot.style import styled
+
+    return styled(_simulation)(system, ds)
+
+
+def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     from whirlmap.plot.phase_portrait import draw_phase_portrait
     from whirlmap.plot.style import WIDE, new_figure
     from whirlmap.plot.time_series import draw_time_series
@@ -38,16 +44,19 @@ def simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     grid = fig.add_gridspec(len(states), 2, width_ratios=[3, 2])
     for row, state in enumerate(states):
         draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN)
-    draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
+    draw_phase_portrait(
+        ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN
+    )
     fig.suptitle(system.case)
     return fig
 
 
 def diagnosis(system: "System", ds: "xr.Dataset") -> "Figure":
-    """The sheet of a diagnosis."""
+    """Draw the sheet of a diagnosis."""
     from whirlmap.plot.figures import diagnosis_figure
 
-    return diagnosis_figure(ds, swing_of(system)[0], title=system.case)
+    state = swing_of(system)[0]
+    return diagnosis_figure(ds, state, velocity=partner_of(system, state), title=system.case)
 
 
 def diagram(system: "System", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":

@@ -27,7 +27,7 @@ class Progress:
 
     def __init__(self, what: str, total: float | None, *, quiet: bool = False, most: bool = False) -> None:
         self.what, self.total, self.quiet, self.most = what, total, quiet, most
-        self.done = 0
+        self.done, self.note = 0, ""
         self._lock = threading.Lock()
         self._bar: Any = None
 
@@ -40,7 +40,9 @@ class Progress:
             self._bar.start()
         return self
 
-    def __exit__(self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None) -> None:
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
         """Take the bar away; full where the work ended well."""
         if self._bar:
             if kind is None:
@@ -61,13 +63,13 @@ class Progress:
                 sys.stderr.write(f"{self.line(now)}\n")
                 sys.stderr.flush()
 
-    def expect(self, total: float) -> None:
-        """Correct the number of periods expected."""
+    def expect(self, total: float, note: str = "") -> None:
+        """Correct the number of periods expected; ``note`` says how far the work is in its own words."""
         with self._lock:
-            self.total = max(total, self.done)
+            self.total, self.note = max(total, self.done), note
 
     def _rate(self, now: float) -> str:
-        return f"{self.done / max(now - self._begun, 1e-9):.3g} T/s"
+        return f"{self.done / max(now - self._begun, 1e-9):.3g} T/s" + (f", {self.note}" if self.note else "")
 
     def line(self, now: float) -> str:
         """Progress in one line of text."""
@@ -89,11 +91,18 @@ def clock(seconds: float) -> str:
 
 def _bar(most: bool) -> Any:
     from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn, TimeRemainingColumn
+    from rich.progress import (
+        BarColumn,
+        TaskProgressColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
     from rich.progress import Progress as Bar
 
     return Bar(
-        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(), TextColumn("{task.fields[rate]}"),
-        TimeElapsedColumn(), TextColumn("left, at most" if most else "left"), TimeRemainingColumn(),
+        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
+        TextColumn("{task.fields[rate]}"), TimeElapsedColumn(),
+        TextColumn("left, at most" if most else "left"), TimeRemainingColumn(),
         console=Console(stderr=True), transient=True,
     )  # fmt: skip

@@ -17,14 +17,18 @@ WIDE = 160
 
 
 def console() -> "Console":
-    """The console for standard output."""
+    """Return the console for standard output."""
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else WIDE, highlight=False, soft_wrap=False, markup=False)
+    return Console(
+        width=None if sys.stdout.isatty() else WIDE, highlight=False, soft_wrap=False, markup=False
+    )
 
 
-def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()) -> Any:
-    """A plain table; ``numbers`` are the columns that are set flush right."""
+def table(
+    title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()
+) -> Any:
+    """Make a plain table; ``numbers`` are the columns that are set flush right."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table
     from rich.text import Text
@@ -45,7 +49,7 @@ def show(*parts: "RenderableType") -> None:
 
 
 def number(value: Any) -> str:
-    """A number in at most seven digits; a ratio as it is written; a dash where there is none."""
+    """Write a number in at most seven digits; a ratio as it is written; a dash where there is none."""
     if isinstance(value, Fraction):
         return str(value)
     if value is None or (isinstance(value, float) and math.isnan(value)):
@@ -54,7 +58,7 @@ def number(value: Any) -> str:
 
 
 def with_error(value: Any, error: Any) -> str:
-    """A measured number with its error."""
+    """Write a measured number with its error."""
     if value is None:
         return "-"
     return f"{float(value):.5g}" if error is None else f"{float(value):.5g} +- {float(error):.2g}"
@@ -66,7 +70,7 @@ def print_json(content: Mapping[str, Any]) -> None:
 
 
 def jsonable(value: Any) -> Any:
-    """Plain data for JSON: NaN and infinity as None, exact ratios and paths as text, NumPy values as Python's own."""
+    """Plain data for JSON: NaN and infinity as None, paths as text, NumPy values as Python's own."""
     if isinstance(value, Mapping):
         return {str(k): jsonable(v) for k, v in value.items()}
     if hasattr(value, "tolist"):
@@ -75,10 +79,10 @@ def jsonable(value: Any) -> Any:
         return [jsonable(v) for v in value]
     if isinstance(value, Enum):
         return jsonable(value.value)
-    if isinstance(value, Fraction | Path):
+    if isinstance(value, Path):
         return str(value)
-    if isinstance(value, float):
-        return value if math.isfinite(value) else None
+    if isinstance(value, float | Fraction):
+        return float(value) if math.isfinite(value) else None
     return value if value is None or isinstance(value, str | int | bool) else str(value)
 
 

@@ -1,11 +1,12 @@
 """``whirlmap show``: everything that is in a case, before it is run."""
 
+import re
+from fractions import Fraction
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from whirlmap.cli import report
-from whirlmap.cli.options import CaseName, Changes, Json, Start, open_system
+from whirlmap.cli import options, report
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
@@ -22,18 +23,20 @@ SIDE_BY_SIDE = 220
 
 
 def show(
-    case: CaseName,
-    changes: Changes = None,
-    start: Start = None,
-    equations: Annotated[bool, typer.Option("--equations", help="Print the equations of motion too.")] = False,
-    json: Json = False,
+    case: options.CaseName,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    equations: Annotated[
+        bool, typer.Option("--equations", help="Print the equations of motion too.")
+    ] = False,
+    json: options.Json = False,
 ) -> None:
     """Print every symbol of CASE with its value, unit, meaning and where the value comes from.
 
-    Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches, the start
-    state, the clocks and periods, and what is worth a warning. Nothing is simulated.
+    Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches,
+    the start state, the clocks and periods, and what is worth a warning. Nothing is simulated.
     """
-    system = open_system(case, changes, start)
+    system = options.open_system(case, changes, start)
     facts = describe(system, equations=equations)
     if json:
         report.print_json(facts)
@@ -65,14 +68,14 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         },
         "parameters": {
             p.name: {
-                "value": system.values[p.name], "unit": p.unit, "meaning": p.meaning,
-                "source": system.notes.get(p.name, ""), "read": p.name in used,
+                "value": system.values[p.name], "exact": exact(system.values[p.name]), "unit": p.unit,
+                "meaning": p.meaning, "source": system.notes.get(p.name, ""), "read": p.name in used,
             }
             for p in model.parameters
         },
         "quantities": {
-            name: {"value": value, "unit": output.unit, "meaning": output.meaning, "rpm": _rpm(value, output.unit)}
-            for name, (value, output) in settled.quantities.items()
+            name: {"value": v, "unit": o.unit, "meaning": o.meaning, "rpm": _rpm(v, o.unit)}
+            for name, (v, o) in settled.quantities.items()
         },
         "outputs": {name: {"unit": o.unit, "meaning": o.meaning} for name, o in model.outputs.items()},
         "stops": {name: stop.meaning for name, stop in model.stops.items()},
@@ -125,7 +128,7 @@ def _rpm(value: float, unit: str) -> float | None:
 
 
 def warnings(facts: dict[str, Any]) -> list[str]:
-    """What a reader should know before trusting a result."""
+    """List what a reader should know before trusting a result."""
     made = []
     values = {name: p["value"] for name, p in facts["parameters"].items()}
     switches = {name: s["value"] for name, s in facts["switches"].items()}
@@ -136,8 +139,8 @@ def warnings(facts: dict[str, Any]) -> list[str]:
     still = [name for name in ("j_p", "j_g") if name in values and float(values[name]) == 0.0]
     if still and switches.get("arc") == "positive":
         made.append(
-            f"{' and '.join(still)} = 0: a damper that does not rotate carries no weight; without a centring spring"
-            " gravity drives the journal to the wall"
+            f"{' and '.join(still)} = 0: a damper that does not rotate carries no weight; without a centring"
+            " spring gravity drives the journal to the wall"
         )
     for name, limit in (("slenderness_1", 0.25), ("slenderness_2", 0.25)):
         if facts["quantities"].get(name, {"value": 0})["value"] > limit:
@@ -146,7 +149,7 @@ def warnings(facts: dict[str, Any]) -> list[str]:
     for name in ("ring_1", "ring_2"):
         value = facts["quantities"].get(name, {"value": 0})["value"]
         if value > 0.6:
-            made.append(f"{name} = {value:.3g}: the porous ring is thick, psi is too large by about {value**2 / 3:.0%}")
+            made.append(f"{name} = {value:.3g}: a thick ring; psi is too large by about {value**2 / 3:.0%}")
     return made
 
 
@@ -160,10 +163,12 @@ def _print(facts: dict[str, Any]) -> None:
         typer.echo(f"warning: {text}")
     tables = []
     if facts["inputs"]:
-        rows = [(n, i["written"], i["meaning"], i["source"]) for n, i in facts["inputs"].items()]
-        tables.append(report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,)))
+        rows = [(n, _small_e(i["written"]), i["meaning"], i["source"]) for n, i in facts["inputs"].items()]
+        tables.append(
+            report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,))
+        )
     rows = [
-        (n, report.number(p["value"]) + _unit(p["unit"]), p["meaning"], _origin(p))
+        (n, (p["exact"] or report.number(p["value"])) + _unit(p["unit"]), p["meaning"], _origin(p))
         for n, p in facts["parameters"].items()
     ]  # fmt: skip
     title = "Dimensionless groups" if facts["inputs"] else "Parameters"
@@ -176,19 +181,23 @@ def _print(facts: dict[str, Any]) -> None:
         rest.append(report.table("Switches", ("switch", "value", "choices", "chooses"), rows))
     if facts["quantities"]:
         rows = [
-            (n, report.number(q["value"]) + _unit(q["unit"]), "" if q["rpm"] is None else f"{q['rpm']:.5g} rpm", q["meaning"])
+            (n, report.number(q["value"]) + _unit(q["unit"]), _in_rpm(q["rpm"]), q["meaning"])
             for n, q in facts["quantities"].items()
         ]  # fmt: skip
-        rest.append(report.table("Dimensional results", ("quantity", "value", "", "meaning"), rows, numbers=(1, 2)))
+        rest.append(
+            report.table("Dimensional results", ("quantity", "value", "", "meaning"), rows, numbers=(1, 2))
+        )
     if facts["clocks"]:
-        rows = [(n, c["frequency"], c["s"]) for n, c in facts["clocks"].items()]
+        clocks = [(n, c["frequency"], c["s"]) for n, c in facts["clocks"].items()]
         columns = ("clock", "frequency, per unit of the model's time", "speed ratio s")
-        rest.append(report.table("Clocks", columns, rows, numbers=(1, 2)))
+        rest.append(report.table("Clocks", columns, clocks, numbers=(1, 2)))
     rows = [
         (n, report.number(s["start"]) + _unit(s["unit"]), s["meaning"], "given" if s["given"] else "")
         for n, s in facts["states"].items()
     ]
-    rest.append(report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,)))
+    rest.append(
+        report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,))
+    )
     report.show(*rest)
     _print_periods(facts)
     for name, text in facts["stops"].items():
@@ -204,8 +213,24 @@ def _print_periods(facts: dict[str, Any]) -> None:
         typer.echo(f"unforced: cut by its section; typical time {facts['period']:.7g}")
         return
     common = facts["common_multiple"]
-    beside = "no common period" if common is None else f"common period {facts['common_period']:.7g} = {common} T"
+    beside = (
+        "no common period" if common is None else f"common period {facts['common_period']:.7g} = {common} T"
+    )
     typer.echo(f"period T = {facts['period']:.7g}, {beside}")
+
+
+def _in_rpm(rpm: float | None) -> str:
+    return "" if rpm is None else f"{rpm:.5g} rpm"
+
+
+def exact(value: Any) -> str | None:
+    """Write a ratio of integers as text; None for a float."""
+    return str(value) if isinstance(value, Fraction) else None
+
+
+def _small_e(text: str) -> str:
+    """``4E+6 N/m`` as ``4e6 N/m``."""
+    return re.sub(r"(?<=\d)E\+?(?=-?\d)", "e", text)
 
 
 def _unit(unit: str) -> str:

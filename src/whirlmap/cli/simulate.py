@@ -4,11 +4,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from whirlmap.cli import pictures, report
+from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import say
-from whirlmap.cli.options import (
-    COMPUTING, CaseName, Changes, Force, Json, Method, Out, Quiet, Start, Steps, Workers, open_system,
-)  # fmt: skip
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 
@@ -25,45 +22,50 @@ EXAMPLES = (
 
 
 def simulate(
-    case: CaseName,
-    changes: Changes = None,
-    start: Start = None,
+    case: options.CaseName,
+    changes: options.Changes = None,
+    start: options.Start = None,
     periods: Annotated[
         int,
         typer.Option(
             "--periods", metavar="N", help="Common periods recorded (unforced models: typical times).",
-            rich_help_panel=COMPUTING,
+            rich_help_panel=options.COMPUTING,
         ),
     ] = 20,
     transient: Annotated[
         int,
-        typer.Option("--transient", metavar="N", help="Common periods dropped before.", rich_help_panel=COMPUTING),
+        typer.Option(
+            "--transient", metavar="N", help="Common periods dropped.", rich_help_panel=options.COMPUTING
+        ),
     ] = 0,
     every: Annotated[
-        int, typer.Option("--every", metavar="N", help="Steps between samples.", rich_help_panel=COMPUTING)
+        int,
+        typer.Option(
+            "--every", metavar="N", help="Steps between samples.", rich_help_panel=options.COMPUTING
+        ),
     ] = 1,
-    steps: Steps = None,
-    method: Method = "rk4",
-    workers: Workers = None,
-    out: Out = None,
-    force: Force = False,
-    json: Json = False,
-    quiet: Quiet = False,
+    steps: options.Steps = None,
+    method: options.Method = "rk4",
+    workers: options.Workers = None,
+    out: options.Out = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
     """Integrate one operating point of CASE and report how each state and output moves.
 
-    A common period is the shortest time after which everything that drives the system repeats. Ctrl-C keeps what
-    was recorded until then.
+    A common period is the shortest time after which everything that drives the system repeats. Ctrl-C keeps
+    what was recorded until then.
     """
     destination = claim(out, "simulate", force=force)
-    system = open_system(case, changes, start)
+    system = options.open_system(case, changes, start)
     from whirlmap.sweep.run import simulation_in_stretches
 
     total = (periods + transient) * system.common_multiple
     with Progress("simulate", max(total, 1), quiet=quiet) as progress:
         work = simulation_in_stretches(
-            system, periods=periods, transient=transient, every=every, steps=steps, method=method, workers=workers,
-            progress=progress,
+            system, periods=periods, transient=transient, every=every, steps=steps, method=method,
+            workers=workers, progress=progress,
         )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
@@ -80,7 +82,7 @@ def simulate(
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
-    """What is said about a time series."""
+    """Say what a time series holds."""
     from whirlmap.results.status import Status
 
     series = {**{str(s): ds["x"].sel(state=s) for s in ds["state"].values},
@@ -99,8 +101,8 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
         "time": [float(ds["time"][0]), float(ds["time"][-1])],
         "motion": {
             name: {
-                "minimum": float(v.min()), "maximum": float(v.max()), "mean": float(v.mean()), "rms": float(v.std()),
-                "last": float(v[-1]),
+                "minimum": float(v.min()), "maximum": float(v.max()), "mean": float(v.mean()),
+                "rms": float(v.std()), "last": float(v[-1]),
             }
             for name, v in series.items()
         },
@@ -123,6 +125,7 @@ def _print(facts: dict[str, Any]) -> None:
         typer.echo("note: there is no static equilibrium; the run began beside the clearance centre")
     columns = ("", "minimum", "maximum", "mean", "rms about mean", "last")
     rows = [
-        (name, m["minimum"], m["maximum"], m["mean"], m["rms"], m["last"]) for name, m in facts["motion"].items()
+        (name, m["minimum"], m["maximum"], m["mean"], m["rms"], m["last"])
+        for name, m in facts["motion"].items()
     ]
     report.show(report.table("Motion", columns, rows, numbers=range(1, 6)))

@@ -2,13 +2,13 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sympy import Expr, Symbol, sympify
 
 from whirlmap.equations.pieces import Table, tabulated
 from whirlmap.equations.quantities import Parameter, State, t
-from whirlmap.errors import ModelError
+from whirlmap.errors import ModelError, nearest
 
 if TYPE_CHECKING:
     from whirlmap.equations.groups import Groups
@@ -181,16 +181,15 @@ class Model:
         return any(sympify(e).has(tabulated) for e in self.equations.values())
 
 
-def _by_name(known: tuple, name: str, model: str, kind: str):  # type: ignore[no-untyped-def, type-arg]
-    from whirlmap.errors import nearest
+Named = TypeVar("Named", State, Parameter)
 
+
+def _by_name(known: tuple[Named, ...], name: str, model: str, kind: str) -> Named:
     for quantity in known:
         if quantity.name == name:
             return quantity
     names = [q.name for q in known]
-    raise ModelError(
-        f"model {model!r} has no {kind} {name!r}.{nearest(name, names)}\n  {kind}s: {', '.join(names)}"
-    )
+    raise ModelError(f"model {model!r} has no {kind} {name!r}.{nearest(name, names)}\n  {kind}s: {', '.join(names)}")
 
 
 @dataclass(frozen=True)
@@ -215,7 +214,7 @@ class Family:
     declare: Callable[..., Model]
     switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     meanings: Mapping[str, str] = field(default_factory=dict)
-    default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda chosen: {}
+    default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda _: {}
     groups: "Groups | None" = None
     _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
 
@@ -227,8 +226,6 @@ class Family:
         ModelError
             Where a switch or a choice is unknown.
         """
-        from whirlmap.errors import nearest
-
         for name, value in chosen.items():
             if name not in self.switches:
                 raise ModelError(f"model {self.name!r} has no switch {name!r}.{nearest(name, self.switches)}")

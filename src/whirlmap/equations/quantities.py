@@ -61,8 +61,8 @@ class State(Quantity):
     ) -> "State":
         """Create the state."""
         made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
-        made.start, made.cyclic = float(start), cyclic  # type: ignore[attr-defined]
-        return made  # type: ignore[return-value]
+        made.start, made.cyclic = float(start), cyclic
+        return made
 
 
 class Parameter(Quantity):
@@ -96,8 +96,8 @@ class Parameter(Quantity):
     ) -> "Parameter":
         """Create the parameter."""
         made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
-        made.above, made.at_least, made.below, made.order = above, at_least, below, order  # type: ignore[attr-defined]
-        return made  # type: ignore[return-value]
+        made.above, made.at_least, made.below, made.order = above, at_least, below, order
+        return made
 
     def fault(self, value: float) -> str:
         """Say what a value of this parameter breaks: ``"must be above 0"``; empty where it is allowed."""

@@ -75,7 +75,7 @@ def printed_velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sigma: E
     return 2 * psi / pi * qx, 2 * psi / pi * qy
 
 
-def plain_mobility(e2: Expr, psi: Expr = Integer(0)) -> tuple[Expr, Expr, Expr]:  # noqa: ARG001
+def plain_mobility(e2: Expr, psi: Expr) -> tuple[Expr, Expr, Expr]:  # noqa: ARG001
     """Mobilities of the plain film with its half film fixed at 0..pi (Booker's integrals)."""
     q = 1 - e2
     P = pi**2 + (2 * pi**2 - 16) * e2

@@ -20,6 +20,7 @@ from whirlmap.integrate.rescue import Rescue
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, lane_kernel, padded
 from whirlmap.kernels.methods import RK4, Method
+from whirlmap.kernels.reference import reference_outputs
 from whirlmap.kernels.source import LANES
 from whirlmap.results.status import Status
 
@@ -42,7 +43,8 @@ class Segment:
     growth : array, shape (event, vector, point)
         Logarithmic growth of the tangent vectors between orthonormalisations.
     extremes : dict or None
-        ``minimum``, ``maximum``, ``mean``, ``rms`` (about the mean) of every state and output, shape (row, point).
+        ``minimum``, ``maximum``, ``mean``, ``rms`` (about the mean) of every state and output, shape (row, point);
+        NaN for points that have ended.
     """
 
     saved: Array
@@ -190,7 +192,7 @@ class Ensemble:
                 for _ in pool.map(work, tasks):
                     pass
         self.step_count[self.running] += total
-        return Segment(saved, growth, _statistics(sums, total) if extremes else None)
+        return Segment(saved, growth, _statistics(sums, total, self.running) if extremes else None)
 
 
 class _Group:
@@ -225,11 +227,12 @@ class _Group:
         h = np.ascontiguousarray(self.h[lanes])
         block_saved = np.full((saved.shape[0], e.model.dimension * LANES), np.nan)
         block_growth = np.zeros((max(growth.shape[0], 1), max(e.tangents, 1) * LANES))
-        block_sums = _empty_sums(sums, y, at.size)
+        block_sums = _empty_sums(sums, y)
         first = np.zeros(LANES, dtype=np.int64)
+        begin = int(e.step_count[at[active[: at.size] > 0][0]])  # of those that run: an ended point's count stands still
         while active.any():
             failed = np.full(LANES, -1, dtype=np.int64)
-            counters = np.array([e.step_count[at[0]] % n for n in self.waves.lengths], dtype=np.int64)
+            counters = np.array([begin % n for n in self.waves.lengths], dtype=np.int64)
             flat = y.ravel()
             self.kernel.module.advance(
                 flat, h, p.ravel(), tables, offsets.ravel(), self.waves.table, self.waves.starts, self.waves.lengths,
@@ -242,7 +245,10 @@ class _Group:
             if lost.size == 0:
                 break
             active[lost], first = self._mend(lanes, at, y, failed, lost, total)
-            self._record(lost[active[lost] > 0], first, y, save_every, block_saved)
+            ended = e.status[at[lost]] != Status.ok
+            self._record(lost[~ended], first, y, save_every, block_saved)
+            if sums.size:
+                self._fold(lanes, lost[~ended], y, block_sums)
         e._y[:, at] = y[:, : at.size]
         saved[:, :, at] = block_saved.reshape(saved.shape[0], e.model.dimension, LANES)[:, :, : at.size]
         if growth.size:
@@ -274,6 +280,17 @@ class _Group:
         due = lanes[first[lanes] % save_every == 0]
         rows[first[due] // save_every - 1, :, due] = y[: rows.shape[1], due].T
 
+    def _fold(self, block: slice, lanes: NDArray[np.intp], y: Array, sums: Array) -> None:
+        """Fold the end of a mended step into the statistics, as the kernel does with its own steps."""
+        x = y[: self.ensemble.model.dimension, lanes]
+        seen = reference_outputs(self.rescue.model)(x, self.rescue.values[:, block][:, lanes])
+        rows = np.concatenate([x, seen])
+        less = rows - sums[0][:, lanes]
+        sums[1][:, lanes] = np.minimum(sums[1][:, lanes], rows)
+        sums[2][:, lanes] = np.maximum(sums[2][:, lanes], rows)
+        sums[3][:, lanes] += less
+        sums[4][:, lanes] += less**2
+
 
 def _variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]]:
     """Split points between a model and its plain form: a point's kernel depends on its own parameters alone."""
@@ -299,7 +316,7 @@ def _tangent_start(n: int, count: int, points: int) -> Array:
     return np.repeat(q.T.reshape(n * count, 1), points, axis=1)
 
 
-def _empty_sums(sums: Array, y: Array, count: int) -> Array:
+def _empty_sums(sums: Array, y: Array) -> Array:
     out = np.zeros((5, sums.shape[1], LANES))
     if sums.shape[1]:
         n = min(y.shape[0], sums.shape[1])
@@ -308,15 +325,10 @@ def _empty_sums(sums: Array, y: Array, count: int) -> Array:
     return out
 
 
-def _statistics(sums: Array, steps: int) -> dict[str, Array]:
+def _statistics(sums: Array, steps: int, running: NDArray[np.bool_]) -> dict[str, Array]:
+    """Extremes, mean and rms of what `fold` summed; NaN for points that did not run to the end."""
     reference, low, high, total, squares = sums
-    ended = ~np.isfinite(low)
     mean = total / steps
     variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
-    blank = np.where(ended, np.nan, 0.0)
-    return {
-        "minimum": low + blank,
-        "maximum": high + blank,
-        "mean": reference + mean + blank,
-        "rms": np.sqrt(variance) + blank,
-    }
+    out = {"minimum": low, "maximum": high, "mean": reference + mean, "rms": np.sqrt(variance)}
+    return {name: np.where(running, values, np.nan) for name, values in out.items()}

@@ -86,7 +86,7 @@ def _newton(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[n
     for _ in range(MOST_STEPS):
         now = x[:, active]
         f, jacobian = residual(now, active), _differences(residual, now, active)
-        regular = np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0)
+        regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))
         regular[regular] = np.linalg.matrix_rank(jacobian[regular]) == n
         active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
         if active.size == 0:

@@ -142,7 +142,7 @@ class System:
 
     def plain_model(self) -> Model:
         """The model's closed form where a parameter is zero and one exists, else the model itself."""
-        for parameter, plain in self.model.plain.items():
+        for parameter in self.model.plain:
             if float(self.values[parameter.name]) == 0.0:
                 return _plain(self.model, parameter)
         return self.model
@@ -153,8 +153,7 @@ class System:
 
     def jacobian(self, time: float, x: ArrayLike) -> Array:
         """Jacobian of the rates from the compiled kernel, shape (state, state) or (state, state, lane)."""
-        rates, entries = self._evaluate(time, x, tangents=True)
-        return entries
+        return self._evaluate(time, x, tangents=True)[1]
 
     def reference_rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the reference kernel (plain NumPy, exact film)."""

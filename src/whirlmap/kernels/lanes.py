@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
 from types import ModuleType
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,7 +98,7 @@ class Waves:
         return cls(table, np.array(starts, dtype=np.int64), np.array(lengths, dtype=np.int64))
 
 
-def padded(values: Array) -> Array:
+def padded(values: NDArray[Any]) -> NDArray[Any]:
     """Fill the last block with copies of the last lane: kernels always work on whole blocks."""
     n = values.shape[-1]
     missing = -n % LANES

@@ -22,7 +22,6 @@ from sympy import (
     Function,
     Integer,
     Mul,
-    Piecewise,
     Pow,
     Rational,
     Symbol,

@@ -25,7 +25,7 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
     functions: dict[str, Callable[..., Array]] = {}
     expressions = [_with_exact(sympify(model.equations[s]), model, functions) for s in model.states]
     if not forced:
-        expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda a: 0) for e in expressions]
+        expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda _: 0) for e in expressions]
     compiled = lambdify([t, list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"])
 
     def rates(time: ArrayLike, x: ArrayLike, values: ArrayLike) -> Array:
@@ -34,6 +34,20 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
         return np.stack([np.broadcast_to(np.asarray(row, dtype=float), x.shape[1:]) for row in rows])
 
     return rates
+
+
+@lru_cache(maxsize=64)
+def reference_outputs(model: Model) -> Callable[[Array, Array], Array]:
+    """Return ``outputs(x, values)`` of a model: (state, point), (parameter, point) -> (output, point)."""
+    functions: dict[str, Callable[..., Array]] = {}
+    expressions = [_with_exact(sympify(o.expression), model, functions) for o in model.outputs.values()]
+    compiled = lambdify([list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"])
+
+    def outputs(x: Array, values: Array) -> Array:
+        rows = [np.broadcast_to(np.asarray(row, dtype=float), x.shape[1:]) for row in compiled(list(x), list(values))]
+        return np.array(rows).reshape(len(expressions), *x.shape[1:])
+
+    return outputs
 
 
 def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..., Array]]) -> Expr:

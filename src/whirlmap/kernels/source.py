@@ -69,7 +69,7 @@ class KernelSource:
 
 def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal["locked", "free"]) -> KernelSource:
     """Write the module for a model and a method, with or without tangent dynamics."""
-    from whirlmap import __version__
+    from whirlmap.version import __version__
 
     hoisted = Hoisted(model.parameters)
     rates = straight(model, [model.equations[s] for s in model.states], hoisted)

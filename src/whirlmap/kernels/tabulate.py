@@ -13,7 +13,7 @@ Array = NDArray[np.float64]
 def _points(degree: int) -> tuple[Array, Array]:
     """Lobatto points of [0, 1], and the matrix that turns values there into powers of the coordinate."""
     points = (1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2
-    return points, np.linalg.inv(np.vander(points, increasing=True))
+    return points, np.asarray(np.linalg.inv(np.vander(points, increasing=True)), dtype=float)
 
 
 @lru_cache(maxsize=64)

@@ -1,13 +1,11 @@
 """Pictures: a Dataset in, Axes or a Figure out. Nothing here computes a result, and nothing uses pyplot.
 
-Every ``draw_...`` function takes ``ax=`` and returns the Axes that it drew into; without it a figure is made, which is
-``ax.figure``. The figures are composed of these. `save` writes PNG, SVG or PDF.
+Every ``draw_...`` function takes ``ax=`` and returns the Axes that it drew into; without it a figure is made,
+which is ``ax.figure``. The figures are composed of these. `save` writes PNG, SVG or PDF.
 """
 
 from whirlmap.plot.convergence import draw_convergence as draw_convergence
 from whirlmap.plot.diagram import draw_diagram as draw_diagram
-from whirlmap.plot.diagram import draw_exponents as draw_exponents
-from whirlmap.plot.diagram import draw_regime_strip as draw_regime_strip
 from whirlmap.plot.dimension import draw_correlation_sum as draw_correlation_sum
 from whirlmap.plot.dimension import draw_local_slope as draw_local_slope
 from whirlmap.plot.figures import diagnosis_figure as diagnosis_figure
@@ -16,6 +14,8 @@ from whirlmap.plot.figures import paper_diagram_figure as paper_diagram_figure
 from whirlmap.plot.figures import paper_orbit_figure as paper_orbit_figure
 from whirlmap.plot.orbit import draw_orbit as draw_orbit
 from whirlmap.plot.phase_portrait import draw_phase_portrait as draw_phase_portrait
+from whirlmap.plot.regime_strip import draw_exponents as draw_exponents
+from whirlmap.plot.regime_strip import draw_regime_strip as draw_regime_strip
 from whirlmap.plot.save import encode as encode
 from whirlmap.plot.save import save as save
 from whirlmap.plot.section import draw_section as draw_section

@@ -5,7 +5,18 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from whirlmap.plot.labels import unit_of, unit_text
-from whirlmap.plot.style import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION, axes_or_new, styled, write_reason
+from whirlmap.plot.style import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    axes_or_new,
+    styled,
+    write_reason,
+)
 from whirlmap.results.status import Status
 
 COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)
@@ -13,7 +24,7 @@ COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)
 
 @styled
 def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, errors: float = 2.0) -> Axes:
-    """Running mean of the largest exponents against the number of periods, with the band of the final value.
+    """Draw the running mean of the largest exponents, with the error band of the final value.
 
     Reads ``running`` (period by exponent), ``exponent``, ``exponent_error`` and ``status``.
 
@@ -44,7 +55,9 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
     ax.set_ylim(float(bounds.min()) - 0.15 * size, float(bounds.max()) + 0.15 * size)
     ax.set_xlim(0, float(period[-1]))
     ax.set_xlabel("common periods [–]")
-    ax.set_ylabel((r"$\lambda_1$ " if running.shape[1] == 1 else r"$\lambda$ ") + unit_text(unit_of(ds, "exponent")))
+    ax.set_ylabel(
+        (r"$\lambda_1$ " if running.shape[1] == 1 else r"$\lambda$ ") + unit_text(unit_of(ds, "exponent"))
+    )
     ax.set_title(rf"$\lambda_1$ = {with_error(float(final[0]), float(error[0]))} (band: {errors:g} s.e.)")
     if running.shape[1] > 1:
         ax.legend(loc="center right", ncols=2)
@@ -52,7 +65,7 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
 
 
 def with_error(value: float, error: float) -> str:
-    """A number with its standard error, cut to two digits of the error: ``0.1234 ± 0.0021``."""
+    """Write a number with its standard error, cut to two digits of the error: ``0.1234 ± 0.0021``."""
     if not (np.isfinite(error) and error > 0):
         return f"{value:.4g}".replace("-", "−")
     digits = int(np.clip(1 - np.floor(np.log10(error)), 0, 8))

@@ -25,8 +25,8 @@ def reason_without(ds: xr.Dataset) -> str:
 def draw_correlation_sum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Correlation sum against radius, both logarithmic, with the fitted line over the scaling range.
 
-    Reads ``correlation_sum(radius)``, ``D2``, ``D2_error``, ``radius_low``, ``radius_high`` and ``status``. Without a
-    scaling range the sum is drawn alone and the title says why.
+    Reads ``correlation_sum(radius)``, ``D2``, ``D2_error``, ``radius_low``, ``radius_high`` and ``status``.
+    Without a scaling range the sum is drawn alone and the title says why.
     """
     ax = axes_or_new(ax, 3.6, 3.0)
     reason = reason_without(ds)
@@ -54,7 +54,8 @@ def draw_correlation_sum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 def draw_local_slope(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Local slope of the correlation sum against radius, with its error and the scaling range.
 
-    Reads ``local_slope(radius)``, ``local_slope_error``, ``D2``, ``D2_error``, ``radius_low`` and ``radius_high``.
+    Reads ``local_slope(radius)``, ``local_slope_error``, ``D2``, ``D2_error``, ``radius_low`` and
+    ``radius_high``.
     """
     ax = axes_or_new(ax, 3.6, 3.0)
     reason = reason_without(ds)

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -10,20 +11,31 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from whirlmap.plot.convergence import draw_convergence
-from whirlmap.plot.diagram import draw_diagram, draw_exponents, draw_regime_strip, legend_handles
+from whirlmap.plot.diagram import draw_diagram
 from whirlmap.plot.dimension import draw_correlation_sum, draw_local_slope
 from whirlmap.plot.orbit import draw_orbit
 from whirlmap.plot.parts import clock_name, journal_of, marked_shaft, parts_of
 from whirlmap.plot.phase_portrait import draw_phase_portrait
+from whirlmap.plot.regime_strip import draw_exponents, draw_regime_strip, legend_handles
 from whirlmap.plot.section import draw_section
 from whirlmap.plot.spectrum import Orders, draw_power_spectrum
 from whirlmap.plot.style import WIDE, new_figure, styled, write_reason
 from whirlmap.plot.time_series import draw_time_series
 
 Reasons = Mapping[str, str]
+Draw = Callable[[xr.Dataset, Axes], Axes]
 
 #: What stands in a panel for which nothing was given, and no reason either.
 ABSENT = "not computed"
+
+#: What the parts are called in a panel that has to say why it is empty.
+WORDS = {
+    "series": "time series",
+    "spectrum": "power spectrum",
+    "section": "section",
+    "lyapunov": "Lyapunov exponents",
+    "dimension": "correlation dimension",
+}
 
 #: Periods T of a time series that a sheet shows.
 SHOWN = 40
@@ -120,30 +132,23 @@ def paper_orbit_figure(
     Parameters
     ----------
     series, spectrum, lines, section, lyapunov, dimension : xr.Dataset, optional
-        From `simulate`, `power_spectrum`, `spectral_lines`, `section`, `lyapunov_spectrum`, `correlation_dimension`.
-        A panel whose Dataset is absent says why.
+        From `simulate`, `power_spectrum`, `spectral_lines`, `section`, `lyapunov_spectrum`,
+        `correlation_dimension`. A panel whose Dataset is absent says why.
     reasons : mapping of str to str, optional
         Why a part is absent, by the names above: ``{"dimension": "periodic: a finite set of points"}``.
     velocity : str, optional
         The other state of phase portrait and section; the coordinate's velocity where absent.
     """
-    fig = new_figure(WIDE, 7.6)
-    axes = fig.subplots(3, 2).ravel()
-    why = dict(reasons or {})
-    _panel(axes[0], series, "series", why, lambda ds, ax: draw_phase_portrait(
-        ds, coordinate, velocity, ax=ax, turns=turns))  # fmt: skip
-    _panel(axes[1], spectrum, "spectrum", why, lambda ds, ax: draw_power_spectrum(
-        ds, ax=ax, lines=lines, orders=orders, highest=highest, clock=clock, name=coordinate))  # fmt: skip
-    _panel(axes[2], section, "section", why, lambda ds, ax: draw_section(
-        ds, coordinate, velocity, ax=ax, orbit=series))  # fmt: skip
-    _panel(axes[3], lyapunov, "lyapunov", why, lambda ds, ax: draw_convergence(ds, ax=ax))
-    _panel(axes[4], dimension, "dimension", why, lambda ds, ax: draw_correlation_sum(ds, ax=ax))
-    _panel(axes[5], dimension, "dimension", why, lambda ds, ax: draw_local_slope(ds, ax=ax))
-    for ax, letter in zip(axes, "abcdef", strict=True):
-        _letter(ax, letter)
-    if title:
-        fig.suptitle(title)
-    return fig
+    panels: list[tuple[str, xr.Dataset | None, Draw]] = [
+        ("series", series, lambda ds, ax: draw_phase_portrait(ds, coordinate, velocity, ax=ax, turns=turns)),
+        ("spectrum", spectrum, lambda ds, ax: draw_power_spectrum(
+            ds, ax=ax, lines=lines, orders=orders, highest=highest, clock=clock, name=coordinate)),
+        ("section", section, lambda ds, ax: draw_section(ds, coordinate, velocity, ax=ax, orbit=series)),
+        ("lyapunov", lyapunov, lambda ds, ax: draw_convergence(ds, ax=ax)),
+        ("dimension", dimension, lambda ds, ax: draw_correlation_sum(ds, ax=ax)),
+        ("dimension", dimension, lambda ds, ax: draw_local_slope(ds, ax=ax)),
+    ]  # fmt: skip
+    return _sheet(panels, (3, 2), (WIDE, 7.6), reasons or {}, title)
 
 
 @styled
@@ -161,13 +166,13 @@ def diagnosis_figure(
     turns: float | None = None,
     highest: float | None = 3.0,
     title: str = "",
-    **given: xr.Dataset,
+    **given: Any,
 ) -> Figure:
     """Six panels on one operating point, what a rotordynamicist looks at first.
 
-    Orbit of a journal in its clearance circle (or, for a system without one, the time series), phase portrait, section,
-    power spectrum with named orders, convergence of the exponents, correlation sum with the fitted range. What the
-    Dataset lacks is said in the panel.
+    Orbit of a journal in its clearance circle (or, for a system without one, the time series), phase
+    portrait, section, power spectrum with named orders, convergence of the exponents, correlation sum with
+    the fitted range. What the Dataset lacks is said in the panel.
 
     Parameters
     ----------
@@ -180,7 +185,7 @@ def diagnosis_figure(
     clearance : float, optional
         Radius of the clearance circle, None where the orbit has none.
     order, shaft : number, str
-        Turns in one T and name of the shaft whose turns are marked; the second clock of the Dataset where absent.
+        Turns in one T and name of the shaft whose turns are marked; the fastest slower than 1/T where absent.
     orders : mapping of str to number
         Named orders; the Dataset's clocks where absent.
     clock : str
@@ -189,51 +194,56 @@ def diagnosis_figure(
         ``spectrum``, ``lines``, ``section``, ``lyapunov``, ``dimension``: parts that ``ds`` does not hold.
     """
     parts = replace(parts_of(ds, coordinate), **given)
-    orders = parts.orders if orders is None else orders
-    clock = clock or clock_name(orders)
+    named: Orders = parts.orders if orders is None else orders
+    clock = clock or clock_name(named)
     if order is None:
-        shaft, order = marked_shaft(orders) if not shaft else (shaft, orders.get(shaft, 1))
+        shaft, order = marked_shaft(named) if not shaft else (shaft, named.get(shaft, 1))
+    turned = abs(float(order))
     path = journal_of(ds) if orbit is None else orbit
+
+    sizes: Orders = {name: abs(float(value)) for name, value in named.items()}
 
     def first(ds: xr.Dataset, ax: Axes) -> Axes:
         if path is None:
             return draw_time_series(ds, coordinate, ax=ax, turns=turns or SHOWN)
-        return draw_orbit(ds, *path, ax=ax, clearance=clearance, order=abs(order), shaft=shaft, turns=turns)
+        return draw_orbit(ds, *path, ax=ax, clearance=clearance, order=turned, shaft=shaft, turns=turns)
 
-    fig = new_figure(1.35 * WIDE, 6.2)
-    axes = fig.subplots(2, 3).ravel()
-    sizes = {name: abs(value) for name, value in orders.items()}
-    why = parts.reasons
-    _panel(axes[0], parts.series, "series", why, first)
-    _panel(axes[1], parts.series, "series", why, lambda ds, ax: draw_phase_portrait(
-        ds, coordinate, velocity, ax=ax, turns=turns))  # fmt: skip
-    _panel(axes[2], parts.section, "section", why, lambda ds, ax: draw_section(
-        ds, coordinate, velocity, ax=ax, orbit=parts.series))  # fmt: skip
-    _panel(axes[3], parts.spectrum, "spectrum", why, lambda ds, ax: draw_power_spectrum(
-        ds, ax=ax, lines=parts.lines, orders=sizes, highest=highest, clock=clock, name=coordinate))  # fmt: skip
-    _panel(axes[4], parts.lyapunov, "lyapunov", why, lambda ds, ax: draw_convergence(ds, ax=ax, count=2))
-    _panel(axes[5], parts.dimension, "dimension", why, lambda ds, ax: draw_correlation_sum(ds, ax=ax))
-    for ax, letter in zip(axes, "abcdef", strict=True):
-        _letter(ax, letter)
+    def portrait(ds: xr.Dataset, ax: Axes) -> Axes:
+        return draw_phase_portrait(ds, coordinate, velocity, ax=ax, turns=turns, section=bool(named))
+
+    panels: list[tuple[str, xr.Dataset | None, Draw]] = [
+        ("series", parts.series, first),
+        ("series", parts.series, portrait),
+        ("section", parts.section, lambda ds, ax: draw_section(
+            ds, coordinate, velocity, ax=ax, orbit=parts.series)),
+        ("spectrum", parts.spectrum, lambda ds, ax: draw_power_spectrum(
+            ds, ax=ax, lines=parts.lines, orders=sizes, highest=highest, clock=clock, name=coordinate)),
+        ("lyapunov", parts.lyapunov, lambda ds, ax: draw_convergence(ds, ax=ax, count=2)),
+        ("dimension", parts.dimension, lambda ds, ax: draw_correlation_sum(ds, ax=ax)),
+    ]  # fmt: skip
+    return _sheet(panels, (2, 3), (1.35 * WIDE, 6.2), parts.reasons, title)
+
+
+def _sheet(
+    panels: list[tuple[str, xr.Dataset | None, Draw]],
+    shape: tuple[int, int],
+    size: tuple[float, float],
+    reasons: Reasons,
+    title: str,
+) -> Figure:
+    """Draw each part into its panel, or write there why it is absent."""
+    fig = new_figure(*size)
+    for ax, (part, ds, draw), letter in zip(fig.subplots(*shape).ravel(), panels, "abcdef", strict=True):
+        if ds is None:
+            write_reason(ax, f"{WORDS[part]}:\n{reasons.get(part, ABSENT)}")
+        else:
+            draw(ds, ax)
+        # In the corner, as titles stand above: what a caption refers to.
+        ax.text(0.985, 0.975, letter, transform=ax.transAxes, ha="right", va="top", weight="bold", size=9,
+                zorder=1e5, bbox={"fc": "white", "ec": "none", "pad": 1.0, "alpha": 0.8})  # fmt: skip
     if title:
         fig.suptitle(title)
     return fig
-
-
-def _panel(
-    ax: Axes, ds: xr.Dataset | None, part: str, reasons: dict[str, str], draw: Callable[[xr.Dataset, Axes], Axes]
-) -> None:
-    """Draw a part into its panel, or write there why it is absent."""
-    if ds is None:
-        write_reason(ax, f"{part}:\n{reasons.get(part, ABSENT)}")
-    else:
-        draw(ds, ax)
-
-
-def _letter(ax: Axes, letter: str) -> None:
-    """Put the letter that a caption refers to into the upper right corner."""
-    ax.text(0.985, 0.975, letter, transform=ax.transAxes, ha="right", va="top", fontweight="bold", fontsize=9, zorder=1e5,
-            bbox={"fc": "white", "ec": "none", "pad": 1.0, "alpha": 0.8})  # fmt: skip
 
 
 def _bare(ax: Axes) -> None:

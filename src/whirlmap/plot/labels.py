@@ -6,18 +6,42 @@ import xarray as xr
 
 from whirlmap.errors import RangeError, nearest
 
-_GREEK = (
-    "alpha beta gamma delta epsilon zeta eta theta iota kappa lambda mu nu xi rho sigma tau upsilon phi chi psi omega"
-).split()
-_LATEX = {name: "\\" + name for name in _GREEK} | {name.title(): "\\" + name.title() for name in
-          ("gamma", "delta", "theta", "lambda", "xi", "sigma", "phi", "psi", "omega")}  # fmt: skip
+_GREEK = [
+    "alpha",
+    "beta",
+    "gamma",
+    "delta",
+    "epsilon",
+    "zeta",
+    "eta",
+    "theta",
+    "iota",
+    "kappa",
+    "lambda",
+    "mu",
+    "nu",
+    "xi",
+    "rho",
+    "sigma",
+    "tau",
+    "upsilon",
+    "phi",
+    "chi",
+    "psi",
+    "omega",
+]
+_LATEX = {name: "\\" + name for name in _GREEK} | {
+    name.title(): "\\" + name.title()
+    for name in ("gamma", "delta", "theta", "lambda", "xi", "sigma", "phi", "psi", "omega")
+}
 _LATEX |= {"eps": r"\varepsilon", "varepsilon": r"\varepsilon"}
 
 
 def symbol(name: str) -> str:
     """Give a name in mathematical type: ``yp`` as y_p, ``eps_1`` as epsilon_1, ``vx1`` as v_x1.
 
-    The first part is the letter, what follows it or stands behind an underscore is the index; longer words stay words.
+    The first part is the letter, what follows it or stands behind an underscore is the index; longer words
+    stay words.
     """
     head, _, index = name.partition("_")
     if not index and head not in _LATEX and 1 < len(head) <= 3:
@@ -33,7 +57,7 @@ def unit_text(unit: str) -> str:
 
 
 def unit_of(ds: xr.Dataset, name: str) -> str:
-    """Unit of a state, an output or a coordinate, from what the Dataset says."""
+    """Look up the unit of a state, an output or a coordinate, from what the Dataset says."""
     for variable, dim in (("x", "state"), ("section", "state"), ("outputs", "output")):
         if variable in ds and dim in ds.coords and name in ds[dim].values:
             each = str(ds[variable].attrs.get("unit_of_each", "")).split()
@@ -58,9 +82,9 @@ def check_name(name: str, known: list[str], what: str) -> str:
 
 
 def velocity_of(ds: xr.Dataset, coordinate: str) -> str:
-    """Name of the state that is a coordinate's velocity: ``vyp`` of ``yp``, or ``v`` of ``x``."""
+    """Find the state that is a coordinate's velocity: ``vyp`` of ``yp``, ``v`` of ``x``; else the next."""
     known = [str(s) for s in ds["state"].values]
-    for name in ("v" + coordinate, "v"):
-        if name in known:
+    for name in ("v" + coordinate, "v", "v" + coordinate.removeprefix("u")):
+        if name in known and name != coordinate:
             return name
-    raise RangeError(f"no state is the velocity of {coordinate!r}: name it with velocity=\n  states: {' '.join(known)}")
+    return known[(known.index(check_name(coordinate, known, "state")) + 1) % len(known)]

@@ -1,7 +1,7 @@
 """Limits of axes that tell a point from a line, and the cells that stand for swept values.
 
-A settled period-1 orbit has section points that differ by 1e-11. On axes scaled to that range they look like a line or
-a cloud; here no axis is shorter than a share of how far the motion swings.
+A settled period-1 orbit has section points that differ by 1e-11. On axes scaled to that range they look like
+a line or a cloud; here no axis is shorter than a share of how far the motion swings.
 """
 
 import numpy as np
@@ -9,11 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 
 Array = NDArray[np.float64]
 
-#: Shortest axis, over the range of the whole orbit; over the largest magnitude; over the largest of all states.
+#: Shortest axis over the range of the whole orbit, the largest magnitude, and the largest of all states.
 OF_AMPLITUDE, OF_MAGNITUDE, OF_OTHERS = 0.05, 1e-3, 1e-6
 
 
-def limits(values: ArrayLike, *, amplitude: float = 0.0, others: float = 0.0, margin: float = 0.05) -> tuple[float, float]:
+def limits(
+    values: ArrayLike, *, amplitude: float = 0.0, others: float = 0.0, margin: float = 0.05
+) -> tuple[float, float]:
     """Lower and upper end of an axis that shows values.
 
     Parameters
@@ -36,6 +38,18 @@ def limits(values: ArrayLike, *, amplitude: float = 0.0, others: float = 0.0, ma
     size = max(high - low, least if least > 0 else 1.0)
     middle, half = (low + high) / 2, size * (0.5 + margin)
     return middle - half, middle + half
+
+
+def markersize(
+    u: Array, v: Array, size: tuple[float, float], *, most: float = 5.0, least: float = 0.9
+) -> float:
+    """Size of points [pt] by the number of places they fall on: the few of a periodic orbit are drawn large.
+
+    ``size`` is the width and the height of what the points are seen in.
+    """
+    grid = np.stack([u / max(size[0], 1e-300), v / max(size[1], 1e-300)], axis=1)
+    places = len(np.unique(np.rint(300 * (grid - grid[:1])), axis=0)) if u.size else 1
+    return float(np.clip(40.0 / np.sqrt(places), least, most))
 
 
 def is_log(values: ArrayLike) -> bool:

@@ -48,27 +48,34 @@ def parts_of(ds: xr.Dataset, coordinate: str) -> Parts:
     if not status and "period_T" in ds and int(ds["period_T"]) > 0:
         reasons["dimension"] = f"periodic({int(ds['period_T'])}T):\na finite set of points"
     return Parts(
-        series, spectrum, lines,
-        ds if "section" in ds else None, ds if "running" in ds else None, dimension,
-        {str(k): float(v) for k, v in json.loads(str(ds.attrs.get("clocks", "{}"))).items()}, reasons,
-    )  # fmt: skip
+        series,
+        spectrum,
+        lines,
+        ds if "section" in ds else None,
+        ds if "running" in ds else None,
+        dimension,
+        {str(k): float(v) for k, v in json.loads(str(ds.attrs.get("clocks", "{}"))).items()},
+        reasons,
+    )
 
 
 def spectrum_of(ds: xr.Dataset, coordinate: str) -> tuple[xr.Dataset | None, xr.Dataset | None]:
-    """Power spectrum and lines of a recorded state, over multiples of 1/T; None where the record ended early."""
+    """Measure the power spectrum and lines of a state, over multiples of 1/T; None where the run ended."""
     x = ds["x"].sel(state=coordinate).values
     if x.size < 256 or not np.isfinite(x).all():
         return None, None
     turn = ds["turn"].values
     rate = (turn.size - 1) / float(turn[-1] - turn[0])
     # A record that holds its first and its last point would count one sample of the period twice.
-    whole = x[:-1] if abs(turn[0] - np.rint(turn[0])) < 1e-9 and abs(turn[-1] - np.rint(turn[-1])) < 1e-9 else x
+    whole = (
+        x[:-1] if abs(turn[0] - np.rint(turn[0])) < 1e-9 and abs(turn[-1] - np.rint(turn[-1])) < 1e-9 else x
+    )
     spectrum = power_spectrum(whole, rate=rate, unit="T")
     return spectrum, spectral_lines(spectrum)
 
 
 def journal_of(ds: xr.Dataset) -> tuple[str, str] | None:
-    """States of the first journal, by the convention of names: ``u1x u1y`` or ``ux uy``, lengths over the clearance."""
+    """Find the states of the first journal by their names, ``u1x u1y`` or ``ux uy``; lengths are over c."""
     known = [str(s) for s in ds["state"].values] if "state" in ds else []
     for name in known:
         if re.fullmatch(r"u\d*x", name) and name[:-1] + "y" in known:
@@ -78,11 +85,11 @@ def journal_of(ds: xr.Dataset) -> tuple[str, str] | None:
 
 def clock_name(orders: Mapping[str, Fraction | float]) -> str:
     """Name of the clock that turns once in T, which frequencies are multiples of."""
-    return next((name for name, order in orders.items() if abs(abs(float(order)) - 1) < 1e-9), "forcing")
+    return next((name for name, order in orders.items() if abs(abs(float(order)) - 1) < 1e-9), "")
 
 
 def marked_shaft(orders: Mapping[str, Fraction | float]) -> tuple[str, Fraction | float]:
-    """Name and order of the shaft whose turns are marked on orbits: the fastest that is slower than T, else T."""
+    """Choose the shaft whose turns are marked on orbits: the fastest that is slower than 1/T, else T."""
     slower = {name: order for name, order in orders.items() if 0 < abs(float(order)) < 1 - 1e-9}
     if slower:
         return max(slower.items(), key=lambda item: abs(float(item[1])))
@@ -90,6 +97,11 @@ def marked_shaft(orders: Mapping[str, Fraction | float]) -> tuple[str, Fraction 
 
 
 def _renamed(ds: xr.Dataset, names: list[str]) -> xr.Dataset:
-    """The variables of the dimension under their own names, with the radii."""
-    out = xr.Dataset({n.removeprefix("dimension_"): ds[n].drop_vars([c for c in ds[n].coords if c != "radius"]) for n in names})
+    """Give the variables of the dimension their own names, with the radii."""
+    out = xr.Dataset(
+        {
+            n.removeprefix("dimension_"): ds[n].drop_vars([c for c in ds[n].coords if c != "radius"])
+            for n in names
+        }
+    )
     return out if "radius" in out.coords or "radius" not in ds else out.assign_coords(radius=ds["radius"])

@@ -5,17 +5,28 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from whirlmap.plot.labels import axis_label, velocity_of
-from whirlmap.plot.limits import limits
+from whirlmap.plot.limits import limits, markersize
 from whirlmap.plot.style import INK, REGIMES, SKY, VERMILION, axes_or_new, styled, write_reason
 from whirlmap.plot.time_series import how_ended, last_turns, values_of
 from whirlmap.results.regime import Regime
 
 
-def at_turns(ds: xr.Dataset, per_T: float = 1.0) -> np.ndarray:
-    """Indices of the samples that fall on whole turns, of a shaft that makes ``per_T`` turns in one T."""
-    turned = ds["turn"].values * per_T
-    near = np.abs(turned - np.rint(turned)) < 1e-6 * max(1.0, abs(per_T))
-    return np.flatnonzero(near & np.isfinite(ds["x"].values).all(axis=1))
+def at_turns(ds: xr.Dataset, x: str, y: str, per_T: float = 1.0) -> tuple[np.ndarray, np.ndarray]:
+    """Read two states at the whole turns of a shaft that makes ``per_T`` turns in one T.
+
+    Turns between two samples are taken on the line between them, which is the line that is drawn.
+    """
+    alive = np.isfinite(ds["x"].values).all(axis=1)
+    turn = ds["turn"].values[alive]
+    counts = np.arange(np.ceil(turn[0] * per_T - 1e-6), np.floor(turn[-1] * per_T + 1e-6) + 1)
+    wanted = counts / per_T
+    nearest = np.rint(np.interp(wanted, turn, np.arange(turn.size))).astype(int)
+    exact = np.abs(turn[nearest] - wanted) < 1e-6
+    u, v = (
+        np.where(exact, values[alive][nearest], np.interp(wanted, turn, values[alive]))
+        for values in (values_of(ds, x), values_of(ds, y))
+    )
+    return u, v
 
 
 def line_style(samples: int) -> dict[str, object]:
@@ -25,19 +36,25 @@ def line_style(samples: int) -> dict[str, object]:
 
 @styled
 def draw_phase_portrait(
-    ds: xr.Dataset, x: str, y: str | None = None, *, ax: Axes | None = None, turns: float | None = None, section: bool = True
+    ds: xr.Dataset,
+    x: str,
+    y: str | None = None,
+    *,
+    ax: Axes | None = None,
+    turns: float | None = None,
+    section: bool = True,
 ) -> Axes:
     """Orbit in the plane of two states, by default a coordinate and its velocity.
 
-    Reads ``x(time, state)``, ``turn``, ``status`` and ``end_time``. Section points are the samples at whole T of a
-    forced model. The end of a run that ended early is marked.
+    Reads ``x(time, state)``, ``turn``, ``status`` and ``end_time``. Section points are the states at whole T
+    of a forced model. The end of a run that ended early is marked.
 
     Parameters
     ----------
     turns : float, optional
         Show the last so many T only.
     section : bool
-        Mark the samples at whole T.
+        Mark the states at whole T.
     """
     ax = axes_or_new(ax, 3.4, 3.2)
     y = velocity_of(ds, x) if y is None else y
@@ -45,17 +62,28 @@ def draw_phase_portrait(
     part = last_turns(ds, turns)
     u, v = values_of(part, x), values_of(part, y)
     alive = np.isfinite(u) & np.isfinite(v)
-    if not alive.any():
+    if alive.sum() < 2:
         return write_reason(ax, f"nothing recorded:\n{ended or 'no numbers'}")
     ax.plot(u, v, color=SKY, gid="orbit", **line_style(alive.sum()))  # type: ignore[arg-type]
     if section:
-        whole = at_turns(part)
-        size = float(np.clip(24.0 / np.sqrt(max(whole.size, 1)), 1.2, 4.0))
-        ax.plot(u[whole], v[whole], ls="", marker="o", ms=size, mew=0, color=INK, gid="section", zorder=3)
+        at_u, at_v = at_turns(part, x, y)
+        size = markersize(at_u, at_v, (float(np.ptp(u[alive])), float(np.ptp(v[alive]))), most=4.0)
+        ax.plot(at_u, at_v, ls="", marker="o", ms=size, mew=0, color=INK, gid="section", zorder=3)
     if ended:
         last = np.flatnonzero(alive)[-1]
         marker = REGIMES[Regime.contact].marker
-        ax.plot(u[last], v[last], ls="", marker=marker, ms=6, color=VERMILION, mec="white", mew=0.6, gid="ended", zorder=4)
+        ax.plot(
+            u[last],
+            v[last],
+            ls="",
+            marker=marker,
+            ms=6,
+            color=VERMILION,
+            mec="white",
+            mew=0.6,
+            gid="ended",
+            zorder=4,
+        )
     largest = float(np.nanmax(np.abs(part["x"].values)))
     ax.set_xlim(limits(u, others=largest))
     ax.set_ylim(limits(v, others=largest))

@@ -27,7 +27,12 @@ _METADATA: dict[str, dict[str, Any]] = {
 
 def encode(fig: Figure, form: Format, *, dpi: float = PRINT_DPI) -> bytes:
     """Give a figure as the bytes of a file; the same figure gives the same bytes."""
-    settings = {**HOUSE, "svg.hashsalt": "whirlmap", "svg.fonttype": "path", "pdf.fonttype": 42}
+    settings: dict[Any, Any] = {
+        **HOUSE,
+        "svg.hashsalt": "whirlmap",
+        "svg.fonttype": "path",
+        "pdf.fonttype": 42,
+    }
     buffer = BytesIO()
     with mpl.rc_context(settings):
         fig.savefig(buffer, format=form, dpi=dpi, metadata=_METADATA[form])
@@ -37,8 +42,8 @@ def encode(fig: Figure, form: Format, *, dpi: float = PRINT_DPI) -> bytes:
 def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float = PRINT_DPI) -> Path:
     """Write a figure to ``path``, in the format that its suffix names.
 
-    The picture is complete before the file appears: it is written under a temporary name in the same folder and then
-    renamed. What was there is replaced; whether that is allowed is for the caller to ask first.
+    The picture is complete before the file appears: it is written under a temporary name in the same folder
+    and then renamed. What was there is replaced; whether that is allowed is for the caller to ask first.
 
     Parameters
     ----------
@@ -60,7 +65,9 @@ def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float = PRINT_DPI) -
     target = Path(path)
     form = target.suffix.lower().lstrip(".")
     if form not in _METADATA:
-        raise OutputError(f"{target}: a picture ends in .png, .svg or .pdf, not {target.suffix or 'nothing'!r}")
+        raise OutputError(
+            f"{target}: a picture ends in .png, .svg or .pdf, not {target.suffix or 'nothing'!r}"
+        )
     if not target.parent.is_dir():
         raise OutputError(f"{target}: the folder {target.parent} does not exist; make it first")
     data = encode(fig, form, dpi=dpi)  # type: ignore[arg-type]

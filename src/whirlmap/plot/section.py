@@ -6,12 +6,13 @@ from matplotlib.axes import Axes
 
 from whirlmap.plot.labels import axis_label, check_name, velocity_of
 from whirlmap.plot.limits import limits
+from whirlmap.plot.limits import markersize as size_of_points
 from whirlmap.plot.style import INK, axes_or_new, styled, write_reason
 from whirlmap.results.status import Status
 
 
 def ranges_of(ds: xr.Dataset | None, name: str) -> tuple[float, float]:
-    """Peak-to-peak range of a state over an orbit, and the largest magnitude of all states; zeros without one."""
+    """Measure the peak-to-peak range of a state over an orbit, and the largest magnitude of all states."""
     if ds is None or "x" not in ds or name not in ds["state"].values or not np.isfinite(ds["x"].values).any():
         return 0.0, 0.0
     own = ds["x"].sel(state=name).values
@@ -31,8 +32,8 @@ def draw_section(
 ) -> Axes:
     """Poincaré map of two states; runs and periods together are one cloud.
 
-    Reads ``section(..., period, state)`` and ``status``. The axes are never shorter than a share of how far the motion
-    swings, so that a periodic orbit is its few points.
+    Reads ``section(..., period, state)`` and ``status``. The axes are never shorter than a share of how far
+    the motion swings, so that a periodic orbit is its few points.
 
     Parameters
     ----------
@@ -53,19 +54,23 @@ def draw_section(
     for name, values, setter in ((x, u, ax.set_xlim), (y, v, ax.set_ylim)):
         swing, all_states = ranges_of(orbit, name)
         setter(*limits(values, amplitude=swing, others=max(all_states, largest), margin=0.08))
-    size = _markersize(ax, u[keep], v[keep]) if markersize is None else markersize
-    ax.plot(u[keep], v[keep], ls="", marker="o", ms=size, mew=0, color=colour, rasterized=keep.sum() > 2000, gid="section")
+    seen = float(np.diff(ax.get_xlim())[0]), float(np.diff(ax.get_ylim())[0])
+    points = size_of_points(u[keep], v[keep], seen) if markersize is None else markersize
+    ax.plot(
+        u[keep],
+        v[keep],
+        ls="",
+        marker="o",
+        ms=points,
+        mew=0,
+        color=colour,
+        rasterized=keep.sum() > 2000,
+        gid="section",
+    )
     ax.set_xlabel(axis_label(ds, x))
     ax.set_ylabel(axis_label(ds, y))
-    ax.set_title(f"section, {keep.sum()} points" + _how_often(ds))
+    ax.set_title(f"section, {keep.sum()} point{'s' * bool(keep.sum() > 1)}" + _how_often(ds))
     return ax
-
-
-def _markersize(ax: Axes, u: np.ndarray, v: np.ndarray) -> float:
-    """Size of the points by the number of places they fall on: the few of a periodic orbit are drawn large."""
-    places = np.stack([u, v], axis=1) - [ax.get_xlim()[0], ax.get_ylim()[0]]
-    places /= [np.diff(ax.get_xlim())[0], np.diff(ax.get_ylim())[0]]
-    return float(np.clip(40.0 / np.sqrt(len(np.unique(np.rint(300 * places), axis=0))), 0.9, 5.0))
 
 
 def _how_often(ds: xr.Dataset) -> str:

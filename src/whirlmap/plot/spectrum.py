@@ -30,19 +30,20 @@ def draw_power_spectrum(
 ) -> Axes:
     """One-sided power spectrum over frequency in multiples of 1/T.
 
-    Reads ``power(frequency)`` of `power_spectrum`, taken with the samples per T as rate, and ``line_frequency`` and
-    ``line_power`` of `spectral_lines`. A line of amplitude a stands at a^2/2.
+    Reads ``power(frequency)`` of `power_spectrum`, taken with the samples per T as rate, and
+    ``line_frequency`` and ``line_power`` of `spectral_lines`. A line of amplitude a stands at a^2/2.
 
     Parameters
     ----------
     lines : xr.Dataset, optional
         The lines that were found: they get a triangle each, and the title their share of the power.
     orders : mapping of str to number
-        Named orders in multiples of 1/T: ``{"mesh": 1, "pinion": 1/4, "gear": 1/8}``; labelled above the panel.
+        Named orders in multiples of 1/T: ``{"mesh": 1, "pinion": 1/4, "gear": 1/8}``; labelled above the
+        panel.
     highest : float, optional
         Highest frequency shown; all where None.
     clock : str
-        What 1/T is called in the axis label.
+        What 1/T is called in the axis label; ``1/T`` itself where empty.
     name : str
         The quantity, for the label: ``yp``.
     decibel : bool
@@ -58,25 +59,44 @@ def draw_power_spectrum(
     def level(p: np.ndarray) -> np.ndarray:
         return 10 * np.log10(p) if decibel else p
 
-    ax.plot(frequency[seen], level(shown[seen]), color=BLUE, lw=0.7, gid="power", rasterized=seen.sum() > 20_000)
+    ax.plot(
+        frequency[seen], level(shown[seen]), color=BLUE, lw=0.7, gid="power", rasterized=seen.sum() > 20_000
+    )
     title = "power spectrum"
     if lines is not None:
         at, height = lines["line_frequency"].values, lines["line_power"].values
         keep = np.isfinite(at) & (at <= top) & (height > floor)
-        ax.plot(at[keep], level(height[keep]), ls="", marker="v", ms=3.2, mfc="none", mec=VERMILION, mew=0.7, gid="lines",
-                zorder=3)  # fmt: skip
+        ax.plot(
+            at[keep],
+            level(height[keep]),
+            ls="",
+            marker="v",
+            ms=3.2,
+            mfc="none",
+            mec=VERMILION,
+            mew=0.7,
+            gid="lines",
+            zorder=3,
+        )
         share = f"{100 * float(lines['line_fraction']):.3g} % of the power"
-        title = f"1 line holds {share}" if int(lines["count"]) == 1 else f"{int(lines['count'])} lines hold {share}"
+        title = (
+            f"1 line holds {share}"
+            if int(lines["count"]) == 1
+            else f"{int(lines['count'])} lines hold {share}"
+        )
     ax.set_xlim(0, top)
     if not decibel:
         ax.set_yscale("log")
     lowest = max(floor, 0.1 * float(shown[seen].min(initial=np.inf)))
-    ends = level(np.array([lowest, max(float(shown[seen].max(initial=0.0)), 10 * lowest) * 10]))
+    peak = max(float(shown[seen].max(initial=0.0)), 10 * lowest)
+    room = 0.3 if orders else 0.05  # above the highest line, for the names of the orders
+    ends = level(np.array([lowest, peak * (peak / lowest) ** room]))
     ax.set_ylim(float(ends[0]), float(ends[1]))
-    ax.set_xlabel(f"frequency / {clock} frequency [–]")
+    ax.set_xlabel(f"frequency / {clock} frequency [–]" if clock else "frequency, in $1/T$ [–]")
     what = f"power of {symbol(name)}" if name else "power"
     ax.set_ylabel(f"{what} [dB re 1]" if decibel else f"{what}, $a^2/2$ [–]")
-    mark_orders(ax, orders or {}, title)
+    mark_orders(ax, orders or {})
+    ax.set_title(title)
     return ax
 
 
@@ -92,8 +112,8 @@ def draw_full_spectrum(
 ) -> Axes:
     """Two-sided amplitude spectrum of the orbit x + iy: forward whirl to the right, backward to the left.
 
-    Reads ``forward(whirl_frequency)`` and ``backward(whirl_frequency)`` of `full_spectrum`: radii of the circular orbits.
-    Forward turns from x to y; a shaft that spins the other way is named by a negative order.
+    Reads ``forward(whirl_frequency)`` and ``backward(whirl_frequency)`` of `full_spectrum`: radii of the
+    circular orbits. Forward turns from x to y; a shaft that spins the other way is named by a negative order.
 
     Parameters
     ----------
@@ -109,36 +129,40 @@ def draw_full_spectrum(
     forward, backward = ds["forward"].values[seen], ds["backward"].values[seen]
     peak = max(float(forward.max(initial=0.0)), float(backward.max(initial=0.0)), np.finfo(float).tiny * 1e30)
     for sign, curve, colour, label in ((1, forward, BLUE, "forward"), (-1, backward, ORANGE, "backward")):
-        ax.semilogy(sign * frequency[seen], np.maximum(curve, 0.1 * least * peak), color=colour, lw=0.7, gid=label)
-        ax.text(0.98 if sign > 0 else 0.02, 0.97, f"{label} whirl", transform=ax.transAxes, color=colour, va="top",
-                ha="right" if sign > 0 else "left", fontweight="bold")  # fmt: skip
+        ax.semilogy(
+            sign * frequency[seen], np.maximum(curve, 0.1 * least * peak), color=colour, lw=0.7, gid=label
+        )
+        ax.set_title(f"{label} whirl", loc="right" if sign > 0 else "left", color=colour, fontweight="bold")
     ax.axvline(0.0, color=INK, lw=0.6)
     ax.set_xlim(-top, top)
-    ax.set_ylim(least * peak, 8 * peak)
-    ax.set_xlabel(f"frequency / {clock} frequency [–]")
+    ax.set_ylim(least * peak, peak * least ** (-0.3 if orders else -0.05))
+    ax.set_xlabel(f"frequency / {clock} frequency [–]" if clock else "frequency, in $1/T$ [–]")
     ax.set_ylabel("radius of the circular orbit [–]")
-    mark_orders(ax, orders or {}, "")
+    mark_orders(ax, orders or {})
     return ax
 
 
-def mark_orders(ax: Axes, orders: Orders, title: str) -> None:
-    """Thin lines at named orders, their names upright above the panel, moved apart where they would overlap."""
+def mark_orders(ax: Axes, orders: Orders) -> None:
+    """Thin lines at named orders, their names under the upper edge, moved apart where they overlap."""
     low, high = ax.get_xlim()
     chosen = sorted((float(at), name) for name, at in orders.items() if low <= float(at) <= high)
-    width = ax.get_position().width * ax.figure.get_figure(root=True).get_size_inches()[0]  # type: ignore[union-attr]
+    width = ax.get_position().width * ax.figure.get_figure(root=True).get_size_inches()[0]
     gap = (high - low) * 0.115 / max(float(width), 0.5)  # one line of text
     places = _apart([at for at, _ in chosen], gap)
     for (at, name), place in zip(chosen, places, strict=True):
         ax.axvline(at, color=GREY, lw=0.6, ls=(0, (3, 2)), zorder=0.6, gid=f"order-{name}")
         ax.annotate(
-            name, (at, 1.0), (place, 1.06), xycoords=("data", "axes fraction"), textcoords=("data", "axes fraction"),
-            ha="center", va="bottom", rotation=90, fontsize=6.5, color="#444444", annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "lw": 0.5, "color": GREY, "shrinkA": 0, "shrinkB": 0},
-        )  # fmt: skip
-    if title and chosen:
-        ax.set_title(title, pad=34)
-    elif title:
-        ax.set_title(title)
+            name,
+            (place, 0.985),
+            xycoords=("data", "axes fraction"),
+            ha="center",
+            va="top",
+            rotation=90,
+            fontsize=6.5,
+            color="#444444",
+            annotation_clip=False,
+            bbox={"fc": "white", "ec": "none", "pad": 0.6},
+        )
 
 
 def _apart(places: list[float], gap: float) -> list[float]:

@@ -1,8 +1,8 @@
 """One house style for every picture: sizes, fonts, colours, and how a regime looks.
 
-Nothing here touches matplotlib's global settings for longer than a call: drawing functions carry `styled`, which sets
-`HOUSE` around them. The colours are those of Okabe and Ito, told apart with any colour vision; a regime also has a
-marker, and an ended run a hatch, so that a print in grey can be read.
+Nothing here touches matplotlib's global settings for longer than a call: drawing functions carry `styled`,
+which sets `HOUSE` around them. The colours are those of Okabe and Ito, told apart with any colour vision; a
+regime also has a marker, and an ended run a hatch, so that a print in grey can be read.
 """
 
 from collections.abc import Callable
@@ -26,7 +26,7 @@ SKY, PURPLE, INDIGO, INK, GREY, PALE = "#56B4E9", "#CC79A7", "#332288", "#1A1A1A
 #: Width of a figure over both columns of a page, and over one [inch].
 WIDE, NARROW = 7.2, 4.2
 
-HOUSE: dict[str, Any] = {
+HOUSE: dict[Any, Any] = {
     "font.family": "DejaVu Sans",
     "font.size": 8.0,
     "mathtext.fontset": "dejavusans",
@@ -83,7 +83,10 @@ UNFINISHED: dict[Status, Look] = {
 }
 
 #: Sweeps that carry the state along, by direction.
-DIRECTIONS: dict[str, Look] = {"up": Look("speeding up", INDIGO, "^"), "down": Look("slowing down", ORANGE, "v")}
+DIRECTIONS: dict[str, Look] = {
+    "up": Look("speeding up", INDIGO, "^"),
+    "down": Look("slowing down", ORANGE, "v"),
+}
 
 
 def look_of(regime: int, status: int = 0) -> Look:
@@ -104,7 +107,7 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def new_figure(width: float = WIDE, height: float = 4.5) -> Figure:
-    """Give an empty figure [inch] that lays out its panels so that no label is cut; no pyplot, no global state."""
+    """Give an empty figure [inch] that lays out its panels so that no label is cut."""
     return Figure(figsize=(width, height), layout="constrained")
 
 

@@ -9,7 +9,18 @@ from matplotlib.axes import Axes
 from whirlmap.errors import RangeError
 from whirlmap.plot.labels import symbol, unit_of, unit_text
 from whirlmap.plot.limits import limits
-from whirlmap.plot.style import BLUE, GREEN, INK, ORANGE, PURPLE, SKY, VERMILION, axes_or_new, styled, write_reason
+from whirlmap.plot.style import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    PURPLE,
+    SKY,
+    VERMILION,
+    axes_or_new,
+    styled,
+    write_reason,
+)
 from whirlmap.results.status import Status
 
 COLOURS = (BLUE, VERMILION, GREEN, ORANGE, PURPLE, SKY, INK)
@@ -45,12 +56,17 @@ def last_turns(ds: xr.Dataset, turns: float | None) -> xr.Dataset:
 
 @styled
 def draw_time_series(
-    ds: xr.Dataset, names: Sequence[str] | str, *, ax: Axes | None = None, turns: float | None = None, in_T: bool = True
+    ds: xr.Dataset,
+    names: Sequence[str] | str,
+    *,
+    ax: Axes | None = None,
+    turns: float | None = None,
+    in_T: bool = True,
 ) -> Axes:
     """States or outputs of one operating point against time.
 
-    Reads ``x(time, state)``, ``outputs(time, output)``, ``turn``, ``status`` and ``end_time``. A run that ended early is
-    hatched from its end on, with the reason.
+    Reads ``x(time, state)``, ``outputs(time, output)``, ``turn``, ``status`` and ``end_time``. A run that
+    ended early is hatched from its end on, with the reason.
 
     Parameters
     ----------
@@ -64,7 +80,7 @@ def draw_time_series(
     ax = axes_or_new(ax, height=2.4)
     names = [names] if isinstance(names, str) else list(names)
     ended = how_ended(ds)
-    if not np.isfinite(ds["x"].values).any():
+    if np.isfinite(ds["x"].values).all(axis=1).sum() < 2:
         return write_reason(ax, f"nothing recorded:\n{ended or 'no numbers'}")
     # What lies beyond an event stays, so that the hatched end is seen.
     part = ds if ended else last_turns(ds, turns)
@@ -75,13 +91,29 @@ def draw_time_series(
     if ended:
         alive = np.isfinite(part["x"].values).all(axis=1)
         end = float(clock.values[alive][-1])
-        ax.axvspan(end, float(clock.values[-1]), facecolor="none", edgecolor="#8C8C8C", hatch="///", lw=0, gid="ended")
+        ax.axvspan(
+            end,
+            float(clock.values[-1]),
+            facecolor="none",
+            edgecolor="#A8A8A8",
+            hatch="///",
+            lw=0,
+            gid="ended",
+        )
         ax.set_title(ended)
-    ax.set_xlim(float(clock.values[0]), float(clock.values[-1]))
+        # Of the time after the end only so much is shown as says that there is nothing.
+        last = min(float(clock.values[-1]), end + 0.25 * (end - float(clock.values[0])))
+    else:
+        last = float(clock.values[-1])
+    ax.set_xlim(float(clock.values[0]), last)
     ax.set_ylim(limits(np.concatenate(curves)))
     ax.set_xlabel("time, $t/T$ [–]" if in_T else f"time, $t$ {unit_text(unit_of(ds, 'time'))}")
     units = {unit_of(ds, name) for name in names}
-    ax.set_ylabel(", ".join(symbol(n) for n in names) + " " + unit_text(units.pop() if len(units) == 1 else "mixed units"))
+    ax.set_ylabel(
+        ", ".join(symbol(n) for n in names)
+        + " "
+        + unit_text(units.pop() if len(units) == 1 else "mixed units")
+    )
     if len(names) > 1:
-        ax.legend(loc="upper right", ncols=min(len(names), 4), handlelength=1.2)
+        ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=min(len(names), 5), handlelength=1.2)
     return ax

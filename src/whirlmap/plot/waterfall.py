@@ -24,16 +24,16 @@ def draw_waterfall(
     ax: Axes | None = None,
     kind: Literal["lines", "map"] = "lines",
     orders: Orders | None = None,
-    highest: float = 2.0,
+    highest: float = 1.5,
     clock: float = 1.0,
     height: float = 6.0,
     name: str = "",
 ) -> Axes:
     """Amplitude spectra at many speeds, one above the other, over frequency in the unit of the speed.
 
-    Reads ``power(frequency, speed)`` of `power_spectrum` taken with the samples per T as rate, its lanes renamed:
-    ``power_spectrum(...).rename(lane="s").assign_coords(s=...)``. Amplitudes are sqrt(2 power). Spectra that hold
-    numbers that are not finite (ended runs) are left out, and said in the title.
+    Reads ``power(frequency, speed)`` of `power_spectrum` taken with the samples per T as rate, its lanes
+    renamed: ``power_spectrum(...).rename(lane="s").assign_coords(s=...)``. Amplitudes are sqrt(2 power).
+    Spectra that hold numbers that are not finite (ended runs) are left out, and said in the title.
 
     Parameters
     ----------
@@ -66,25 +66,46 @@ def draw_waterfall(
         _colours(ax, edges, order, clock, amplitude, top)
         ax.set_ylim(edges[0], edges[-1])
     ax.set_xlim(0, top)
-    ends = np.array([edges[0], edges[-1]])
+    ends = np.array(ax.get_ylim())
     colour = VERMILION if kind == "lines" else "white"
     for label, value in (orders or {}).items():
         across = abs(float(value)) * clock * ends
-        ax.plot(across, ends, color=colour, lw=0.7, ls=(0, (4, 2)), alpha=0.8, gid=f"order-{label}", zorder=1e4)
+        ax.plot(
+            across, ends, color=colour, lw=0.7, ls=(0, (4, 2)), alpha=0.55, gid=f"order-{label}", zorder=1e4
+        )
         end = min(ends[1], top / max(abs(float(value)) * clock, 1e-300))
         if end > ends[0]:
-            ax.annotate(label, (abs(float(value)) * clock * end, end), (2, 2), textcoords="offset points", fontsize=6.5,
-                        rotation=40, color="#444444", annotation_clip=False, zorder=1e4)  # fmt: skip
+            ax.annotate(
+                label,
+                (abs(float(value)) * clock * end, end),
+                (1, 3),
+                textcoords="offset points",
+                fontsize=6.5,
+                rotation=40,
+                color="#444444",
+                annotation_clip=False,
+                zorder=1e4,
+            )
     ax.set_xlabel(f"frequency, in units of {symbol(speed)} {unit_text(unit_of(ds, speed))}")
     ax.set_ylabel(axis_label(ds, speed))
     missing = int((~whole).sum())
-    title = f"amplitude spectra{' of ' + symbol(name) if name else ''}" + (f", {missing} ended runs left out" if missing else "")
-    ax.set_title(title, pad=16 if orders else 5)
+    title = f"amplitude spectra{' of ' + symbol(name) if name else ''}" + (
+        f", {missing} ended run{'s' * (missing > 1)} left out" if missing else ""
+    )
+    largest = float(np.nanmax(amplitude[:, order > 0])) if whole.any() else np.nan
+    ax.set_title(f"{title}; largest {largest:.3g}", pad=28 if orders else 5)
     return ax
 
 
 def _rows(
-    ax: Axes, at: Array, order: Array, clock: float, amplitude: Array, whole: NDArray[np.bool_], top: float, height: float
+    ax: Axes,
+    at: Array,
+    order: Array,
+    clock: float,
+    amplitude: Array,
+    whole: NDArray[np.bool_],
+    top: float,
+    height: float,
 ) -> None:
     """Draw spectra as filled lines, the one of the lowest speed in front."""
     step = float(np.median(np.diff(at))) if at.size > 1 else 1.0
@@ -96,7 +117,15 @@ def _rows(
         line = at[k] + scale * amplitude[k, seen]
         depth = 10 + (at.size - k)
         ax.fill_between(frequency[seen], at[k], line, color="white", lw=0, zorder=depth, rasterized=True)
-        ax.plot(frequency[seen], line, color=BLUE, lw=0.6, zorder=depth, gid="spectrum", rasterized=seen.sum() > 3000)
+        ax.plot(
+            frequency[seen],
+            line,
+            color=BLUE,
+            lw=0.6,
+            zorder=depth,
+            gid="spectrum",
+            rasterized=seen.sum() > 3000,
+        )
 
 
 def _colours(ax: Axes, edges: Array, order: Array, clock: float, amplitude: Array, top: float) -> None:

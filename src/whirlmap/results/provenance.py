@@ -122,7 +122,7 @@ def package_version(package: str) -> str:
     except PackageNotFoundError:
         if package != "whirlmap":
             return "not installed"
-        from whirlmap import __version__
+        from whirlmap.version import __version__
 
         return __version__
 

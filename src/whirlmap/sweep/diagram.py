@@ -91,7 +91,7 @@ def bifurcation_diagram(
         for way in ("up", "down") if follow == "both" else (follow,):
             measured, ensemble = run.chain(points, downwards=way == "down")
             parts.append(_dataset(system, parameter, points, measured).assign_coords(direction=way))
-        ds = parts[0] if len(parts) == 1 else xr.concat(parts, dim="direction", join="exact", coords="minimal", compat="equals")
+        ds = parts[0] if len(parts) == 1 else xr.concat(parts, "direction", join="exact", coords="minimal", compat="equals")
     facts = {
         "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
         "tolerance": settling.tolerance, "common_multiple": ensemble.common_multiple, "lyapunov_periods": lyapunov,

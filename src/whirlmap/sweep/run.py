@@ -1,7 +1,7 @@
-"""Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches of points, simulations in stretches.
+"""Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches, simulations in stretches.
 
-The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch to the
-next, and a stretch of a simulation starts from the end of the one before, at the same phase of the forcing.
+The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch
+to the next, and a stretch of a simulation starts from the end of the one before, at the same phase.
 """
 
 import os
@@ -15,6 +15,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from sympy import sympify
 
+from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.points import DEFAULT_STEPS, parameter_values
 from whirlmap.analysis.returns import Settling
 from whirlmap.analysis.trajectory import simulate
@@ -75,7 +76,7 @@ def diagram_in_batches(
     progress: Callable[[int], None] | None = None,
     on_batch: Callable[[int, int], None] | None = None,
 ) -> Work:
-    """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it, and what is finished is returned.
+    """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it with what is finished.
 
     Parameters
     ----------
@@ -84,14 +85,16 @@ def diagram_in_batches(
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in points.
 
-    Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both directions was
-    interrupted on its way down, points not reached have ``status`` failed.
+    Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both
+    directions was interrupted on its way down, points not reached have ``status`` failed.
     """
     points = np.atleast_1d(np.asarray(values, dtype=float))
     settling = settling or Settling()
     if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    parameter_values(system, {parameter: points[[0, -1]]})  # before the first batch, not when the last one is reached
+    parameter_values(system, {parameter: points[[0, -1]]})  # refuse now what the last batch would meet
+    if 0 < lyapunov < BLOCKS:
+        raise RangeError(f"lyapunov must be 0 or at least {BLOCKS} common periods, not {lyapunov}")
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
     size = batch or (2 * LANES * (workers or cores()) if follow is None else CHAIN)
     if follow is not None and not system.model.forced:
@@ -101,20 +104,24 @@ def diagram_in_batches(
         + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "settling": settling, "lyapunov": lyapunov, "steps": steps, "method": method, "workers": workers, "progress": progress,
+        "settling": settling, "lyapunov": lyapunov, "steps": steps, "method": method, "workers": workers,
+        "progress": progress,
     }  # fmt: skip
     finished: dict[Any, list[xr.Dataset]] = {way: [] for way in ways}
     done, total = 0, points.size * len(ways)
     try:
         for way in ways:
-            for ds in _batches(system, parameter, points, way, size, options):
-                finished[way].append(ds)
-                done += ds.sizes[parameter]
+            for part in _batches(system, parameter, points, way, size, options):
+                finished[way].append(part)
+                done += part.sizes[parameter]
                 if on_batch:
                     on_batch(done, total)
     except KeyboardInterrupt:
         pass
-    return Work(_joined(finished, parameter, points, follow, done, total), done, total)
+    ds = _joined(finished, parameter, points, follow)
+    if ds is not None and done < total:
+        ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
+    return Work(ds, done, total)
 
 
 def _batches(
@@ -131,11 +138,16 @@ def _batches(
             last = ds.isel({parameter: 0 if way == "down" else -1})
             state = last["section"].isel(period=-1).values
             ran = int(last["status"]) == Status.ok
-            now = system.replace(start=dict(zip(system.states, state.tolist(), strict=True))) if ran else system
+            now = _from(system, state) if ran else system
+
+
+def _from(system: System, x: Array) -> System:
+    """Return the system, started from these states."""
+    return system.replace(start=dict(zip(system.states, x.tolist(), strict=True)))
 
 
 def _joined(
-    finished: dict[Any, list[xr.Dataset]], parameter: str, points: Array, follow: Follow | None, done: int, total: int
+    finished: dict[Any, list[xr.Dataset]], parameter: str, points: Array, follow: Follow | None
 ) -> xr.Dataset | None:
     sweeps = []
     for way, parts in finished.items():
@@ -152,9 +164,8 @@ def _joined(
             for name, attributes in meta.items():
                 sweeps[1][name].attrs = attributes
         ds = _concat(sweeps, "direction")
-    ds.attrs = {**sweeps[0].attrs, "follow": follow or "none"}
-    if done < total:
-        ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
+    first = next(parts[0] for parts in finished.values() if parts)  # it began where the user said
+    ds.attrs = {**first.attrs, "follow": follow or "none"}
     return ds
 
 
@@ -182,11 +193,13 @@ def simulation_in_stretches(
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Work:
-    """Simulate stretch by stretch; `KeyboardInterrupt` ends it, and what is finished is returned.
+    """Simulate stretch by stretch; `KeyboardInterrupt` ends it with what is finished.
 
     Parameters, and the Dataset, are those of `simulate`.
     """
-    options: dict[str, Any] = {"every": every, "steps": steps, "method": method, "workers": workers, "progress": progress}
+    options: dict[str, Any] = {
+        "every": every, "steps": steps, "method": method, "workers": workers, "progress": progress,
+    }  # fmt: skip
     common = system.common_multiple
     per = common * (DEFAULT_STEPS if steps is None else steps)
     if min(periods, every, per) < 1 or periods * per % every:  # simulate says what is wrong
@@ -205,18 +218,19 @@ def simulation_in_stretches(
             done += length
             last = parts[-1]["x"].isel(time=-1).values
             if np.isfinite(last).all():
-                now = system.replace(start=dict(zip(system.states, last.tolist(), strict=True)))
+                now = _from(system, last)
     except KeyboardInterrupt:
         if not parts:
             return Work(None, 0, periods)
         ds = _joined_series(parts, first + every * np.arange(done * per // every + 1), per // common)
         ds.attrs["incomplete"] = f"interrupted after {done} of {periods} common periods"
         return Work(ds, done, periods)
-    return Work(_joined_series(parts, first + every * np.arange(samples + 1), per // common), periods, periods)
+    ds = _joined_series(parts, first + every * np.arange(samples + 1), per // common)
+    return Work(ds, periods, periods)
 
 
 def _joined_series(parts: list[xr.Dataset], count: NDArray[np.int64], steps: int) -> xr.Dataset:
-    """Join stretches, each of which begins with the sample that the one before ended with; ``count`` are steps."""
+    """Join stretches; each begins with the sample that the one before ended with. ``count`` are steps."""
     first, last = parts[0], parts[-1]
     ds: xr.Dataset = xr.concat(
         [first, *(part.isel(time=slice(1, None)) for part in parts[1:])], dim="time", data_vars="minimal",
@@ -258,7 +272,8 @@ def refuse_start(system: System) -> None:
     if not system.start:
         return
     x, _ = start_states(system.model, system.vector[:, None])
-    at = {s: system.start.get(s.name, float(value)) for s, value in zip(system.model.states, x[:, 0], strict=True)}
+    own = zip(system.model.states, x[:, 0].tolist(), strict=True)
+    at = {s: system.start.get(s.name, value) for s, value in own}
     numbers = {**at, **dict(zip(system.model.parameters, system.vector.tolist(), strict=True))}
     for stop in system.model.stops.values():
         gap = sympify(stop.gap)
@@ -282,6 +297,6 @@ def _refuse_memory(what: str, numbers: int) -> None:
         memory = 16 * 2**30
     if 8 * numbers > memory // 2:
         raise RangeError(
-            f"{what} would need {8 * numbers / 2**30:.3g} GB, expected at most {memory / 2**31:.3g} GB, half of this"
-            " machine's memory: ask for fewer points, fewer kept periods, or every so many steps"
+            f"{what} would need {8 * numbers / 2**30:.3g} GB, expected at most {memory / 2**31:.3g} GB, half"
+            " of this machine's memory: ask for fewer points or periods, or save every so many steps"
         )

@@ -1,0 +1,80 @@
+"""The paper, reproduced and judged: figures, data and a report that opens from disk."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from whirlmap.plot.save import save
+from whirlmap.results.files import write
+from whirlmap.studies.gear_psfd.claims import Verdict, judge
+from whirlmap.studies.gear_psfd.evidence import EDITIONS, ORBITS, PSI, Evidence, gather, quality_named
+from whirlmap.studies.gear_psfd.figures import DIAGRAM_NUMBER, figures
+from whirlmap.studies.gear_psfd.output import Folder
+from whirlmap.studies.gear_psfd.report import Picture, write_report
+
+REPORT = "report.html"
+
+
+def reproduce(
+    out: Path,
+    *,
+    quality: str = "quick",
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> dict[str, Any]:
+    """Compute Figures 2 to 7 for every edition, judge every claim, and write all of it to a folder.
+
+    The report is written anew after every edition, so that an interrupted reproduction leaves what was done, readable.
+
+    Parameters
+    ----------
+    out : Path
+        Folder; made where it does not exist. Files that an earlier reproduction wrote are replaced, others never.
+    quality : {"quick", "full"}
+        How much is computed (`evidence.QUALITIES`).
+
+    Returns
+    -------
+    dict
+        ``report`` (path), ``figures`` (paths), ``verdicts`` {edition: {claim id: {verdict, found}}}.
+
+    Raises
+    ------
+    RangeError
+        Where the quality is unknown.
+    OutputError
+        Where the folder cannot be written, or holds a file of that name that is not its own.
+    """
+    level = quality_named(quality)
+    folder = Folder(Path(out))
+    folder.check(file_names())
+    done: list[tuple[Evidence, list[Verdict]]] = []
+    pictures: list[Picture] = []
+    for edition in EDITIONS:
+        evidence = gather(edition, level, workers=workers, progress=progress)
+        for psi in PSI:
+            for kind, ds in (("diagram", evidence.diagrams[psi]), ("orbit", evidence.orbits[psi])):
+                folder.write(f"{kind}-{edition.name}-psi{psi:g}.nc", lambda trial, ds=ds: write(ds, trial))  # type: ignore[misc]
+        for stem, caption, figure in figures(evidence):
+            path = folder.write(f"{stem}.png", lambda trial, figure=figure: save(figure, trial))  # type: ignore[misc]
+            pictures.append(Picture(path, caption, edition.name))
+        done.append((evidence, judge(evidence)))
+        folder.write(REPORT, lambda trial: write_report(trial, done, pictures, quality=quality))
+    return {
+        "report": folder.path / REPORT,
+        "figures": [p.path for p in pictures],
+        "verdicts": {
+            e.edition.name: {v.claim.id: {"verdict": v.word, "found": v.found} for v in verdicts} for e, verdicts in done
+        },
+    }
+
+
+def file_names() -> list[str]:
+    """Every file that a reproduction writes, but for its manifest."""
+    names = [REPORT]
+    for edition in EDITIONS:
+        for psi in PSI:
+            names += [f"{kind}-{edition.name}-psi{psi:g}.nc" for kind in ("diagram", "orbit")]
+            names.append(f"fig{DIAGRAM_NUMBER[psi]}-{edition.name}.png")
+            names += [f"fig{number}-{edition.name}-psi{psi:g}.png" for number in ORBITS.values()]
+    return names

@@ -1,0 +1,157 @@
+"""Wrong input: exit code 2, one message that says what was found and expected, and nothing else happens."""
+
+import os
+import shlex
+import stat
+
+import pytest
+from typer.testing import CliRunner
+
+from whirlmap.cli.main import app
+
+VARY = "bifurcation duffing --vary"
+MACHINE = "show gear-psfd/machine"
+
+#: Command line, and what the message must contain.
+WRONG = [
+    ("sho duffing", "no such command 'sho'", "'show'"),
+    ("show duffing --equation", "no option '--equation'", "'--equations'"),
+    ("show", "missing CASE"),
+    ("show duffing twice", "unexpected extra argument"),
+    ("show dufing", "no case 'dufing'", "'duffing'", "gear-psfd/machine"),
+    ("show nowhere.toml", "nowhere.toml does not exist"),
+    ("show duffing --set gama=1", "no symbol 'gama'", "'gamma'"),
+    ("show duffing --set gamma", "--set: found 'gamma', expected name=value"),
+    ("show duffing --set gamma=", "expected name=value"),
+    ("show duffing --set gamma=abc", "gamma: found 'abc', expected a number"),
+    ("show duffing --set gamma=nan", "gamma: found 'nan', expected a finite number"),
+    ("show duffing --set gamma=inf", "expected a finite number"),
+    ("show duffing --set 'gamma=1 m'", "found the unit 'm', expected no unit"),
+    ("show duffing --set omega=-1", "omega", "above 0"),
+    ("show duffing --set gamma=1 --set gamma=2", "gamma is given twice", "'1'", "'2'"),
+    ("show duffing --set start=1", "--start"),
+    (f"{MACHINE} --set 'm_p=-1 kg'", "m_p: found -1 kg", "above 0", "mass of the pinion"),
+    (f"{MACHINE} --set m_p=1", "m_p: found '1' without a unit, expected a unit such as kg"),
+    (f"{MACHINE} --set 'm_p=1 m'", "m_p: found the unit 'm', expected a unit such as kg"),
+    (f"{MACHINE} --set 'speed=1500 rpmm'", "unknown unit 'rpmm'", "'rpm'"),
+    (f"{MACHINE} --set edition=litteral", "edition", "litteral", "'literal'"),
+    (f"{MACHINE} --set editon=literal", "'editon'", "'edition'"),
+    (f"{MACHINE} --start u1x=1.2", "u1x = 1.2", "touches its bearing"),
+    (f"{MACHINE} --start u1z=0.2", "no state 'u1z'", "u1x u1y"),
+    (f"{MACHINE} --start u1x=nan", "u1x: found 'nan', expected a finite number"),
+    (f"{MACHINE} --start u1x=0.1 --start u1x=0.2", "u1x is given twice"),
+    ("show jeffcott --start ux=-1.0", "ux = -1", "touches its bearing"),
+    ("simulate duffing --steps 0", "steps per T must lie between 1 and 1000000, not 0"),
+    ("simulate duffing --steps 1e12", "--steps: found '1e12', expected a whole number"),
+    ("simulate duffing --steps 10 --steps 20", "--steps is given twice: found '10' and '20'"),
+    ("simulate duffing --steps=10 --steps 20", "--steps is given twice"),
+    ("simulate duffing --periods -1", "periods must lie between 1 and"),
+    ("simulate duffing --periods 99999999", "memory"),
+    ("simulate duffing --transient -1", "transient must lie between 0 and"),
+    ("simulate duffing --every 7", "every = 7"),
+    ("simulate duffing --workers 0", "--workers: found '0', expected at least 1"),
+    ("simulate duffing --method rk5", "no method 'rk5'", "'rk4'"),
+    ("diagnose duffing --exponents 5", "duffing has 2 exponents"),
+    ("diagnose duffing --max-periods 0", "--max-periods: found '0', expected at least 32"),
+    ("bifurcation duffing", "missing --vary"),
+    (f"{VARY} gamma", "cannot read the range 'gamma': expected name=start:stop:count"),
+    (f"{VARY} gama=0:1:10", "no parameter 'gama'", "'gamma'"),
+    (f"{VARY} gamma=1:1:10", "stop 1 must be above start 1"),
+    (f"{VARY} gamma=1:0:10", "ranges ascend"),
+    (f"{VARY} gamma=nan:1:10", "start must be a finite number"),
+    (f"{VARY} gamma=0:1:1e12", "count '1e12' is not a whole number"),
+    (f"{VARY} gamma=0:1:1000000000000", "count must lie between 2 and 100000000"),
+    (f"{VARY} gamma=0:1:90000000", "memory"),
+    (f"{VARY} gamma=0:1:-5", "count must lie between 2"),
+    (f"{VARY} gamma=0:1:9:log", "above zero"),
+    (f"{VARY} omega=-1:1:9", "omega = -1 must be above 0"),
+    (f"{VARY} gamma=0:1:9 --vary omega=1:2:9", "--vary is given twice"),
+    (f"{VARY} gamma=0:1:9 --set gamma=1", "gamma: found it in --set and in --vary"),
+    (f"{VARY} gamma=0:1:9 --follow upp", "--follow: found 'upp', expected up | down | both", "'up'"),
+    (f"{VARY} gamma=0:1:9 --plot q", "no state 'q'", "x v"),
+    (f"{VARY} gamma=0:1:9 --lyapunov 3", "lyapunov must be 0 or at least 16"),
+    (f"{VARY} gamma=0:1:9 --tolerance 2", "tolerance must lie between 0 and 1"),
+    (f"{VARY} gamma=0:1:9 --keep 0", "keep must lie between 1"),
+    ("bifurcation gear-psfd/machine --vary mu=1:2:9", "dimensional input 'mu'", "Gamma_1, Gamma_2"),
+    ("reproduce --quality ful", "--quality: found 'ful', expected quick | full", "'full'"),
+    ("simulate duffing --out no/x.nc", "no/x.nc: the folder no does not exist"),
+    ("simulate duffing --out x.nx", "found the suffix '.nx', expected one of .nc .png .svg .pdf", "'.nc'"),
+]
+
+
+@pytest.fixture(autouse=True)
+def empty_folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def refused(line):
+    """Run a command that must be refused; returns its one message."""
+    before = sorted(p.name for p in os.scandir("."))
+    result = CliRunner().invoke(app, shlex.split(line))
+    assert result.exit_code == 2, (result.exit_code, result.exception, result.output)
+    assert result.stdout == ""
+    assert result.stderr.startswith("error: ") and result.stderr.count("error:") == 1
+    for word in ("Traceback", "Value error", "Input should be", "╭"):
+        assert word not in result.stderr
+    assert sorted(p.name for p in os.scandir(".")) == before
+    return result.stderr
+
+
+@pytest.mark.parametrize(("line", "expected"), [(w[0], w[1:]) for w in WRONG], ids=[w[0] for w in WRONG])
+def test_wrong_input_is_refused_in_plain_words(line, expected):
+    message = refused(line)
+    for words in expected:
+        assert words in message
+
+
+@pytest.mark.parametrize("line", ["show duffing", "simulate duffing --periods 1"])
+def test_an_option_may_be_repeated_with_the_same_value(line):
+    result = CliRunner().invoke(app, shlex.split(f"{line} --set gamma=0.3 --set gamma=0.3"))
+    assert result.exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("model = ", "is not valid TOML"),
+        ("", "found no model"),
+        ('model = "dufing"', "'duffing'"),
+        ('model = "duffing"\ngamma = { value = "x" }', "gamma"),
+        ('extends = "duffing"\ngama = { value = 1, assumed = "x" }', "'gamma'"),
+        ('extends = "duffing"\ngamma = { value = 1 }', "exactly one of"),
+    ],
+)
+def test_a_malformed_case_file_is_named(text, expected, tmp_path):
+    (tmp_path / "mine.toml").write_text(text)
+    message = refused("show mine.toml")
+    assert "mine.toml" in message and expected in message
+
+
+def test_an_unreadable_case_file_is_named(tmp_path):
+    (tmp_path / "mine.toml").mkdir()
+    assert "mine.toml is not a file" in refused("show mine.toml")
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe\x00")
+    assert "bytes.toml: is not text" in refused("show bytes.toml")
+
+
+@pytest.mark.parametrize("command", ["simulate duffing", "diagnose duffing", f"{VARY} gamma=0:1:9"])
+@pytest.mark.parametrize("place", ["here.nc", "here.png", "here"])
+def test_what_exists_is_refused_before_anything_is_computed(command, place, tmp_path, monkeypatch):
+    monkeypatch.setattr("whirlmap.cli.options.open_system", lambda *_: pytest.fail("too late"))
+    here = tmp_path / place
+    if here.suffix:
+        here.write_text("mine")
+    else:
+        here.mkdir()
+        (here / "mine").write_text("mine")
+    assert "--force" in refused(f"{command} --out {place}")
+    assert (here if here.suffix else here / "mine").read_text() == "mine"
+
+
+@pytest.mark.skipif(not hasattr(os, "geteuid") or os.geteuid() == 0, reason="root may write everywhere")
+def test_a_folder_that_cannot_be_written_is_refused(tmp_path):
+    locked = tmp_path / "locked"
+    locked.mkdir()
+    locked.chmod(stat.S_IRUSR | stat.S_IXUSR)
+    assert "cannot be written" in refused("simulate duffing --out locked/x.nc")

@@ -1,0 +1,99 @@
+"""What every command promises, tested over all that are registered."""
+
+import json
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+from typer.main import get_command
+from typer.testing import CliRunner
+
+from whirlmap.cli.main import app
+
+COMMANDS = get_command(app).commands
+
+#: The least work with which each command prints its JSON; reproduce has tests of its own.
+SMALL = {
+    "cases": "cases",
+    "show": "show duffing",
+    "simulate": "simulate duffing --periods 2",
+    "diagnose": "diagnose duffing --set gamma=0.2 --transient 20 --max-periods 64",
+    "bifurcation": "bifurcation duffing --vary gamma=0.2:0.21:2 --transient 20",
+    "cache": "cache",
+}
+
+
+def run(line, **more):
+    return CliRunner(env={"COLUMNS": "80"}, **more).invoke(app, shlex.split(line))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_help_explains_every_option_and_gives_examples(name):
+    """At 80 columns no name may be cut."""
+    command = COMMANDS[name]
+    result = run(f"{name} --help")
+    assert result.exit_code == 0
+    assert "Examples" in result.stdout and f"whirlmap {name}" in result.stdout
+    for parameter in command.params:
+        names = parameter.opts if parameter.param_type_name == "option" else [parameter.metavar]
+        for option in names:
+            assert option in result.stdout, f"{name} --help does not mention {option}"
+        assert parameter.help, f"{name}: {parameter.name} has no help"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_examples_use_options_that_exist(name):
+    """Every example names options and, where it takes one, a case that the program knows."""
+    command = COMMANDS[name]
+    known = {option for p in command.params for option in p.opts}
+    examples = re.findall(r"`(.+?)`", command.epilog.partition("Examples")[2])
+    assert examples
+    for line in examples:
+        words = shlex.split(line)
+        at = words.index("whirlmap")
+        assert words[at + 1] == name
+        assert {w for w in words if w.startswith("--")} <= known
+
+
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n != "reproduce"])
+def test_json_is_one_object_alone_on_stdout(name):
+    result = run(f"{SMALL[name]} --json")
+    assert result.exit_code == 0, result.stderr
+    assert isinstance(json.loads(result.stdout, parse_constant=pytest.fail), dict)
+
+
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n != "reproduce"])
+def test_without_out_no_file_is_written(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    result = run(SMALL[name])
+    assert result.exit_code == 0 and result.stdout.strip()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_program_without_a_command_shows_its_help():
+    assert "Commands" in run("").stdout
+    assert run("--version").stdout.startswith("whirlmap ")
+
+
+def test_help_and_version_import_nothing_heavy():
+    """The rest of a second is for Python, typer and rich."""
+    heavy = ("numba", "numpy", "xarray", "sympy", "matplotlib", "pint", "scipy")
+    for option in ("--help", "--version", "bifurcation --help"):
+        code = (
+            "import sys; sys.argv = ['whirlmap', *sys.argv[1:]]\n"
+            "from whirlmap.cli.main import app\n"
+            "try: app()\n"
+            f"except SystemExit: print([m for m in {heavy} if m in sys.modules], file=sys.stderr)"
+        )
+        done = subprocess.run(
+            [sys.executable, "-c", code, *option.split()], capture_output=True, text=True, timeout=60
+        )
+        assert done.stderr.strip() == "[]"
+
+
+def test_a_defect_keeps_its_traceback(monkeypatch):
+    """Only whirlmap's own errors become one message."""
+    monkeypatch.setattr("whirlmap.kernels.cache.size", lambda: 1 / 0)
+    assert isinstance(run("cache").exception, ZeroDivisionError)
