@@ -87,9 +87,7 @@ def test_help_and_version_import_nothing_heavy():
             "try: app()\n"
             f"except SystemExit: print([m for m in {heavy} if m in sys.modules], file=sys.stderr)"
         )
-        done = subprocess.run(
-            [sys.executable, "-c", code, *option.split()], capture_output=True, text=True, timeout=60
-        )
+        done = subprocess.run([sys.executable, "-c", code, *option.split()], capture_output=True, text=True, timeout=60)
         assert done.stderr.strip() == "[]"
 
 

@@ -82,9 +82,7 @@ def test_diagnose_speaks_of_turns_and_counts():
     [("--set gamma=0.21", "gamma", 0.21), ("--set omega=1.3", "omega", 1.3)],
 )
 def test_set_reaches_the_system(option, key, value):
-    assert (
-        json.loads(done(f"simulate duffing --periods 1 {option} --json").stdout)["parameters"][key] == value
-    )
+    assert json.loads(done(f"simulate duffing --periods 1 {option} --json").stdout)["parameters"][key] == value
 
 
 def test_start_steps_periods_transient_and_every_matter():
@@ -112,9 +110,7 @@ def test_show_lists_inputs_groups_switches_clocks_and_sources():
     assert content["quantities"]["pinion_speed"]["rpm"] == pytest.approx(1500)
     assert content["common_multiple"] == 40
     s = content["parameters"]["s"]["value"]
-    assert {n: c["s"] / s for n, c in content["clocks"].items()} == pytest.approx(
-        {"mesh": 20, "pinion": 1, "gear": 0.5}
-    )
+    assert {n: c["s"] / s for n, c in content["clocks"].items()} == pytest.approx({"mesh": 20, "pinion": 1, "gear": 0.5})
     assert set(content["equations"]) == set(content["states"])
     assert content["switches"]["edition"]["value"] == "physical"
     assert content["warnings"] == []
@@ -152,3 +148,34 @@ def test_progress_off_a_terminal_is_a_line_now_and_then(capsys, monkeypatch):
 
 def test_clock_reads_like_a_clock():
     assert [clock(s) for s in (4, 65, 3727)] == ["0:04", "1:05", "1:02:07"]
+
+
+@pytest.fixture
+def reproduction(monkeypatch, tmp_path):
+    """A study that takes no time, and says what it was asked for."""
+    asked = []
+
+    def study(out, *, quality, workers, progress):
+        asked.append((str(out), quality, workers))
+        progress(10)
+        verdicts = {"machine": {"fig2": {"verdict": "reproduced", "found": "1T"}}}
+        return {"report": tmp_path / "report.html", "figures": [], "verdicts": verdicts}
+
+    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduce.reproduce", study)
+    return asked
+
+
+def test_reproduce_prints_the_verdict_on_every_claim(reproduction):
+    assert "fig2    reproduced" in done("reproduce").stdout
+    content = json.loads(done("reproduce --quality full --out there --workers 1 --json").stdout)
+    assert content["verdicts"]["machine"]["fig2"]["verdict"] == "reproduced"
+    assert reproduction == [("reproduction", "quick", None), ("there", "full", 1)]
+
+
+def test_an_interrupted_reproduction_says_where_its_parts_are(reproduction, monkeypatch):
+    def study(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduce.reproduce", study)
+    result = CliRunner().invoke(app, ["reproduce"])
+    assert result.exit_code == 130 and "reproduction" in result.stderr and result.stdout == ""

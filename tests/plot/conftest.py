@@ -1,5 +1,6 @@
 """Small, real Datasets that every picture is drawn from."""
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -49,27 +50,25 @@ def both() -> xr.Dataset:
     """A hardening spring swept up and down: two branches between the folds."""
     system = load("duffing", gamma=0.5, delta=0.1, alpha=1, beta=1, omega=1.2)
     values = [1.0, 1.4, 1.8, 2.2, 2.6]
-    return bifurcation_diagram(
-        system, "omega", values, follow="both", settling=Settling(transient=120, most=4, keep=8)
-    )
+    return bifurcation_diagram(system, "omega", values, follow="both", settling=Settling(transient=120, most=4, keep=8))
 
 
 @pytest.fixture(scope="session")
 def diagnosed() -> xr.Dataset:
     """The one Dataset of a diagnosis, in chaos."""
-    return diagnose(
-        load("duffing", gamma=0.5, delta=0.3, alpha=-1, beta=1, omega=1.2), max_periods=64, points=2000
-    )
+    return diagnose(load("duffing", gamma=0.5, delta=0.3, alpha=-1, beta=1, omega=1.2), max_periods=64, points=2000)
 
 
 @pytest.fixture(scope="session")
-def rotor() -> dict[str, xr.Dataset]:
-    """A Jeffcott rotor on plain bearings, well below its whip threshold."""
-    system = load("jeffcott", s=1.6)
-    return {
-        "series": simulate(system, periods=80, transient=50, every=4),
-        "section": section(system, periods=50),
-    }
+def rotor(periodic: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
+    """An oscillation dressed as a journal's orbit in its clearance: compiling a rotor takes too long here."""
+    names = {"state": ["ux", "uy"]}
+    series, points = (periodic[part].assign_coords(names) for part in ("series", "section"))
+    eps = np.hypot(*(0.2 * series["x"].values.T))
+    output = ("output", ["eps"], {"long_name": "output"})
+    series = series.drop_dims("output").assign(x=0.2 * series["x"]).assign_coords(output=output)
+    series["outputs"] = ("time", "output"), eps[:, None], {"units": "1", "long_name": "output"}
+    return {"series": series, "section": points.assign(section=0.2 * points["section"])}
 
 
 @pytest.fixture(scope="session")

@@ -48,6 +48,7 @@ def test_no_exponent_is_said(chaos):
         (0.1234, 0.0021, "0.1234 ± 0.0021"),
         (-12.3, 0.9, "−12.30 ± 0.90"),
         (0.5, 0.0, "0.5"),
+        (-0.01535769, 4e-8, "−0.0153577 ± 4e−08"),
         (1.0, np.nan, "1"),
     ],
 )
@@ -78,9 +79,7 @@ def test_without_a_dimension_the_panel_says_why(periodic):
 def test_the_papers_sheet_has_six_panels(chaos):
     x = chaos["series"]["x"].sel(state="x").values[:-1]
     spectrum = power_spectrum(x, rate=25)
-    fig = paper_orbit_figure(
-        "x", **chaos, spectrum=spectrum, lines=spectral_lines(spectrum), orders={"forcing": 1}
-    )
+    fig = paper_orbit_figure("x", **chaos, spectrum=spectrum, lines=spectral_lines(spectrum), orders={"forcing": 1})
     assert len(fig.axes) == 6
     for ax, gid in zip(fig.axes, ("orbit", "power", "section", "running", "sum", "slope"), strict=True):
         assert by_gid(ax, gid), gid

@@ -87,15 +87,12 @@ def test_drawing_leaves_no_trace(chaos, tmp_path):
 @pytest.mark.parametrize("suffix", ["png", "svg", "pdf"])
 def test_the_same_figure_gives_the_same_bytes(chaos, tmp_path, suffix):
     first, second = (draw_section(chaos["section"], "x").figure for _ in range(2))
-    assert encode(first, suffix) == encode(second, suffix)
     path = save(first, tmp_path / f"a.{suffix}")
     assert path.read_bytes() == encode(second, suffix)
     assert [p.name for p in tmp_path.iterdir()] == [f"a.{suffix}"]
 
 
-@pytest.mark.parametrize(
-    ("name", "message"), [("a.jpg", "ends in"), ("a", "ends in"), ("no/a.png", "does not exist")]
-)
+@pytest.mark.parametrize(("name", "message"), [("a.jpg", "ends in"), ("a", "ends in"), ("no/a.png", "does not exist")])
 def test_places_that_cannot_be_written_are_refused(chaos, tmp_path, name, message):
     with pytest.raises(OutputError, match=message):
         save(draw_section(chaos["section"], "x").figure, tmp_path / name)

@@ -166,9 +166,9 @@ def _exponents(
         stretch = min(done, most - done)
     running = np.cumsum(rates[:, :, good].mean(axis=2), axis=0) / np.arange(1, done + 1)[:, None]
     per_time = "1/time"
-    data["exponent"] = variable("exponent_index", value, per_time, "Lyapunov exponent, largest first")
-    data["exponent_error"] = variable("exponent_index", error, per_time, "one standard error of the exponent")
-    data["running"] = variable(("block", "exponent_index"), running, per_time, "mean exponent up to each common period")
+    data["lyapunov"] = variable("exponent", value, per_time, "Lyapunov exponent, largest first")
+    data["lyapunov_error"] = variable("exponent", error, per_time, "one standard error of the exponent")
+    data["running"] = variable(("block", "exponent"), running, per_time, "mean exponent up to each common period")
     data["phase_exponent"] = variable(
         (), 0.0 if system.model.forced else np.nan, per_time, "exponent of the forcing's phase, left out of the list"
     )
@@ -260,7 +260,7 @@ def kaplan_yorke(spectrum: Array) -> float | None:
 def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
     """What ``diagnose --json`` prints: label, evidence and amplitudes as plain numbers, unknown ones as None."""
     votes = json.loads(ds.attrs["indicators"])
-    exponent = ds["exponent"].values if "exponent" in ds else np.zeros(0)
+    exponent = ds["lyapunov"].values if "lyapunov" in ds else np.zeros(0)
     common_time = ds.attrs["period_T_time"] * ds.attrs["common_multiple"]
     n = int(ds["period_T"])
     amplitude = {
@@ -279,7 +279,7 @@ def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
         "period_turns": {k: abs(v) * n for k, v in json.loads(ds.attrs["clocks"]).items()} if periodic else None,
         "confidence": _number(ds["confidence"]),
         "lyapunov": [_number(v) for v in exponent],
-        "lyapunov_error": [_number(v) for v in ds["exponent_error"].values] if "exponent" in ds else [],
+        "lyapunov_error": [_number(v) for v in ds["lyapunov_error"].values] if "lyapunov" in ds else [],
         "lyapunov_per_common_period": [_number(v * common_time) for v in exponent],
         "phase_exponent": _number(ds["phase_exponent"]) if "phase_exponent" in ds else None,
         "kaplan_yorke": kaplan_yorke(exponent),

@@ -82,7 +82,7 @@ def lyapunov_spectrum(
     Returns
     -------
     xr.Dataset
-        ``exponent`` and ``exponent_error`` (exponent) per unit of the model's time, without the zero of the forcing's
+        ``lyapunov`` and ``lyapunov_error`` (exponent) per unit of the model's time, without the zero of the forcing's
         phase, which ``phase_exponent`` states; ``running(period, exponent)``, the mean up to each common period over
         all runs; ``run_exponent(run, exponent)`` and ``status(run)``.
 
@@ -117,8 +117,8 @@ def lyapunov_spectrum(
     phase = variable((), 0.0 if system.model.forced else np.nan, "1/time", "exponent of the forcing's phase, left out above")
     ds = xr.Dataset(
         {
-            "exponent": variable("exponent", value, "1/time", "Lyapunov exponent, largest first"),
-            "exponent_error": variable("exponent", error, "1/time", "one standard error of the exponent"),
+            "lyapunov": variable("exponent", value, "1/time", "Lyapunov exponent, largest first"),
+            "lyapunov_error": variable("exponent", error, "1/time", "one standard error of the exponent"),
             "running": variable(("period", "exponent"), running, "1/time", "mean exponent up to each common period"),
             "run_exponent": variable(("run", "exponent"), means.T, "1/time", "exponent of each run"),
             "status": status_variable("run", ensemble.status),

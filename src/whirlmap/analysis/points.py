@@ -1,5 +1,6 @@
 """Operating points from a system: the ensemble that every analysis starts with."""
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
@@ -127,7 +128,8 @@ def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[
         steps_per_period=ensemble.steps,
         citations=(ensemble.method.source,),
     )
-    return {**origin, **settings}
+    cyclic = {s.name: s.cyclic for s in system.model.states if s.cyclic is not None}
+    return {**origin, **settings, **({"cyclic": json.dumps(cyclic)} if cyclic else {})}
 
 
 def cyclic_states(system: System) -> dict[int, float]:

@@ -18,9 +18,7 @@ def cases(json: options.Json = False) -> None:
 
     found = [read(name) for name in names()]
     if json:
-        report.print_json(
-            {"cases": [{"name": c.name, "model": c.family.name, "description": c.description} for c in found]}
-        )
+        report.print_json({"cases": [{"name": c.name, "model": c.family.name, "description": c.description} for c in found]})
         return
     rows = [(c.name, c.family.name, first_sentence(c.description)) for c in found]
     report.show(report.table("Cases", ("name", "model", "what it is"), rows))

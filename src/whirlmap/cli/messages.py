@@ -44,9 +44,7 @@ def plain_words(error: Any) -> str:
     problem = _problem(error)
     parameter = getattr(error, "param", None)
     if problem and parameter is not None:
-        return (
-            f"{_name(parameter)}: found {str(problem.get('input'))!r}, expected {_expected(problem)}{help_of}"
-        )
+        return f"{_name(parameter)}: found {str(problem.get('input'))!r}, expected {_expected(problem)}{help_of}"
     if type(error).__name__ == "NoSuchOption":
         known = [name for p in context.command.params for name in p.opts] if context else []
         return f"there is no option {error.option_name!r}.{nearest(error.option_name, known)}{help_of}"
@@ -106,15 +104,11 @@ def given_twice(parameters: Sequence[Any], args: Sequence[str]) -> None:
             continue
         value = value if equals else next(rest, "")
         if found.setdefault(name, value) != value:
-            raise RangeError(
-                f"{name} is given twice: found {found[name]!r} and {value!r}, expected one of them"
-            )
+            raise RangeError(f"{name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
 
 
 def choice(option: str, value: str, allowed: Sequence[str]) -> str:
     """Return the value where it is one of those allowed, else raise `InputError` with the nearest."""
     if value not in allowed:
-        raise InputError(
-            f"{option}: found {value!r}, expected {' | '.join(allowed)}.{nearest(value, allowed)}"
-        )
+        raise InputError(f"{option}: found {value!r}, expected {' | '.join(allowed)}.{nearest(value, allowed)}")
     return value

@@ -52,9 +52,7 @@ Out = Annotated[
 Force = Annotated[bool, typer.Option("--force", help="Replace what --out names.", rich_help_panel=OUTPUT)]
 Json = Annotated[
     bool,
-    typer.Option(
-        "--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT
-    ),
+    typer.Option("--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress.", rich_help_panel=OUTPUT)]
 Workers = Annotated[
@@ -73,9 +71,7 @@ Steps = Annotated[
         rich_help_panel=COMPUTING,
     ),
 ]
-Method = Annotated[
-    str, typer.Option("--method", metavar="NAME", help="Integration method.", rich_help_panel=COMPUTING)
-]
+Method = Annotated[str, typer.Option("--method", metavar="NAME", help="Integration method.", rich_help_panel=COMPUTING)]
 Transient = Annotated[
     int,
     typer.Option(
@@ -118,9 +114,7 @@ def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
         if not (name and equals and value):
             raise InputError(f"{option}: found {text!r}, expected name=value, as in {example}")
         if found.setdefault(name, value) != value:
-            raise InputError(
-                f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them"
-            )
+            raise InputError(f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
     return found
 
 
@@ -128,9 +122,7 @@ def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] |
     """Load a case with the changes and the start state of the command line; refuse an impossible start."""
     changed, begin = assignments(changes, "--set"), assignments(start, "--start")
     if "start" in changed:
-        raise InputError(
-            "--set: found start, expected a symbol or a switch; start values are given with --start"
-        )
+        raise InputError("--set: found start, expected a symbol or a switch; start values are given with --start")
     from whirlmap.integrate.loading import load
 
     system = load(case, start=begin, **changed)

@@ -44,9 +44,7 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     grid = fig.add_gridspec(len(states), 2, width_ratios=[3, 2])
     for row, state in enumerate(states):
         draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN)
-    draw_phase_portrait(
-        ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN
-    )
+    draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
     fig.suptitle(system.case)
     return fig
 

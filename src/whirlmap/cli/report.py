@@ -20,14 +20,10 @@ def console() -> "Console":
     """Return the console for standard output."""
     from rich.console import Console
 
-    return Console(
-        width=None if sys.stdout.isatty() else WIDE, highlight=False, soft_wrap=False, markup=False
-    )
+    return Console(width=None if sys.stdout.isatty() else WIDE, highlight=False, soft_wrap=False, markup=False)
 
 
-def table(
-    title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()
-) -> Any:
+def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()) -> Any:
     """Make a plain table; ``numbers`` are the columns that are set flush right."""
     from rich.box import SIMPLE_HEAD
     from rich.table import Table

@@ -1,12 +1,12 @@
 """``whirlmap reproduce``: the paper's figures and the verdict on its claims."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated
 
 import typer
 
 from whirlmap.cli import options, report
-from whirlmap.cli.messages import choice
+from whirlmap.cli.messages import choice, say
 from whirlmap.cli.progress import Progress
 
 QUALITIES = ("quick", "full")
@@ -45,9 +45,31 @@ def reproduce(
     choice("--quality", quality, QUALITIES)
     from whirlmap.studies.gear_psfd.reproduce import reproduce as run
 
-    with Progress("reproduce", None, quiet=quiet) as progress:
-        made: Any = run(out, quality=quality, workers=workers, progress=progress)
+    try:
+        with Progress("reproduce", longest(quality), quiet=quiet, most=True) as progress:
+            made = run(out, quality=quality, workers=workers, progress=progress)
+    except KeyboardInterrupt:
+        say(f"interrupted: the editions that were finished are in {out}, with their report")
+        raise typer.Exit(130) from None
     if json:
         report.print_json({"quality": quality, "out": out, **made})
-    else:
-        typer.echo(f"written: {out}")
+        return
+    editions = list(made["verdicts"])
+    claims = dict.fromkeys(claim for found in made["verdicts"].values() for claim in found)
+    rows = [[claim, *(made["verdicts"][e].get(claim, {}).get("verdict", "-") for e in editions)] for claim in claims]
+    report.show(report.table("Verdicts", ("claim", *editions), rows))
+    typer.echo("The paper does not give its parameters: the report says what that means for each verdict.")
+    report.print_written([made["report"]])
+
+
+def longest(quality: str) -> int:
+    """Periods T that a reproduction takes at most, over all points."""
+    from whirlmap.integrate.loading import load
+    from whirlmap.kernels.source import LANES
+    from whirlmap.studies.gear_psfd.evidence import EDITIONS, PSI, quality_named, speeds
+
+    level = quality_named(quality)
+    sweep, orbit = level.settling, level.orbit_settling
+    points = speeds(level).size * (sweep.transient + 4 * sweep.most + 2 * level.exponent_periods)
+    lanes = LANES * (orbit.transient + 4 * orbit.most + level.most_periods) + level.points
+    return sum(load(edition.case).common_multiple for edition in EDITIONS) * len(PSI) * (points + lanes)

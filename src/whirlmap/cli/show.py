@@ -26,9 +26,7 @@ def show(
     case: options.CaseName,
     changes: options.Changes = None,
     start: options.Start = None,
-    equations: Annotated[
-        bool, typer.Option("--equations", help="Print the equations of motion too.")
-    ] = False,
+    equations: Annotated[bool, typer.Option("--equations", help="Print the equations of motion too.")] = False,
     json: options.Json = False,
 ) -> None:
     """Print every symbol of CASE with its value, unit, meaning and where the value comes from.
@@ -164,9 +162,7 @@ def _print(facts: dict[str, Any]) -> None:
     tables = []
     if facts["inputs"]:
         rows = [(n, _small_e(i["written"]), i["meaning"], i["source"]) for n, i in facts["inputs"].items()]
-        tables.append(
-            report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,))
-        )
+        tables.append(report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,)))
     rows = [
         (n, (p["exact"] or report.number(p["value"])) + _unit(p["unit"]), p["meaning"], _origin(p))
         for n, p in facts["parameters"].items()
@@ -184,9 +180,7 @@ def _print(facts: dict[str, Any]) -> None:
             (n, report.number(q["value"]) + _unit(q["unit"]), _in_rpm(q["rpm"]), q["meaning"])
             for n, q in facts["quantities"].items()
         ]  # fmt: skip
-        rest.append(
-            report.table("Dimensional results", ("quantity", "value", "", "meaning"), rows, numbers=(1, 2))
-        )
+        rest.append(report.table("Dimensional results", ("quantity", "value", "", "meaning"), rows, numbers=(1, 2)))
     if facts["clocks"]:
         clocks = [(n, c["frequency"], c["s"]) for n, c in facts["clocks"].items()]
         columns = ("clock", "frequency, per unit of the model's time", "speed ratio s")
@@ -195,9 +189,7 @@ def _print(facts: dict[str, Any]) -> None:
         (n, report.number(s["start"]) + _unit(s["unit"]), s["meaning"], "given" if s["given"] else "")
         for n, s in facts["states"].items()
     ]
-    rest.append(
-        report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,))
-    )
+    rest.append(report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,)))
     report.show(*rest)
     _print_periods(facts)
     for name, text in facts["stops"].items():
@@ -213,9 +205,7 @@ def _print_periods(facts: dict[str, Any]) -> None:
         typer.echo(f"unforced: cut by its section; typical time {facts['period']:.7g}")
         return
     common = facts["common_multiple"]
-    beside = (
-        "no common period" if common is None else f"common period {facts['common_period']:.7g} = {common} T"
-    )
+    beside = "no common period" if common is None else f"common period {facts['common_period']:.7g} = {common} T"
     typer.echo(f"period T = {facts['period']:.7g}, {beside}")
 
 

@@ -124,8 +124,5 @@ def _print(facts: dict[str, Any]) -> None:
     if not facts["start_found"]:
         typer.echo("note: there is no static equilibrium; the run began beside the clearance centre")
     columns = ("", "minimum", "maximum", "mean", "rms about mean", "last")
-    rows = [
-        (name, m["minimum"], m["maximum"], m["mean"], m["rms"], m["last"])
-        for name, m in facts["motion"].items()
-    ]
+    rows = [(name, m["minimum"], m["maximum"], m["mean"], m["rms"], m["last"]) for name, m in facts["motion"].items()]
     report.show(report.table("Motion", columns, rows, numbers=range(1, 6)))

@@ -13,6 +13,10 @@ Array = NDArray[np.float64]
 
 #: Newton steps before a point counts as having no equilibrium.
 MOST_STEPS = 60
+#: Steps from the guess's own rates to zero, where Newton's method alone finds nothing.
+STAGES = 8
+#: Newton steps in each of these: they start close by, so that more means that there is nothing to find.
+STAGE_STEPS = 12
 
 
 def start_states(model: Model, values: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -42,7 +46,9 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     """Solve rates = 0 with all forcing off, each point on its own.
 
     Damped Newton on the reference kernel with a central-difference Jacobian: the step is halved until every gap stays
-    open and the residual falls; a point ends when its step is below 1e-12, or is given up after `MOST_STEPS`.
+    open and the residual falls; a point ends when its step is below 1e-12, or is given up after `MOST_STEPS`. Points
+    that this leaves without an equilibrium (journals carried close to the wall) are led there from the guess:
+    rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before.
 
     Returns
     -------
@@ -53,6 +59,16 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     x, found = guess.copy(), np.zeros(guess.shape[1], dtype=bool)
     for members in groups:
         x[:, members], found[members] = _newton(model, values[:, members], guess[:, members])
+        left = members[~found[members]]
+        if left.size:
+            near = guess[:, left]
+            away = reference_rates(model, forced=False)(0.0, near, values[:, left])
+            for k in range(1, STAGES + 1):
+                near, there = _newton(model, values[:, left], near, less=(1 - k / STAGES) * away, most=STAGE_STEPS)
+                near, away, left = near[:, there], away[:, there], left[there]
+                if not left.size:
+                    break
+            x[:, left], found[left] = near, True
     return x, found
 
 
@@ -68,7 +84,9 @@ def _by_table_parameter(model: Model, values: Array) -> list[NDArray[np.intp]]:
     return [np.flatnonzero(index.ravel() == k) for k in range(int(index.max()) + 1)]
 
 
-def _newton(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
+def _newton(
+    model: Model, values: Array, guess: Array, *, less: Array | None = None, most: int = MOST_STEPS
+) -> tuple[Array, NDArray[np.bool_]]:
     rates = reference_rates(model, forced=False)
     gaps = lambdify([list(model.states)], [stop.gap for stop in model.stops.values()], modules="numpy")
     n, points = guess.shape
@@ -79,11 +97,13 @@ def _newton(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[n
         inside = np.all([np.broadcast_to(g, x.shape[1:]) > 0 for g in gaps(list(x))] or [np.full(at.size, True)], axis=0)
         if inside.any():
             out[:, inside] = rates(0.0, x[:, inside], values[:, at[inside]])
+            if less is not None:
+                out[:, inside] -= less[:, at[inside]]
         return out
 
     x, found = guess.copy(), np.zeros(points, dtype=bool)
     active = np.arange(points)
-    for _ in range(MOST_STEPS):
+    for _ in range(most):
         now = x[:, active]
         f, jacobian = residual(now, active), _differences(residual, now, active)
         regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))

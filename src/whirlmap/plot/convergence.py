@@ -26,7 +26,7 @@ COLOURS = (VERMILION, BLUE, GREEN, PURPLE, ORANGE, SKY)
 def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, errors: float = 2.0) -> Axes:
     """Draw the running mean of the largest exponents, with the error band of the final value.
 
-    Reads ``running`` (period by exponent), ``exponent``, ``exponent_error`` and ``status``.
+    Reads ``running`` (period by exponent), ``lyapunov``, ``lyapunov_error`` and ``status``.
 
     Parameters
     ----------
@@ -41,7 +41,7 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
         worst = Status(int(np.max(ds["status"].values)))
         return write_reason(ax, "no exponent:\n" + (worst.sentence if worst else "nothing measured"))
     period = np.arange(1, running.shape[0] + 1)
-    final, error = ds["exponent"].values[:count], ds["exponent_error"].values[:count]
+    final, error = ds["lyapunov"].values[:count], ds["lyapunov_error"].values[:count]
     ax.axhline(0.0, color=INK, lw=0.7, zorder=0.5)
     for k in range(running.shape[1]):
         colour = COLOURS[k % len(COLOURS)]
@@ -55,9 +55,7 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
     ax.set_ylim(float(bounds.min()) - 0.15 * size, float(bounds.max()) + 0.15 * size)
     ax.set_xlim(0, float(period[-1]))
     ax.set_xlabel("common periods [–]")
-    ax.set_ylabel(
-        (r"$\lambda_1$ " if running.shape[1] == 1 else r"$\lambda$ ") + unit_text(unit_of(ds, "exponent"))
-    )
+    ax.set_ylabel((r"$\lambda_1$ " if running.shape[1] == 1 else r"$\lambda$ ") + unit_text(unit_of(ds, "lyapunov")))
     ax.set_title(rf"$\lambda_1$ = {with_error(float(final[0]), float(error[0]))} (band: {errors:g} s.e.)")
     if running.shape[1] > 1:
         ax.legend(loc="center right", ncols=2)
@@ -68,5 +66,7 @@ def with_error(value: float, error: float) -> str:
     """Write a number with its standard error, cut to two digits of the error: ``0.1234 ± 0.0021``."""
     if not (np.isfinite(error) and error > 0):
         return f"{value:.4g}".replace("-", "−")
+    if error < 1e-4 * abs(value):
+        return f"{value:.6g} ± {error:.1g}".replace("-", "−")
     digits = int(np.clip(1 - np.floor(np.log10(error)), 0, 8))
     return f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")

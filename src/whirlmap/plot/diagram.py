@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from whirlmap.plot.labels import axis_label, check_name
+from whirlmap.plot.labels import axis_label, check_name, within_period
 from whirlmap.plot.limits import is_log, limits
 from whirlmap.plot.style import axes_or_new, look_of, styled
 from whirlmap.plot.sweeps import parameter_axis, shade_ended, sweeps, varied
@@ -44,7 +44,7 @@ def draw_diagram(
     cloud = ds["section"].sel(state=state)
     size = _markersize(at.size, ds.sizes["period"]) if markersize is None else markersize
     for order, (sweep, colour) in enumerate(sweeps(ds)):
-        values = sweep["section"].sel(state=state).transpose(parameter, "period").values
+        values = within_period(ds, state, sweep["section"].sel(state=state).transpose(parameter, "period").values)
         if colour_by_regime and "direction" not in ds.dims:
             for regime in np.unique(sweep["regime"].values):
                 chosen = sweep["regime"].values == regime
@@ -55,7 +55,7 @@ def draw_diagram(
     parameter_axis(ax, ds, at, log)
     shade_ended(ax, ds, at, log)
     swing = _swing(ds, state)
-    ax.set_ylim(limits(cloud.values, amplitude=swing, others=_largest(ds)))
+    ax.set_ylim(limits(within_period(ds, state, cloud.values), amplitude=swing, others=_largest(ds)))
     ax.set_ylabel(axis_label(ds, state))
     return ax
 

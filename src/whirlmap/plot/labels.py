@@ -1,7 +1,9 @@
 """Symbols and axis labels: the ASCII names of a Dataset as a reader of the papers expects them."""
 
+import json
 import re
 
+import numpy as np
 import xarray as xr
 
 from whirlmap.errors import RangeError, nearest
@@ -31,8 +33,7 @@ _GREEK = [
     "omega",
 ]
 _LATEX = {name: "\\" + name for name in _GREEK} | {
-    name.title(): "\\" + name.title()
-    for name in ("gamma", "delta", "theta", "lambda", "xi", "sigma", "phi", "psi", "omega")
+    name.title(): "\\" + name.title() for name in ("gamma", "delta", "theta", "lambda", "xi", "sigma", "phi", "psi", "omega")
 }
 _LATEX |= {"eps": r"\varepsilon", "varepsilon": r"\varepsilon"}
 
@@ -64,6 +65,26 @@ def unit_of(ds: xr.Dataset, name: str) -> str:
             position = ds[dim].values.tolist().index(name)
             return each[position] if position < len(each) else str(ds[variable].attrs.get("units", "1"))
     return str(ds[name].attrs.get("units", "1")) if name in ds else "1"
+
+
+def within_period(ds: xr.Dataset, name: str, values: np.ndarray) -> np.ndarray:
+    """Bring an angle into (-P/2, P/2], where the Dataset's attribute ``cyclic`` gives the state a period P.
+
+    The attribute is JSON text, ``{"x": 6.283185307179586}``; other states are left as they are.
+    """
+    period = json.loads(str(ds.attrs.get("cyclic", "{}"))).get(name)
+    if not period:
+        return values
+    return np.asarray(period / 2 - np.mod(period / 2 - values, period))
+
+
+def with_breaks(ds: xr.Dataset, name: str, values: np.ndarray) -> np.ndarray:
+    """Break the line of an angle where it leaves one side of its period and comes back on the other."""
+    period = json.loads(str(ds.attrs.get("cyclic", "{}"))).get(name)
+    if not period:
+        return values
+    jump = np.abs(np.diff(values, prepend=values[0])) > period / 2
+    return np.where(jump, np.nan, values)
 
 
 def axis_label(ds: xr.Dataset, name: str, *, meaning: bool = False) -> str:

@@ -13,9 +13,7 @@ Array = NDArray[np.float64]
 OF_AMPLITUDE, OF_MAGNITUDE, OF_OTHERS = 0.05, 1e-3, 1e-6
 
 
-def limits(
-    values: ArrayLike, *, amplitude: float = 0.0, others: float = 0.0, margin: float = 0.05
-) -> tuple[float, float]:
+def limits(values: ArrayLike, *, amplitude: float = 0.0, others: float = 0.0, margin: float = 0.05) -> tuple[float, float]:
     """Lower and upper end of an axis that shows values.
 
     Parameters
@@ -40,9 +38,7 @@ def limits(
     return middle - half, middle + half
 
 
-def markersize(
-    u: Array, v: Array, size: tuple[float, float], *, most: float = 5.0, least: float = 0.9
-) -> float:
+def markersize(u: Array, v: Array, size: tuple[float, float], *, most: float = 5.0, least: float = 0.9) -> float:
     """Size of points [pt] by the number of places they fall on: the few of a periodic orbit are drawn large.
 
     ``size`` is the width and the height of what the points are seen in.

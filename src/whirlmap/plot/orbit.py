@@ -1,6 +1,7 @@
 """Orbits of a journal in its clearance, or of any other centre, marked at every turn of a shaft."""
 
 from fractions import Fraction
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -90,9 +91,9 @@ def _path(ax: Axes, u: np.ndarray, v: np.ndarray, marks: np.ndarray) -> None:
     ax.plot(u, v, color=BLUE, gid="orbit", **line_style(u.size))  # type: ignore[arg-type]
     alive = np.isfinite(u) & np.isfinite(v)
     seen = float(np.ptp(u[alive])), float(np.ptp(v[alive]))
-    size = markersize(*marks, seen, most=3.5, least=1.2)
+    size = markersize(marks[0], marks[1], seen, most=3.5, least=1.2)
     ax.plot(*marks, ls="", marker="o", ms=size, mew=0, color=VERMILION, gid="marks", zorder=3)
-    ring = {"ms": size + 2.5, "mfc": "none", "mec": VERMILION, "mew": 0.8}
+    ring: dict[str, Any] = {"ms": size + 2.5, "mfc": "none", "mec": VERMILION, "mew": 0.8}
     ax.plot(*marks[:, :1], ls="", marker="o", zorder=3, **ring)
 
 

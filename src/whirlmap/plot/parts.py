@@ -67,9 +67,7 @@ def spectrum_of(ds: xr.Dataset, coordinate: str) -> tuple[xr.Dataset | None, xr.
     turn = ds["turn"].values
     rate = (turn.size - 1) / float(turn[-1] - turn[0])
     # A record that holds its first and its last point would count one sample of the period twice.
-    whole = (
-        x[:-1] if abs(turn[0] - np.rint(turn[0])) < 1e-9 and abs(turn[-1] - np.rint(turn[-1])) < 1e-9 else x
-    )
+    whole = x[:-1] if abs(turn[0] - np.rint(turn[0])) < 1e-9 and abs(turn[-1] - np.rint(turn[-1])) < 1e-9 else x
     spectrum = power_spectrum(whole, rate=rate, unit="T")
     return spectrum, spectral_lines(spectrum)
 
@@ -99,9 +97,6 @@ def marked_shaft(orders: Mapping[str, Fraction | float]) -> tuple[str, Fraction 
 def _renamed(ds: xr.Dataset, names: list[str]) -> xr.Dataset:
     """Give the variables of the dimension their own names, with the radii."""
     out = xr.Dataset(
-        {
-            n.removeprefix("dimension_"): ds[n].drop_vars([c for c in ds[n].coords if c != "radius"])
-            for n in names
-        }
+        {n.removeprefix("dimension_"): ds[n].drop_vars([c for c in ds[n].coords if c != "radius"]) for n in names}
     )
     return out if "radius" in out.coords or "radius" not in ds else out.assign_coords(radius=ds["radius"])

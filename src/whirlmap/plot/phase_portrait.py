@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from whirlmap.plot.labels import axis_label, velocity_of
+from whirlmap.plot.labels import axis_label, velocity_of, with_breaks
 from whirlmap.plot.limits import limits, markersize
 from whirlmap.plot.style import INK, REGIMES, SKY, VERMILION, axes_or_new, styled, write_reason
 from whirlmap.plot.time_series import how_ended, last_turns, values_of
@@ -64,7 +64,8 @@ def draw_phase_portrait(
     alive = np.isfinite(u) & np.isfinite(v)
     if alive.sum() < 2:
         return write_reason(ax, f"nothing recorded:\n{ended or 'no numbers'}")
-    ax.plot(u, v, color=SKY, gid="orbit", **line_style(alive.sum()))  # type: ignore[arg-type]
+    path = with_breaks(ds, x, u), with_breaks(ds, y, v)
+    ax.plot(*path, color=SKY, gid="orbit", **line_style(alive.sum()))  # type: ignore[arg-type]
     if section:
         at_u, at_v = at_turns(part, x, y)
         size = markersize(at_u, at_v, (float(np.ptp(u[alive])), float(np.ptp(v[alive]))), most=4.0)
@@ -95,4 +96,4 @@ def draw_phase_portrait(
 
 def _count(ds: xr.Dataset) -> str:
     turn = ds["turn"].values
-    return f"{turn[-1] - turn[0]:.4g}"
+    return f"{np.ceil(turn[-1] - turn[0] - 1e-6):.0f}"

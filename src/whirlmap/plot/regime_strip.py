@@ -16,9 +16,7 @@ from whirlmap.plot.sweeps import directions, parameter_axis, shade_ended, share,
 
 
 @styled
-def draw_regime_strip(
-    ds: xr.Dataset, *, ax: Axes | None = None, log: bool | None = None, label: bool = True
-) -> Axes:
+def draw_regime_strip(ds: xr.Dataset, *, ax: Axes | None = None, log: bool | None = None, label: bool = True) -> Axes:
     """Colour strip of the regime at every value of the varied parameter, one row per direction of sweep.
 
     Reads ``regime``, ``status`` and, where present, ``period_T``: the number of T is written into stretches
@@ -107,9 +105,7 @@ def legend_handles(ds: xr.Dataset) -> list[Patch | Line2D]:
     for direction in directions(ds):
         if direction is not None:
             one = DIRECTIONS[direction]
-            handles.append(
-                Line2D([], [], ls="", marker=".", ms=5, color=one.colour, label=f"sweep {direction}")
-            )
+            handles.append(Line2D([], [], ls="", marker=".", ms=5, color=one.colour, label=f"sweep {direction}"))
     return handles
 
 
@@ -130,21 +126,11 @@ def _bar(ax: Axes, left: float, right: float, bottom: float, look: Look) -> None
     )
 
 
-def _write_period(
-    ax: Axes, edges: NDArray[np.float64], first: int, last: int, bottom: float, text: str, look: Look
-) -> None:
+def _write_period(ax: Axes, edges: NDArray[np.float64], first: int, last: int, bottom: float, text: str, look: Look) -> None:
     """Write the number of T into a stretch that takes up enough of the axis for its text."""
-    inches = (
-        share(ax, edges, first, last)
-        * ax.get_position().width
-        * ax.figure.get_figure(root=True).get_size_inches()[0]
-    )
+    inches = share(ax, edges, first, last) * ax.get_position().width * ax.figure.get_figure(root=True).get_size_inches()[0]
     if inches >= 0.075 * len(text):
-        middle = (
-            np.sqrt(edges[first] * edges[last + 1])
-            if ax.get_xscale() == "log"
-            else edges[[first, last + 1]].mean()
-        )
+        middle = np.sqrt(edges[first] * edges[last + 1]) if ax.get_xscale() == "log" else edges[[first, last + 1]].mean()
         ax.text(
             float(middle),
             bottom + 0.47,

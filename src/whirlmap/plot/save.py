@@ -65,9 +65,7 @@ def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float = PRINT_DPI) -
     target = Path(path)
     form = target.suffix.lower().lstrip(".")
     if form not in _METADATA:
-        raise OutputError(
-            f"{target}: a picture ends in .png, .svg or .pdf, not {target.suffix or 'nothing'!r}"
-        )
+        raise OutputError(f"{target}: a picture ends in .png, .svg or .pdf, not {target.suffix or 'nothing'!r}")
     if not target.parent.is_dir():
         raise OutputError(f"{target}: the folder {target.parent} does not exist; make it first")
     data = encode(fig, form, dpi=dpi)  # type: ignore[arg-type]

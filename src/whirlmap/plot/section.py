@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from whirlmap.plot.labels import axis_label, check_name, velocity_of
+from whirlmap.plot.labels import axis_label, check_name, velocity_of, within_period
 from whirlmap.plot.limits import limits
 from whirlmap.plot.limits import markersize as size_of_points
 from whirlmap.plot.style import INK, axes_or_new, styled, write_reason
@@ -15,7 +15,7 @@ def ranges_of(ds: xr.Dataset | None, name: str) -> tuple[float, float]:
     """Measure the peak-to-peak range of a state over an orbit, and the largest magnitude of all states."""
     if ds is None or "x" not in ds or name not in ds["state"].values or not np.isfinite(ds["x"].values).any():
         return 0.0, 0.0
-    own = ds["x"].sel(state=name).values
+    own = within_period(ds, name, ds["x"].sel(state=name).values)
     return float(np.nanmax(own) - np.nanmin(own)), float(np.nanmax(np.abs(ds["x"].values)))
 
 
@@ -45,7 +45,7 @@ def draw_section(
     ax = axes_or_new(ax, 3.4, 3.2)
     y = velocity_of(ds, x) if y is None else y
     known = [str(s) for s in ds["state"].values]
-    u, v = (ds["section"].sel(state=check_name(n, known, "state")).values.ravel() for n in (x, y))
+    u, v = (within_period(ds, n, ds["section"].sel(state=check_name(n, known, "state")).values.ravel()) for n in (x, y))
     keep = np.isfinite(u) & np.isfinite(v)
     if not keep.any():
         worst = Status(int(np.max(ds["status"].values)))
@@ -69,11 +69,11 @@ def draw_section(
     )
     ax.set_xlabel(axis_label(ds, x))
     ax.set_ylabel(axis_label(ds, y))
-    ax.set_title(f"section, {keep.sum()} point{'s' * bool(keep.sum() > 1)}" + _how_often(ds))
+    ax.set_title(f"{keep.sum()} point{'s' * bool(keep.sum() > 1)}" + _how_often(ds))
     return ax
 
 
 def _how_often(ds: xr.Dataset) -> str:
     _, _, often = str(ds["section"].attrs.get("long_name", "")).partition("once per ")
     often = {"T": "$T$", "common": "common period"}.get(str(ds.attrs.get("once_per", often)), often)
-    return f", once per {often}" if often else ""
+    return f", one per {often}" if often else ""

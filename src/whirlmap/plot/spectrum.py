@@ -59,9 +59,7 @@ def draw_power_spectrum(
     def level(p: np.ndarray) -> np.ndarray:
         return 10 * np.log10(p) if decibel else p
 
-    ax.plot(
-        frequency[seen], level(shown[seen]), color=BLUE, lw=0.7, gid="power", rasterized=seen.sum() > 20_000
-    )
+    ax.plot(frequency[seen], level(shown[seen]), color=BLUE, lw=0.7, gid="power", rasterized=seen.sum() > 20_000)
     title = "power spectrum"
     if lines is not None:
         at, height = lines["line_frequency"].values, lines["line_power"].values
@@ -79,11 +77,7 @@ def draw_power_spectrum(
             zorder=3,
         )
         share = f"{100 * float(lines['line_fraction']):.3g} % of the power"
-        title = (
-            f"1 line holds {share}"
-            if int(lines["count"]) == 1
-            else f"{int(lines['count'])} lines hold {share}"
-        )
+        title = f"1 line holds {share}" if int(lines["count"]) == 1 else f"{int(lines['count'])} lines hold {share}"
     ax.set_xlim(0, top)
     if not decibel:
         ax.set_yscale("log")
@@ -129,9 +123,7 @@ def draw_full_spectrum(
     forward, backward = ds["forward"].values[seen], ds["backward"].values[seen]
     peak = max(float(forward.max(initial=0.0)), float(backward.max(initial=0.0)), np.finfo(float).tiny * 1e30)
     for sign, curve, colour, label in ((1, forward, BLUE, "forward"), (-1, backward, ORANGE, "backward")):
-        ax.semilogy(
-            sign * frequency[seen], np.maximum(curve, 0.1 * least * peak), color=colour, lw=0.7, gid=label
-        )
+        ax.semilogy(sign * frequency[seen], np.maximum(curve, 0.1 * least * peak), color=colour, lw=0.7, gid=label)
         ax.set_title(f"{label} whirl", loc="right" if sign > 0 else "left", color=colour, fontweight="bold")
     ax.axvline(0.0, color=INK, lw=0.6)
     ax.set_xlim(-top, top)

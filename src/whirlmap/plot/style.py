@@ -8,6 +8,7 @@ regime also has a marker, and an ended run a hatch, so that a print in grey can 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
+from textwrap import fill
 from typing import Any, ParamSpec, TypeVar
 
 import matplotlib as mpl
@@ -122,5 +123,7 @@ def write_reason(ax: Axes, reason: str) -> Axes:
     ax.set_yticks([])
     for spine in ax.spines.values():
         spine.set(visible=True, color=GREY, linestyle=(0, (4, 3)))
-    ax.text(0.5, 0.5, reason, transform=ax.transAxes, ha="center", va="center", color="#555555", wrap=True)
+    text = "\n".join(fill(line, 38) for line in reason.splitlines())
+    written = ax.text(0.5, 0.5, text, transform=ax.transAxes, ha="center", va="center", color="#555555")
+    written.set_in_layout(False)  # a long sentence must not squeeze the panel
     return ax

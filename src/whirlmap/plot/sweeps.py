@@ -43,9 +43,7 @@ def shade_ended(ax: Axes, ds: xr.Dataset, at: NDArray[np.float64], log: bool, *,
     edges = cell_edges(at, log=log)
     looks = [
         look_of(r, s) if e else None
-        for r, s, e in zip(
-            first["regime"].values, first["status"].values, ended.transpose(parameter).values, strict=True
-        )
+        for r, s, e in zip(first["regime"].values, first["status"].values, ended.transpose(parameter).values, strict=True)
     ]
     for begin, last in runs(list(looks)):
         look = looks[begin]
@@ -62,9 +60,7 @@ def shade_ended(ax: Axes, ds: xr.Dataset, at: NDArray[np.float64], log: bool, *,
                 gid=f"ended-{look.label}",
             )
             if words and share(ax, edges, begin, last) > 0.08:
-                middle = (
-                    np.sqrt(edges[begin] * edges[last + 1]) if log else (edges[begin] + edges[last + 1]) / 2
-                )
+                middle = np.sqrt(edges[begin] * edges[last + 1]) if log else (edges[begin] + edges[last + 1]) / 2
                 ax.text(
                     middle,
                     0.5,

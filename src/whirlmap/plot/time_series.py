@@ -7,7 +7,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from whirlmap.errors import RangeError
-from whirlmap.plot.labels import symbol, unit_of, unit_text
+from whirlmap.plot.labels import symbol, unit_of, unit_text, with_breaks, within_period
 from whirlmap.plot.limits import limits
 from whirlmap.plot.style import (
     BLUE,
@@ -30,7 +30,7 @@ def values_of(ds: xr.Dataset, name: str) -> np.ndarray:
     """Series of one state or output of a simulation."""
     for variable, dim in (("x", "state"), ("outputs", "output")):
         if variable in ds and name in ds[dim].values:
-            return np.asarray(ds[variable].sel({dim: name}).values, dtype=float)
+            return within_period(ds, name, np.asarray(ds[variable].sel({dim: name}).values, dtype=float))
     known = [str(n) for dim in ("state", "output") if dim in ds for n in ds[dim].values]
     raise RangeError(f"the time series hold no {name!r}; they hold: {' '.join(known)}")
 
@@ -87,7 +87,9 @@ def draw_time_series(
     clock = part["turn"] if in_T else part["time"]
     curves = [values_of(part, name) for name in names]
     for name, curve, colour in zip(names, curves, COLOURS * (len(names) // len(COLOURS) + 1), strict=False):
-        ax.plot(clock.values, curve, color=colour, label=symbol(name), rasterized=curve.size > 20_000)
+        ax.plot(
+            clock.values, with_breaks(part, name, curve), color=colour, label=symbol(name), rasterized=curve.size > 20_000
+        )
     if ended:
         alive = np.isfinite(part["x"].values).all(axis=1)
         end = float(clock.values[alive][-1])
@@ -109,11 +111,7 @@ def draw_time_series(
     ax.set_ylim(limits(np.concatenate(curves)))
     ax.set_xlabel("time, $t/T$ [–]" if in_T else f"time, $t$ {unit_text(unit_of(ds, 'time'))}")
     units = {unit_of(ds, name) for name in names}
-    ax.set_ylabel(
-        ", ".join(symbol(n) for n in names)
-        + " "
-        + unit_text(units.pop() if len(units) == 1 else "mixed units")
-    )
+    ax.set_ylabel(", ".join(symbol(n) for n in names) + " " + unit_text(units.pop() if len(units) == 1 else "mixed units"))
     if len(names) > 1:
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=min(len(names), 5), handlelength=1.2)
     return ax

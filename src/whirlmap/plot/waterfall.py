@@ -70,9 +70,7 @@ def draw_waterfall(
     colour = VERMILION if kind == "lines" else "white"
     for label, value in (orders or {}).items():
         across = abs(float(value)) * clock * ends
-        ax.plot(
-            across, ends, color=colour, lw=0.7, ls=(0, (4, 2)), alpha=0.55, gid=f"order-{label}", zorder=1e4
-        )
+        ax.plot(across, ends, color=colour, lw=0.7, ls=(0, (4, 2)), alpha=0.55, gid=f"order-{label}", zorder=1e4)
         end = min(ends[1], top / max(abs(float(value)) * clock, 1e-300))
         if end > ends[0]:
             ax.annotate(

@@ -4,7 +4,6 @@ The numbers do not depend on the parts: points never see each other, a chain han
 to the next, and a stretch of a simulation starts from the end of the one before, at the same phase.
 """
 
-import os
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from math import gcd
@@ -26,6 +25,7 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.source import LANES
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram
+from whirlmap.sweep.memory import refuse_memory
 
 Array = NDArray[np.float64]
 
@@ -96,10 +96,10 @@ def diagram_in_batches(
     if 0 < lyapunov < BLOCKS:
         raise RangeError(f"lyapunov must be 0 or at least {BLOCKS} common periods, not {lyapunov}")
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
-    size = batch or (2 * LANES * (workers or cores()) if follow is None else CHAIN)
+    size = batch or (LANES * (workers or cores()) if follow is None else CHAIN)
     if follow is not None and not system.model.forced:
         size = points.size  # its section does not hold the state at the end of a record
-    _refuse_memory(
+    refuse_memory(
         "the diagram", 2 * len(ways) * points.size * _kept(system, settling) * system.model.dimension
         + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
     )  # fmt: skip
@@ -205,7 +205,7 @@ def simulation_in_stretches(
     if min(periods, every, per) < 1 or periods * per % every:  # simulate says what is wrong
         return Work(simulate(system, periods=periods, transient=transient, **options), periods, periods)
     samples = periods * per // every
-    _refuse_memory("the time series", 3 * samples * (system.model.dimension + len(system.model.outputs)))
+    refuse_memory("the time series", 3 * samples * (system.model.dimension + len(system.model.outputs)))
     first = transient * per
     least = every // gcd(per, every)
     stretch = max(-(-periods // (STRETCHES * least)), 1) * least
@@ -287,16 +287,3 @@ def refuse_start(system: System) -> None:
         ]
         found = measures[0] if measures else f"{gap} = {float(gap.subs(numbers)):g}, which must be above 0"
         raise RangeError(f"start: found {where}, so {found}: {stop.meaning} already")
-
-
-def _refuse_memory(what: str, numbers: int) -> None:
-    """Refuse work whose result would not fit into half of the memory."""
-    try:
-        memory = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
-    except (AttributeError, ValueError, OSError):  # not a POSIX system
-        memory = 16 * 2**30
-    if 8 * numbers > memory // 2:
-        raise RangeError(
-            f"{what} would need {8 * numbers / 2**30:.3g} GB, expected at most {memory / 2**31:.3g} GB, half"
-            " of this machine's memory: ask for fewer points or periods, or save every so many steps"
-        )

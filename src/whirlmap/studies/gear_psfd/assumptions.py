@@ -234,6 +234,8 @@ def _fixed_arc(facts: _Facts) -> Iterator[Strain]:
     if facts.switches.get("arc") != "fixed":
         return
     v = facts.values
+    porous = facts.switches.get("film") == "porous"  # the printed film has no radial force without radial motion
+    outwards = ", and the film pushes the journal outwards where a real one holds it" if porous else ""
     acting = [r for r, amplitude in (("r_p", "b_p"), ("r_g", "b_g"), ("r_m", "E")) if v[amplitude] != 0.0]
     for i, spin in ((1, "j_p"), (2, "j_g")):
         if v[spin] == 0.0 or not acting:
@@ -243,8 +245,8 @@ def _fixed_arc(facts: _Facts) -> Iterator[Strain]:
             yield Strain(
                 f"fixed_arc_{i}", value, 1.0,
                 f"The half film of journal {i} is fixed to its spin, but the forcing whirls it forward at up to"
-                f" {value:.3g} times half that spin: there the pressure on that half is negative, and the film"
-                " pushes the journal outwards where a real one holds it; arc = positive has no such limit.",
+                f" {value:.3g} times half that spin: there the pressure on that half is negative, which oil does"
+                f" not sustain{outwards}. The arc of positive pressure has no such limit.",
             )  # fmt: skip
 
 

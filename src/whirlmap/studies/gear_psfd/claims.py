@@ -193,10 +193,10 @@ def lyapunov_positive(e: Evidence, _claim: Claim) -> Judgement:
     votes, parts = [], []
     for psi, ds in e.orbits.items():
         label = Regime(int(ds["regime"])).label
-        if "exponent" not in ds:
+        if "lyapunov" not in ds:
             parts.append(f"psi = {psi:g}: {label}")
             continue
-        value, error = float(ds["exponent"][0]), float(ds["exponent_error"][0])
+        value, error = float(ds["lyapunov"][0]), float(ds["lyapunov_error"][0])
         votes.append(value > 3 * error)
         parts.append(f"psi = {psi:g}: {value:+.4f} ± {error:.4f} per radian ({label})")
     if not votes:

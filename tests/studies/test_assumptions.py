@@ -1,0 +1,204 @@
+"""Each assumption of the gear pair's model, tripped by a value and left alone by another."""
+
+import json
+from functools import lru_cache
+from math import isnan, pi, sqrt, tanh
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import whirlmap
+from whirlmap.errors import CaseError
+from whirlmap.integrate.system import System
+from whirlmap.studies.gear_psfd.assumptions import Strain, strained
+
+MACHINE, INTENDED, LITERAL = "gear-psfd/machine", "gear-psfd/intended", "gear-psfd/literal"
+
+
+@lru_cache
+def system(case, **changes):
+    return whirlmap.load(case, **changes)
+
+
+def found(here, diagrams=None) -> dict[str, Strain]:
+    strains = strained(here, diagrams)
+    assert len({s.name for s in strains}) == len(strains)
+    assert all(s.sentence.endswith(".") for s in strains)
+    return {s.name: s for s in strains}
+
+
+def diagram(eps_1, eps_2=None, *, s=None, start_found=None, **attributes):
+    """What `bifurcation_diagram` returns, as far as it is read."""
+    eps_1 = np.asarray(eps_1, dtype=float)
+    s = np.linspace(0.3, 0.6, eps_1.size) if s is None else np.asarray(s, dtype=float)
+    both = np.stack([eps_1, eps_1 * 0 + 0.5 if eps_2 is None else np.asarray(eps_2, dtype=float)], axis=1)
+    flags = np.ones(eps_1.size, dtype=np.int8) if start_found is None else np.asarray(start_found, dtype=np.int8)
+    return xr.Dataset(
+        {"maximum": (("s", "quantity"), both), "start_found": ("s", flags)},
+        coords={"s": s, "quantity": ["eps_1", "eps_2"]},
+        attrs=attributes,
+    )
+
+
+CALM = diagram([0.4, 0.5, 0.6])
+
+
+def test_a_machine_within_its_assumptions_strains_the_mesh_load_alone():
+    assert set(found(system(MACHINE, s=0.5), CALM)) == {"mesh_load"}
+
+
+def test_no_torque_holds_the_teeth_together():
+    strain = found(system(MACHINE), CALM)["mesh_load"]
+    assert (strain.value, strain.limit) == (0.0, pytest.approx(1e8 * 5e-6))
+    assert "500 N" in strain.sentence
+
+
+@pytest.mark.parametrize(("length", "trips"), [("12.4 mm", False), ("12.6 mm", True), ("30 mm", True)])
+def test_short_bearing(length, trips):
+    strains = found(system(MACHINE, s=0.5, L_1=length), CALM)
+    assert ("slenderness_1" in strains) == trips
+    assert "slenderness_2" not in strains
+    if trips:
+        assert strains["slenderness_1"].value == pytest.approx(float(length.split()[0]) / 50)
+
+
+@pytest.mark.parametrize(("deepest", "trips"), [(0.89, False), (0.91, True), (0.999, True)])
+def test_eccentricity(deepest, trips):
+    strains = found(system(MACHINE, s=0.5), diagram([0.4, np.nan, deepest, 0.5], s=[0.3, 0.4, 0.45, 0.5]))
+    assert ("eccentricity_1" in strains) == trips
+    assert "eccentricity_2" not in strains
+    if trips:
+        assert strains["eccentricity_1"].value == deepest
+        assert "at s = 0.45" in strains["eccentricity_1"].sentence
+
+
+def test_eccentricity_is_sought_in_all_results():
+    parameters = json.dumps({"psi": {"value": 0.1}})
+    runs = {1e-3: CALM, 0.1: diagram([0.3, 0.4], [0.5, 0.95], parameters=parameters)}
+    for given in (runs, list(runs.values())):
+        strain = found(system(MACHINE, s=0.5), given)["eccentricity_2"]
+        assert strain.value == 0.95
+        assert "s = 0.6, psi = 0.1" in strain.sentence
+    both_ways = xr.concat([diagram([0.4, 0.93]).assign_coords(direction="up"), diagram([0.4, 0.92])
+                           .assign_coords(direction="down")], dim="direction")  # fmt: skip
+    assert "up, s = 0.6" in found(system(MACHINE, s=0.5), both_ways)["eccentricity_1"].sentence
+
+
+def test_results_without_eccentricities_say_nothing_about_them():
+    bare = CALM.sel(quantity=["eps_1"])
+    assert "eccentricity" in found(system(MACHINE, s=0.5), bare)["not_evaluated"].sentence
+
+
+def test_film_reynolds_number():
+    here = system(MACHINE, s=0.5, mu="0.0004 Pa*s")
+    strain = found(here, CALM)["film_reynolds_1"]
+    omega = sqrt(4e6 / 10) * 0.6  # the diagram goes further than the system
+    assert strain.value == pytest.approx(870 * omega * 25e-3 * 50e-6 / 0.0004)
+    assert strain.limit == pytest.approx(41.2 * sqrt(500))
+    assert "870 kg/m3 assumed" in strain.sentence
+    assert "film_reynolds_1" not in found(system(MACHINE, s=0.5), CALM)
+
+
+def test_inertia_of_the_oil_at_the_mesh_frequency():
+    strain = found(system(MACHINE), CALM)["film_inertia"]  # s = 0.8175
+    assert strain.value == pytest.approx(870 * 0.8175 * sqrt(4e5) * 20 * 50e-6**2 / 0.02)
+    assert strain.value > strain.limit == 1.0
+    assert "film_inertia" not in found(system(MACHINE, s=0.72), CALM)
+    assert "film_inertia" in found(system(MACHINE, s=0.5), diagram([0.5, 0.5], s=[0.5, 0.74]))
+
+
+@pytest.mark.parametrize(("wall", "trips"), [("2.4 mm", False), ("2.45 mm", True), ("6 mm", True)])
+def test_thickness_of_the_ring(wall, trips):
+    strains = found(system(MACHINE, s=0.5, H=wall), CALM)
+    assert ("ring_1" in strains) == trips
+    if trips:
+        x = pi * float(wall.split()[0]) / 12
+        assert strains["ring_1"].value == pytest.approx(x)
+        assert f"{tanh(x) / x:.3g}" in strains["ring_1"].sentence
+
+
+def test_a_ring_that_lets_nothing_through_may_be_thick():
+    assert "ring_1" not in found(system(MACHINE, s=0.5, H="6 mm", Phi="0 m^2"), CALM)
+
+
+def test_fixed_arc_in_forward_whirl():
+    intended = found(system(INTENDED), CALM)
+    assert intended["fixed_arc_1"].value == 8.0  # the mesh, over half of a spin of 1/4
+    assert intended["fixed_arc_2"].value == 2.0  # its own unbalance; the mesh turns against it
+    assert "outwards" in intended["fixed_arc_1"].sentence
+    still = found(system(INTENDED, E=0, b_p=0, b_g=0), CALM)
+    assert not {"fixed_arc_1", "fixed_arc_2"} & set(still)
+    assert "fixed_arc_1" not in found(system(INTENDED, arc="positive"), CALM)
+
+
+def test_fixed_arc_of_the_print():
+    """Journals that spin with the mesh whirl more slowly than half of it under their unbalances."""
+    strains = found(system(LITERAL), CALM)
+    assert strains["fixed_arc_1"].value == strains["fixed_arc_2"].value == 2.0
+    assert "outwards" not in strains["fixed_arc_1"].sentence  # without h^3 there is no such force
+    assert "fixed_arc_1" not in found(system(LITERAL, E=0), CALM)
+
+
+def test_clocks_of_the_paper_are_those_of_four_and_eight_teeth():
+    for case in (INTENDED, LITERAL):
+        strains = found(system(case), CALM)
+        assert (strains["teeth_1"].value, strains["teeth_1"].limit) == (4.0, 20.0)
+        assert (strains["teeth_2"].value, strains["teeth_2"].limit) == (8.0, 40.0)
+
+
+def test_journals_and_gear_of_the_print_turn_on_clocks_of_their_own():
+    strains = found(system(LITERAL), CALM)
+    assert (strains["spin_1"].value, strains["spin_2"].value) == (4.0, 8.0)
+    assert strains["gear_sense"].value == 0.5
+    assert not {"spin_1", "spin_2", "gear_sense"} & set(found(system(INTENDED), CALM))
+    assert "spin_1" in found(system(MACHINE, s=0.5, j_p=0.5), CALM)
+
+
+def test_a_damper_that_does_not_turn_is_no_contradiction_but_carries_no_weight():
+    strains = found(system(MACHINE, s=0.5, j_p=0, j_g=0))
+    assert "spin_1" not in strains
+    assert (strains["static_equilibrium"].value, strains["static_equilibrium"].limit) == (0.0, 1.0)
+
+
+def test_static_equilibria_of_a_diagram():
+    strain = found(system(MACHINE, s=0.5), diagram([0.5] * 4, start_found=[0, 1, 1, 1]))["static_equilibrium"]
+    assert strain.value == 0.75
+    assert "1 of 4" in strain.sentence
+
+
+def dimensionless(**changes):
+    """A system of symbols alone."""
+    here = system(INTENDED)
+    return System(here.model, {**here.values, **changes})
+
+
+def test_symbols_alone_are_judged_as_far_as_they_go():
+    strains = found(dimensionless())
+    assert set(strains) == {"mesh_load", "fixed_arc_1", "fixed_arc_2", "teeth_1", "teeth_2", "not_evaluated"}
+    assert strains["mesh_load"].limit == pytest.approx(25 * 0.1)
+    assert "K_p c" in strains["mesh_load"].sentence
+    assert strains["teeth_1"].limit == 12
+    unknown = strains["not_evaluated"]
+    assert isnan(unknown.value)
+    assert isnan(unknown.limit)
+    for words in ("length over diameter", "Reynolds", "porous ring", "largest eccentricity"):
+        assert words in unknown.sentence
+    plain = found(dimensionless(psi=0.0), CALM)["not_evaluated"].sentence
+    assert "porous ring" not in plain
+    assert "eccentricity" not in plain
+
+
+def test_only_the_gear_pair_is_judged():
+    with pytest.raises(CaseError, match="duffing"):
+        strained(whirlmap.load("duffing"))
+
+
+def test_a_computed_diagram_is_read():
+    quick = whirlmap.Settling(transient=2, most=1, keep=2)
+    here = system(INTENDED, psi=0.1)
+    ds = whirlmap.bifurcation_diagram(here, "s", [2.0, 3.27], settling=quick)
+    deepest = float(ds["maximum"].sel(quantity="eps_2").max())
+    strains = found(here, ds)
+    assert ("eccentricity_2" in strains) == (deepest > 0.9)
+    assert "not_evaluated" not in strains

@@ -1,0 +1,78 @@
+"""Bifurcation diagrams: the labels of single points, whatever the company."""
+
+import numpy as np
+import pytest
+
+import whirlmap
+from whirlmap.analysis.returns import Settling
+from whirlmap.errors import RangeError
+from whirlmap.results.regime import Regime
+from whirlmap.sweep.diagram import bifurcation_diagram
+from whirlmap.sweep.grid import Range
+
+GAMMA = np.array([0.20, 0.28, 0.29, 0.37, 0.50, 0.65])
+
+
+@pytest.fixture(scope="module")
+def ladder():
+    return bifurcation_diagram(whirlmap.load("duffing"), "gamma", GAMMA, settling=Settling(transient=200), lyapunov=400)
+
+
+def test_the_ladder_of_duffing(ladder):
+    assert ladder["period_T"].values.tolist() == [1, 2, 4, 5, 0, 2]
+    assert ladder["regime"].values[4] == Regime.undecided
+    assert ladder["lyapunov"].values[4] > 3 * ladder["lyapunov_error"].values[4] > 0
+    assert np.isnan(ladder["lyapunov"].values[[0, 1, 2, 3, 5]]).all()
+
+
+def test_a_point_alone_has_the_same_bits(ladder):
+    alone = bifurcation_diagram(whirlmap.load("duffing"), "gamma", GAMMA[2:3], settling=Settling(transient=200))
+    np.testing.assert_array_equal(alone["section"].values[0], ladder["section"].values[2])
+
+
+def test_workers_do_not_change_a_bit(ladder):
+    again = bifurcation_diagram(
+        whirlmap.load("duffing"), "gamma", np.linspace(0.2, 0.65, 70), settling=Settling(transient=20), workers=2
+    )
+    one = bifurcation_diagram(
+        whirlmap.load("duffing"), "gamma", np.linspace(0.2, 0.65, 70), settling=Settling(transient=20), workers=1
+    )
+    np.testing.assert_array_equal(again["section"], one["section"])
+
+
+def test_following_shows_hysteresis():
+    """A hardening Duffing oscillator has two amplitudes between its folds: up and down differ there, and agree outside."""
+    system = whirlmap.load("duffing", delta=0.1, alpha=1.0, beta=0.2, gamma=0.5)
+    values = np.linspace(0.8, 2.2, 15)
+    ds = bifurcation_diagram(system, "omega", values, follow="both", settling=Settling(transient=60, most=8, keep=4))
+    swing = (ds["maximum"] - ds["minimum"]).sel(quantity="x")
+    gap = np.abs(swing.sel(direction="up") - swing.sel(direction="down")).values
+    assert gap.max() > 1.0
+    assert gap[0] < 1e-6
+    assert gap[-1] < 1e-6
+
+
+def test_every_variable_says_its_unit(ladder):
+    for name, values in ladder.data_vars.items():
+        assert values.attrs["units"], name
+        assert values.attrs["long_name"], name
+    for name in ("status", "regime"):
+        assert len(ladder[name].attrs["flag_values"]) == len(ladder[name].attrs["flag_meanings"].split())
+
+
+@pytest.mark.parametrize(
+    ("text", "says"),
+    [("s=1:2", "expected name=start:stop:count"), ("s=2:1:5", "swap"), ("s=1:2:1", "count"), ("s=0:1:5:log", "logarithmic"),
+     ("s=a:1:5", "numbers"), ("s=1:nan:5", "finite"), ("s=1:2:5:lin", "only 'log'"), ("s=1:2:1e3", "whole number")],
+)  # fmt: skip
+def test_bad_ranges_are_refused(text, says):
+    with pytest.raises(RangeError, match=says):
+        Range.parse(text)
+
+
+def test_orders_cannot_be_varied_and_limits_hold():
+    system = whirlmap.load("gear-psfd/intended")
+    with pytest.raises(RangeError, match="order of a harmonic"):
+        bifurcation_diagram(system, "r_p", [0.1, 0.2])
+    with pytest.raises(RangeError, match="s = -1 must be above 0"):
+        bifurcation_diagram(system, "s", [-1.0, 0.2])
