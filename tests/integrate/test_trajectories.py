@@ -34,9 +34,7 @@ def test_one_common_period_is_scipys(clock, s, psi, arc, steps):
     e.advance(system.common_multiple)
     assert e.status[0] == 0
     assert np.max(np.abs(expected - x)) > 0.1  # it went somewhere
-    np.testing.assert_allclose(
-        e.x[:, 0], expected, rtol=0, atol=1e-10 if psi == 0 and arc == "fixed" else 1e-9
-    )
+    np.testing.assert_allclose(e.x[:, 0], expected, rtol=0, atol=1e-10 if psi == 0 and arc == "fixed" else 1e-9)
 
 
 def test_a_porous_film_follows_scipy_for_a_turn_of_the_mesh():
@@ -117,9 +115,7 @@ def errors_through_the_centre(arc, count):
         orbit = e.advance(1, save_every=1).saved
         out.append(np.sqrt(np.mean((e.x - ends) ** 2)))
     closest = np.hypot(orbit[:, 0], orbit[:, 1]).min(axis=0)
-    speed = np.hypot(
-        *np.diff(orbit[: n // 8, :2], axis=0).transpose(1, 0, 2)
-    ).max()  # a step's length near it
+    speed = np.hypot(*np.diff(orbit[: n // 8, :2], axis=0).transpose(1, 0, 2)).max()  # a step's length near it
     assert np.all(closest < speed)  # every orbit passes the centre between two neighbouring steps
     assert np.hypot(starts[0], starts[1]).min() > 0.02
     return out
@@ -176,9 +172,7 @@ def test_all_exponents_sum_to_the_mean_divergence(make, steps, count):
     assert total == pytest.approx(mean, rel=0, abs=1e-6)
     known = {"duffing": -0.2, "lorenz": -41 / 3}
     assert mean == pytest.approx(known.get(model.name, mean), abs=1e-12)
-    if (
-        model.name == "gear_pair"
-    ):  # film, shafts, mesh and housings all damp; the sum is no accident of one term
+    if model.name == "gear_pair":  # film, shafts, mesh and housings all damp; the sum is no accident of one term
         assert -4 < mean < -2
 
 

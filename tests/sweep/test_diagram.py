@@ -44,7 +44,7 @@ def test_following_shows_hysteresis():
     """A hardening Duffing oscillator has two amplitudes between its folds: up and down differ there, and agree outside."""
     system = whirlmap.load("duffing", delta=0.1, alpha=1.0, beta=0.2, gamma=0.5)
     values = np.linspace(0.8, 2.2, 15)
-    ds = bifurcation_diagram(system, "omega", values, follow="both", settling=Settling(transient=60, most=8, keep=4))
+    ds = bifurcation_diagram(system, "omega", values, follow="both", settling=Settling(transient=150, most=8, keep=4))
     swing = (ds["maximum"] - ds["minimum"]).sel(quantity="x")
     gap = np.abs(swing.sel(direction="up") - swing.sel(direction="down")).values
     assert gap.max() > 1.0

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.analysis.dimension import correlation_dimension
-from whirlmap.analysis.lyapunov import exponents, mean_and_error
+from whirlmap.analysis.lyapunov import BLOCKS, exponents, mean_and_error
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
 from whirlmap.analysis.returns import Returns, Settling, settle_and_record
 from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 
 #: Relative and absolute error of the largest exponent at which its run stops.
 ENOUGH = (0.02, 0.002)
+#: T in the first stretch of its run; the run doubles until the error is small enough.
+FIRST_STRETCH = 512
 
 
 def diagnose(
@@ -43,7 +45,7 @@ def diagnose(
     exponent_count: int | None = None,
     max_periods: int = 3200,
     points: int = 5000,
-    record: int = 64,
+    record: int = 512,
     steps: int | None = None,
     method: str = "rk4",
     workers: int | None = None,
@@ -62,7 +64,7 @@ def diagnose(
     points : int
         Section points of the correlation dimension, over the whole swarm.
     record : int
-        Common periods of the recorded time series.
+        Least T of the recorded time series, rounded up to whole common periods.
 
     Returns
     -------
@@ -76,6 +78,9 @@ def diagnose(
     count = min(4, n) if exponent_count is None else exponent_count
     if not 1 <= count <= n:
         raise RangeError(f"{system.model.name} has {n} exponents; {count} were asked for")
+    for name, given, least in (("max_periods", max_periods, 16), ("points", points, 1), ("record", record, 1)):
+        if given < least:
+            raise RangeError(f"{name} must be at least {least}, not {given}")
     swarm = {system.parameters[0]: np.full(LANES, system.vector[0])}
     ensemble, found = make_ensemble(system, swarm, steps=steps, method=method, workers=workers, swarm=True)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
@@ -150,7 +155,7 @@ def _exponents(
         system, repeat, starts=part.x, steps=steps, method=method, tangents=count, workers=workers
     )
     pieces: list[Array] = []
-    done, stretch = 0, 32
+    done, stretch = 0, min(max(FIRST_STRETCH // part.common_multiple, BLOCKS), most)
     while True:
         pieces.append(exponents(tangent, stretch, align=16 if not pieces else 0, progress=progress))
         done += stretch
@@ -164,7 +169,9 @@ def _exponents(
             reason = f"stopped at {done} common periods"
             break
         stretch = min(done, most - done)
-    running = np.cumsum(rates[:, :, good].mean(axis=2), axis=0) / np.arange(1, done + 1)[:, None]
+    order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
+    value, error = value[order], error[order]
+    running = np.cumsum(rates[:, order][:, :, good].mean(axis=2), axis=0) / np.arange(1, done + 1)[:, None]
     per_time = "1/time"
     data["lyapunov"] = variable("exponent", value, per_time, "Lyapunov exponent, largest first")
     data["lyapunov_error"] = variable("exponent", error, per_time, "one standard error of the exponent")
@@ -177,14 +184,18 @@ def _exponents(
 
 
 def _swarm_mean(rates: Array) -> tuple[Array, Array]:
-    """Mean over runs, and the larger of the scatter between runs and the block error within them."""
+    """Mean over runs, and its error: the largest of the scatter between runs, the block error within them, and a quarter of
+    the difference between the halves of the record, which shows tangent vectors that still turn into place.
+    """
     if rates.shape[2] == 0:
         return np.full(rates.shape[1], np.nan), np.full(rates.shape[1], np.nan)
     means, errors = mean_and_error(rates)
     runs = means.shape[1]
     within = np.sqrt((errors**2).sum(axis=1)) / runs
     between = means.std(axis=1, ddof=1) / np.sqrt(runs) if runs > 1 else within
-    return means.mean(axis=1), np.maximum(within, between)
+    half = rates.shape[0] // 2
+    drift = np.abs(rates[:half].mean(axis=(0, 2)) - rates[half:].mean(axis=(0, 2))) / 4
+    return means.mean(axis=1), np.maximum(np.maximum(within, between), drift)
 
 
 def _record(
@@ -192,11 +203,13 @@ def _record(
 ) -> None:
     """Time series of the first run, its spectrum and lines."""
     first = part.subset(np.array([0]))
-    common, total = first.common_multiple, record * first.common_multiple * first.steps
+    common = first.common_multiple
+    kept = -(-record // common) * common
+    total = kept * first.steps
     every = max(first.steps // 32, 1)
     while total % every:
         every -= 1
-    x = first.advance(record * common, save_every=every).saved[:, :, 0]
+    x = first.advance(kept, save_every=every).saved[:, :, 0]
     turn = np.arange(1, x.shape[0] + 1) * every / first.steps
     coords["time"] = variable("time", turn * float(first.period[0]), "time", "time since the record began")
     coords["turn"] = variable("time", turn, "T", "time since the record began, in periods T")

@@ -110,6 +110,8 @@ def lyapunov_spectrum(
         within = np.sqrt((errors[:, good] ** 2).sum(axis=1)) / good.sum()
         between = means[:, good].std(axis=1, ddof=1) / np.sqrt(good.sum()) if good.sum() > 1 else within
         error = np.maximum(within, between)
+        order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
+        value, error, means, rates = value[order], error[order], means[order], rates[:, order]
         running = np.cumsum(rates[:, :, good].mean(axis=2), axis=0) / np.arange(1, periods + 1)[:, None]
     else:
         value = error = np.full(count, np.nan)

@@ -188,9 +188,12 @@ class Ensemble:
             for task in tasks:
                 work(task)
         else:
-            with ThreadPoolExecutor(self.workers) as pool:
+            pool = ThreadPoolExecutor(self.workers)
+            try:
                 for _ in pool.map(work, tasks):
                     pass
+            finally:
+                pool.shutdown(cancel_futures=True)  # an interrupt waits for the blocks that run, not for the queue
         self.step_count[self.running] += total
         return Segment(saved, growth, _statistics(sums, total, self.running) if extremes else None)
 

@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 #: Newton steps before a point counts as having no equilibrium.
 MOST_STEPS = 60
 #: Steps from the guess's own rates to zero, where Newton's method alone finds nothing.
-STAGES = 8
+STAGES = 5
 #: Newton steps in each of these: they start close by, so that more means that there is nothing to find.
 STAGE_STEPS = 12
 
@@ -45,7 +45,7 @@ def start_states(model: Model, values: Array) -> tuple[Array, NDArray[np.bool_]]
 def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Solve rates = 0 with all forcing off, each point on its own.
 
-    Damped Newton on the reference kernel with a central-difference Jacobian: the step is halved until every gap stays
+    Damped Newton on the reference kernel with a forward-difference Jacobian: the step is halved until every gap stays
     open and the residual falls; a point ends when its step is below 1e-12, or is given up after `MOST_STEPS`. Points
     that this leaves without an equilibrium (journals carried close to the wall) are led there from the guess:
     rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before.
@@ -105,9 +105,10 @@ def _newton(
     active = np.arange(points)
     for _ in range(most):
         now = x[:, active]
-        f, jacobian = residual(now, active), _differences(residual, now, active)
+        f = residual(now, active)
+        jacobian = _differences(residual, now, f, active)
         regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))
-        regular[regular] = np.linalg.matrix_rank(jacobian[regular]) == n
+        regular[regular] = np.linalg.slogdet(jacobian[regular])[0] != 0
         active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
         if active.size == 0:
             break
@@ -126,13 +127,15 @@ def _newton(
     return x, found
 
 
-def _differences(residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, at: NDArray[np.intp]) -> Array:
-    """Jacobian of the residual by central differences, shape (point, row, column)."""
-    n, h = x.shape[0], 1e-6
+def _differences(
+    residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, f: Array, at: NDArray[np.intp]
+) -> Array:
+    """Jacobian of the residual by forward differences, shape (point, row, column): good enough for Newton's method."""
+    n, h = x.shape[0], 1e-7
     out = np.empty((at.size, n, n))
     for j in range(n):
         e = np.zeros((n, 1))
         e[j] = h
         with np.errstate(invalid="ignore"):  # inf - inf at a closed gap: the point is given up by the caller
-            out[:, :, j] = ((residual(x + e, at) - residual(x - e, at)) / (2 * h)).T
+            out[:, :, j] = ((residual(x + e, at) - f) / h).T
     return out

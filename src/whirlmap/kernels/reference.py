@@ -26,7 +26,10 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
     expressions = [_with_exact(sympify(model.equations[s]), model, functions) for s in model.states]
     if not forced:
         expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda _: 0) for e in expressions]
-    compiled = lambdify([t, list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"])
+    # Shared subexpressions only where speed matters: the oracle itself repeats every term as it stands in the model.
+    compiled = lambdify(
+        [t, list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"], cse=not forced
+    )
 
     def rates(time: ArrayLike, x: ArrayLike, values: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)

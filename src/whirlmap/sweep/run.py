@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from sympy import sympify
 
 from whirlmap.analysis.lyapunov import BLOCKS
-from whirlmap.analysis.points import DEFAULT_STEPS, parameter_values
+from whirlmap.analysis.points import default_steps, parameter_values
 from whirlmap.analysis.returns import Settling
 from whirlmap.analysis.trajectory import simulate
 from whirlmap.errors import RangeError
@@ -201,7 +201,7 @@ def simulation_in_stretches(
         "every": every, "steps": steps, "method": method, "workers": workers, "progress": progress,
     }  # fmt: skip
     common = system.common_multiple
-    per = common * (DEFAULT_STEPS if steps is None else steps)
+    per = common * (default_steps(system) if steps is None else steps)
     if min(periods, every, per) < 1 or periods * per % every:  # simulate says what is wrong
         return Work(simulate(system, periods=periods, transient=transient, **options), periods, periods)
     samples = periods * per // every

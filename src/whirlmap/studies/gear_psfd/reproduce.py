@@ -13,6 +13,8 @@ from whirlmap.studies.gear_psfd.output import Folder
 from whirlmap.studies.gear_psfd.report import Picture, write_report
 
 REPORT = "report.html"
+#: Of the pictures, which the report carries inside: sharp on a screen.
+DPI = 120
 
 
 def reproduce(
@@ -56,7 +58,7 @@ def reproduce(
             for kind, ds in (("diagram", evidence.diagrams[psi]), ("orbit", evidence.orbits[psi])):
                 folder.write(f"{kind}-{edition.name}-psi{psi:g}.nc", lambda trial, ds=ds: write(ds, trial))  # type: ignore[misc]
         for stem, caption, figure in figures(evidence):
-            path = folder.write(f"{stem}.png", lambda trial, figure=figure: save(figure, trial))  # type: ignore[misc]
+            path = folder.write(f"{stem}.png", lambda trial, figure=figure: save(figure, trial, dpi=DPI))  # type: ignore[misc]
             pictures.append(Picture(path, caption, edition.name))
         done.append((evidence, judge(evidence)))
         folder.write(REPORT, lambda trial: write_report(trial, done, pictures, quality=quality))
