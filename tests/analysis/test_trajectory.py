@@ -40,7 +40,10 @@ def test_a_series_that_ends_is_nan_behind_its_end():
     assert float(ds["time"][end]) <= float(ds["end_time"]) <= float(ds["time"][end + 1]) + 1e-9
 
 
-@pytest.mark.parametrize(("options", "says"), [({"periods": 0}, "periods"), ({"every": 7}, "does not divide"), ({"steps": 0}, "steps per T")])
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [({"periods": 0}, "periods"), ({"every": 7}, "does not divide"), ({"steps": 0}, "steps per T")],
+)
 def test_impossible_counts_are_refused(options, says):
     with pytest.raises(RangeError, match=says):
         whirlmap.simulate(whirlmap.load("duffing"), **options)

@@ -184,8 +184,10 @@ def _exponents(
 
 
 def _swarm_mean(rates: Array) -> tuple[Array, Array]:
-    """Mean over runs, and its error: the largest of the scatter between runs, the block error within them, and a quarter of
-    the difference between the halves of the record, which shows tangent vectors that still turn into place.
+    """Mean over runs, and its error.
+
+    The error is the largest of the scatter between runs, the block error within them, and a quarter of the difference
+    between the halves of the record, which shows tangent vectors that still turn into place.
     """
     if rates.shape[2] == 0:
         return np.full(rates.shape[1], np.nan), np.full(rates.shape[1], np.nan)

@@ -89,7 +89,7 @@ def _newton(
 ) -> tuple[Array, NDArray[np.bool_]]:
     rates = reference_rates(model, forced=False)
     gaps = lambdify([list(model.states)], [stop.gap for stop in model.stops.values()], modules="numpy")
-    n, points = guess.shape
+    points = guess.shape[1]
 
     def residual(x: Array, at: NDArray[np.intp]) -> Array:
         """Rates at points whose gaps are open; infinite elsewhere, where no film exists."""

@@ -9,6 +9,10 @@ from whirlmap.plot.parts import parts_of, spectrum_of
 from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd.evidence import ORBITS, PSI, S_ORBIT, Evidence
 
+#: What the coordinates of Figures 2 to 5 are.
+NAMES = {"yp": "pinion", "yg": "gear", "y1": "bearing 1", "y2": "bearing 2"}
+#: Said of an edition whose clock is not the paper's.
+SCALED = "; s counts the pinion's speed, a quarter of the paper's s"
 #: Figure of the paper that shows the diagrams of each permeability.
 DIAGRAM_NUMBER = dict(zip(PSI, (2, 3, 4, 5), strict=True))
 
@@ -20,9 +24,9 @@ def figures(e: Evidence) -> Iterator[tuple[str, str, Figure]]:
         number = DIAGRAM_NUMBER[psi]
         caption = (
             f"Figure {number} ({name}): pinion, gear and bearing centres against s, once per T, psi = {psi:g};"
-            f" {e.edition.says}"
+            f" {e.edition.says}{SCALED if e.edition.scale != 1 else ''}"
         )
-        yield f"fig{number}-{name}", caption, paper_diagram_figure(ds, title=f"{name}, ψ = {psi:g}")
+        yield f"fig{number}-{name}", caption, paper_diagram_figure(ds, names=NAMES, title=f"{name}, ψ = {psi:g}")
     for coordinate, number in ORBITS.items():
         for psi, ds in e.orbits.items():
             parts = parts_of(ds, coordinate)
