@@ -1,7 +1,7 @@
 """Lanes against one lane, and against SciPy: both ratios from one run.
 
-Run it with ``python benchmarks/lanes.py`` on one core, or with ``--full`` for the whole diagram of 600 speeds x 300 common periods. The three
-contenders take turns, so that a machine that changes its speed changes it for all; medians are printed.
+Run it with ``python benchmarks/lanes.py``, or with ``--full`` for the whole diagram of 600 speeds x 300 common periods, on
+one core. The contenders take turns, so that a machine that changes its speed changes it for all; medians are printed.
 
 1. whirlmap's lanes: RK4, phase-locked, 32 operating points in one call.
 2. The same generated kernel compiled for a single lane.

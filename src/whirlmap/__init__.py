@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
+    from whirlmap.sweep.waterfall import waterfall as waterfall
 
 
 _HOMES = {
@@ -34,6 +35,7 @@ _HOMES = {
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
     "bifurcation_diagram": "whirlmap.sweep.diagram",
+    "waterfall": "whirlmap.sweep.waterfall",
 }
 
 __all__ = ["__version__", *_HOMES]

@@ -47,7 +47,7 @@ def test_below_the_threshold_it_decays_and_above_it_grows(runs):
 
 def test_it_whirls_at_the_tabulated_ratio(runs):
     """Turns of the deviation per turn of the shaft; curvature over 3 % of speed is below 1e-3."""
-    points, deviation = runs
+    _, deviation = runs
     half = deviation.shape[0] // 2
     angle = np.unwrap(np.arctan2(deviation[half:, 1], deviation[half:, 0]), axis=0)
     turns = (angle[-1] - angle[0]) / (2 * np.pi)

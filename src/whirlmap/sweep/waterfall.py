@@ -1,0 +1,73 @@
+"""Spectra of one state over a range of a parameter: the waterfall that rotordynamicists read against speed."""
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from whirlmap.analysis.diagnosis import turns_per_T
+from whirlmap.analysis.points import make_ensemble, run_attributes
+from whirlmap.analysis.spectrum import power_spectrum
+from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.system import System
+from whirlmap.results.schema import status_variable, variable, with_attributes
+
+
+def waterfall(
+    system: System,
+    parameter: str,
+    values: ArrayLike,
+    state: str,
+    *,
+    transient: int = 100,
+    periods: int = 256,
+    samples: int = 20,
+    steps: int | None = None,
+    method: str = "rk4",
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> xr.Dataset:
+    """Power spectrum (Hann window) of a state at every value of a parameter.
+
+    Parameters
+    ----------
+    values : array_like, shape (point,)
+        Ascending.
+    transient : int
+        Common periods dropped.
+    periods : int
+        Least T of the record, rounded up to whole common periods so that every forced line stands on a bin.
+    samples : int
+        Least samples per T; frequencies reach half of it.
+
+    Returns
+    -------
+    xr.Dataset
+        ``power(frequency, parameter)``, one-sided, a sine of amplitude a showing a^2/2; ``frequency`` in multiples of 1/T;
+        ``status(parameter)``. Points that ended have NaN. ``attrs["clocks"]`` holds the turns of each clock per T.
+    """
+    points = np.atleast_1d(np.asarray(values, dtype=float))
+    if state not in system.states:
+        raise RangeError(f"{system.model.name} has no state {state!r}.{nearest(state, system.states)}")
+    if np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
+        raise RangeError(f"values of {parameter!r} must be finite and ascend")
+    ensemble, _ = make_ensemble(system, {parameter: points}, steps=steps, method=method, workers=workers)
+    common = ensemble.common_multiple
+    every = max(k for k in range(1, max(ensemble.steps // samples, 1) + 1) if ensemble.steps % k == 0)
+    ensemble.advance(transient * common, progress=progress)
+    saved = ensemble.advance(-(-periods // common) * common, save_every=every, progress=progress).saved
+    series = saved[:, system.states.index(state), :]
+    good = ensemble.running
+    power = power_spectrum(np.where(good, series, 0.0), rate=ensemble.steps / every, unit="T")
+    declared = system.model.parameter(parameter)
+    lanes = str(power["power"].dims[1])
+    ds = power.rename({lanes: parameter}).assign_coords(
+        {parameter: variable(parameter, points, declared.unit, declared.meaning)}
+    )
+    ds["power"] = ds["power"].where(xr.DataArray(good, dims=parameter)).assign_attrs(ds["power"].attrs)
+    ds["density"] = ds["density"].where(xr.DataArray(good, dims=parameter)).assign_attrs(ds["density"].attrs)
+    ds["status"] = status_variable(parameter, ensemble.status)
+    facts = {"clocks": json.dumps(turns_per_T(system)), "state": state, "varied": parameter}
+    return with_attributes(ds, run_attributes(system, ensemble, **facts))
