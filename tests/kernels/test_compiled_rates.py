@@ -108,9 +108,7 @@ def test_jacobian_is_the_differenced_right_hand_side(case):
     system = gear_pair(*case) if len(case) == 4 else other(*case)
     x = states_of(system, np.random.default_rng(4), 30, largest=0.8)
     if case[0] == "gear_backlash":
-        x = np.concatenate([x, x + 2, x - 2], axis=1)[
-            :, :90
-        ]  # within the dead zone and beyond both its edges
+        x = np.concatenate([x, x + 2, x - 2], axis=1)[:, :90]  # within the dead zone and beyond both its edges
         x[0] = np.where(np.abs(np.abs(x[0]) - 1) < 0.01, 0.0, x[0])  # its edges have no derivative
     expected = differences(lambda y: system.reference_rhs(1.3, y), x, 2e-3)
     got = system.jacobian(1.3, x)
@@ -138,11 +136,7 @@ def test_tables_err_by_less_than_1e_9(arc, psi):
     rates = system.rhs(0.0, x)[:2]
     got = rates - 0.5 * np.stack([-x[1], x[0]])
     q = np.cos(load), np.sin(load)
-    exact = (
-        fixed_arc_velocity(x[0], x[1], *q, psi)
-        if arc == "fixed"
-        else positive_arc_velocity(x[0], x[1], *q, psi)
-    )
+    exact = fixed_arc_velocity(x[0], x[1], *q, psi) if arc == "fixed" else positive_arc_velocity(x[0], x[1], *q, psi)
     assert np.max(np.abs(got - np.stack(exact))) < 1e-9
 
 

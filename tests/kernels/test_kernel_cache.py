@@ -33,9 +33,7 @@ def text(model, method=RK4, *, tangents=False, kind="free"):
 
 def test_equal_models_have_equal_source():
     assert text(oscillator()) == text(oscillator())
-    both = [
-        family("gear_pair").model(edition=e, arc="fixed", film="porous") for e in ("intended", "physical")
-    ]
+    both = [family("gear_pair").model(edition=e, arc="fixed", film="porous") for e in ("intended", "physical")]
     assert text(both[0]) == text(both[1])  # the same equations: nothing is compiled twice
 
 
@@ -79,9 +77,7 @@ print(System(Model("folder-test", (x,), (k,), {x: -k * x}), {"k": 2.0}).rhs(0.0,
 
 def run(folder):
     environment = {**os.environ, "WHIRLMAP_CACHE": str(folder)}
-    done = subprocess.run(
-        [sys.executable, "-c", textwrap.dedent(SCRIPT)], env=environment, capture_output=True, text=True
-    )
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(SCRIPT)], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return float(done.stdout)
 

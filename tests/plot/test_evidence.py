@@ -25,7 +25,7 @@ def test_the_band_is_two_standard_errors_about_the_final_value(chaos):
     (curve,), (band,) = by_gid(ax, "running"), by_gid(ax, "band")
     np.testing.assert_array_equal(curve.get_ydata(), ds["running"].values[:, 0])
     box = band.get_extents().transformed(ax.transData.inverted())
-    value, error = float(ds["exponent"][0]), float(ds["exponent_error"][0])
+    value, error = float(ds["lyapunov"][0]), float(ds["lyapunov_error"][0])
     assert (box.y0, box.y1) == (pytest.approx(value - 2 * error), pytest.approx(value + 2 * error))
     low, high = ax.get_ylim()
     assert low < 0 < value < high

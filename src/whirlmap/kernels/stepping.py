@@ -41,19 +41,23 @@ def orthonormalise(y, count, growth, active):
 
 
 @inner
-def fold(y, o, active, sums):
-    """Fold one step into the running minimum, maximum, sum and sum of squares of every state and output."""
+def fold(v, before, rows, active, sums):
+    """Fold ``rows`` rows of one step into the running minimum, maximum, sum and sum of squares, ``before`` rows on.
+
+    States and outputs are folded by one call each: an index that chose between the two arrays would run outside of both,
+    and LLVM's test that they do not overlap, hence rounding, would depend on where they happen to lie in memory.
+    """
     W = (N + M) * L
-    for i in range(N + M):
+    for i in range(rows):
         a = i * L
+        at = (before + i) * L
         for l in range(L):
-            v = y[a + l] if i < N else o[a - N * L + l]
-            d = v - sums[a + l]
+            d = v[a + l] - sums[at + l]
             on = active[l] != 0
-            sums[W + a + l] = v if (on and v < sums[W + a + l]) else sums[W + a + l]
-            sums[2 * W + a + l] = v if (on and v > sums[2 * W + a + l]) else sums[2 * W + a + l]
-            sums[3 * W + a + l] += d if on else 0.0
-            sums[4 * W + a + l] += d * d if on else 0.0
+            sums[W + at + l] = v[a + l] if (on and v[a + l] < sums[W + at + l]) else sums[W + at + l]
+            sums[2 * W + at + l] = v[a + l] if (on and v[a + l] > sums[2 * W + at + l]) else sums[2 * W + at + l]
+            sums[3 * W + at + l] += d if on else 0.0
+            sums[4 * W + at + l] += d * d if on else 0.0
 
 
 @kernel
@@ -135,7 +139,8 @@ def advance(
             orthonormalise(y, count, growth[(n + 1) // orth_every - 1], active)
         if sums.size > 0:
             observed(y, p, o)
-            fold(y, o, active, sums)
+            fold(y, 0, N, active, sums)
+            fold(o, N, M, active, sums)
         if (n + 1) % save_every == 0:
             at = (n + 1) // save_every - 1
             if at < saved.shape[0]:
