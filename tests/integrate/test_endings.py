@@ -109,28 +109,28 @@ def test_without_permeability_there_is_no_contact(monkeypatch):
 # --- divergence --------------------------------------------------------------------------------------------
 
 y, v = State("y", "1", "y"), State("v", "1", "v")
-a, c, g, k, w = (Parameter(n, "1", n) for n in "acgkw")
+a, b, c, g, k, w = (Parameter(n, "1", n) for n in "abcgkw")
 TOY = Model(  # one model, so that it is compiled once: a spring, a blow-up, a repelling wall at y = -1, and forcing
     "toy",
     (y, v),
-    (a, c, g, k, w),
+    (a, b, c, g, k, w),
     {y: v + c * y**2, v: k * y + a / (1 + y) ** 3 + g * cos(w * t)},
     harmonics=(w, w / 3),
     outputs={"reach": Output(y + v / 100, "1", "reach")},
-    stops={"contact": Stop(1 + y, "wall", reachable=0 * k)},
+    stops={"contact": Stop(1 + y + 1e9 * b, "wall", reachable=0 * k)},  # b = 1 takes the wall away
 )
 
 
-def toy(x, steps, *, a=0.0, c=0.0, g=0.0, k=0.0, w=2.0):
+def toy(x, steps, *, a=0.0, b=0.0, c=0.0, g=0.0, k=0.0, w=2.0):
     x = np.asarray(x, dtype=float)
-    values = np.stack([np.broadcast_to(np.asarray(p, dtype=float), x.shape[1]) for p in (a, c, g, k, w)])
-    return Ensemble(TOY, values, x, orders=System(TOY, dict.fromkeys("acgkw", 1.0)).orders, steps=steps)
+    values = np.stack([np.broadcast_to(np.asarray(p, dtype=float), x.shape[1]) for p in (a, b, c, g, k, w)])
+    return Ensemble(TOY, values, x, orders=System(TOY, dict.fromkeys("abcgkw", 1.0)).orders, steps=steps)
 
 
 def test_divergence_ends_at_the_step_that_leaves_the_bound():
     """|y| + |y'| of y'' = k y reaches the bound 1e6 where cosh and sinh say; neighbours with k < 0 swing on."""
     k = np.array([2.0, -1.0, 3.0, -4.0])
-    e = toy([[0.5] * 4, [0.0] * 4], 200, k=k)
+    e = toy([[0.5, 0.5, -0.5, 0.5], [0.0] * 4], 200, b=1.0, k=k)  # one to plus, one to minus infinity
     e.advance(6)
     assert [Status(s).name for s in e.status] == ["diverged", "ok", "diverged", "ok"]
     for i in (0, 2):

@@ -174,3 +174,12 @@ def test_a_function_that_cannot_be_lowered_is_named():
 def test_a_guarded_term_without_default_is_refused():
     with pytest.raises(ModelError, match="default"):
         code(sp.Piecewise((x, x > 0)))
+
+
+def test_roots_and_reciprocals_of_numbers_are_not_mpmaths():
+    """SymPy looks functions up in mpmath by name, and mpmath.root wants two arguments: this broke a Jacobian."""
+    assert float(root(sp.Float(2.25)).evalf()) == 1.5
+    assert float(inverse(sp.Float(4.0)).evalf()) == 0.25
+    assert (root(sp.Integer(2)) > 1) == True  # noqa: E712 (SymPy's own truth)
+    assert sp.simplify(root(x).diff(x) - inverse(root(x)) / 2) == 0
+    assert sp.simplify(inverse(x).diff(x) + inverse(x) ** 2) == 0

@@ -5,6 +5,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from newton import Machine, film_force, journal_velocity
+from sympy import sympify
 
 from whirlmap.equations import Model, Parameter, State, Stop
 from whirlmap.errors import CaseError, ModelError, RangeError
@@ -177,6 +178,16 @@ def test_every_quantity_has_a_unit_and_a_meaning():
             assert quantity.unit, (name, quantity)
             assert quantity.meaning, (name, quantity)
         assert model.read() == set(model.parameters), f"{name} declares parameters that nothing reads"
+
+
+@pytest.mark.parametrize(
+    ("film", "psi", "expected"), [("porous", 0.0, False), ("porous", 1e-9, True), ("printed", 0.0, True)]
+)
+def test_which_films_let_the_journal_through(film, psi, expected):
+    """A plain film never does (audit 3.4); a porous one does, and the printed one has no wall at all."""
+    model = family("gear_pair").model(edition="intended", film=film, arc="fixed")
+    for stop in model.stops.values():
+        assert bool(sympify(stop.reachable).subs({model.parameter("psi"): psi}) > 0) is expected
 
 
 x, y = State("x", "1", "x"), State("y", "1", "y")

@@ -29,6 +29,7 @@ from sympy import (
     cse,
     lambdify,
     sin,
+    sqrt,
     sympify,
 )
 from sympy.printing.pycode import PythonCodePrinter
@@ -42,9 +43,23 @@ from whirlmap.errors import ModelError
 class root(Function):  # noqa: N801 (printed as a function)
     """Square root kept apart from powers, so that common-subexpression elimination finds it."""
 
+    def fdiff(self, argindex: int = 1) -> Expr:  # noqa: ARG002
+        """Derivative by the argument."""
+        return inverse(self) / 2
+
+    def _eval_evalf(self, prec: int) -> Any:
+        return sqrt(self.args[0])._eval_evalf(prec)  # SymPy would call mpmath's root, which is another function
+
 
 class inverse(Function):  # noqa: N801 (printed as a function)
     """Reciprocal kept apart from powers, for the same reason."""
+
+    def fdiff(self, argindex: int = 1) -> Expr:  # noqa: ARG002
+        """Derivative by the argument."""
+        return -(self**2)
+
+    def _eval_evalf(self, prec: int) -> Any:
+        return (1 / self.args[0])._eval_evalf(prec)  # mpmath's inverse is that of a matrix
 
 
 @dataclass

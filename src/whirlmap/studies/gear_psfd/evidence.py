@@ -133,16 +133,15 @@ def gather(
     """Compute everything for one edition."""
     system = load(edition.case)
     at = speeds(quality) / edition.scale
-    diagrams = {}
-    for psi in PSI:
+    here = system.replace(s=S_ORBIT / edition.scale)
+
+    def diagram(psi: float) -> xr.Dataset:
         ds = bifurcation_diagram(
             system.replace(psi=psi), "s", at, settling=quality.settling, lyapunov=quality.exponent_periods,
-            workers=workers, progress=progress,
+            workers=1, progress=progress,
         )  # fmt: skip
-        diagrams[psi] = ds.assign_coords(
-            paper_s=("s", ds["s"].values * edition.scale, {"units": "1", "long_name": "speed ratio of the paper"})
-        )
-    here = system.replace(s=S_ORBIT / edition.scale)
+        attributes = {"units": "1", "long_name": "speed ratio of the paper"}
+        return ds.assign_coords(paper_s=("s", ds["s"].values * edition.scale, attributes))
 
     def orbit(psi: float) -> xr.Dataset:
         return diagnose(
@@ -150,7 +149,9 @@ def gather(
             max_periods=quality.most_periods, workers=1, progress=progress,
         )  # fmt: skip
 
-    with ThreadPoolExecutor(workers or cores()) as pool:  # one block of lanes each: a thread for each permeability
+    # A thread for each permeability: while one solves for start states in Python, another is in its kernels.
+    with ThreadPoolExecutor(workers or cores()) as pool:
+        diagrams = dict(zip(PSI, pool.map(diagram, PSI), strict=True))
         orbits = dict(zip(PSI, pool.map(orbit, PSI), strict=True))
     dimensions = {(psi, y): _dimensions(orbits[psi], y, workers or cores()) for psi in PSI for y in ORBITS}
     return Evidence(edition, system, quality, diagrams, orbits, dimensions)
