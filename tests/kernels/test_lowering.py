@@ -166,6 +166,19 @@ def test_every_kind_of_term_is_what_numpy_says():
     np.testing.assert_array_equal(sink.rhs(2.3, y[:, 5]), sink.rhs(2.3, y)[:, 5])
 
 
+def test_jacobian_of_every_kind_of_term():
+    """Against differences, away from switches; dry friction jumps, and its slope on either side is zero."""
+    sink = System(SINK, VALUES)
+    y = np.random.default_rng(4).uniform(-0.9, 0.9, (3, 40))
+    y = y[:, (np.abs(y[0] - 0.3) > 0.02) & (np.abs(y[0] + 0.45) > 0.02) & (np.abs(y[:2]) > 0.02).all(axis=0)]
+    h, columns = 1e-3, []
+    for j in range(3):
+        e = h * np.eye(3)[:, j : j + 1]
+        f = [sink.reference_rhs(2.3, y + n * e) for n in (-3, -2, -1, 1, 2, 3)]
+        columns.append((-f[0] + 9 * f[1] - 45 * f[2] + 45 * f[3] - 9 * f[4] + f[5]) / (60 * h))
+    np.testing.assert_allclose(sink.jacobian(2.3, y), np.stack(columns, axis=1), rtol=0, atol=1e-9)
+
+
 def test_a_function_that_cannot_be_lowered_is_named():
     with pytest.raises(ModelError, match="erf"):
         System(model({x: sp.erf(x)}, (a,)), {"a": 1.0}).rhs(0.0, [0.1])

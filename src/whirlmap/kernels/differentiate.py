@@ -9,9 +9,9 @@ deflection), so that the parts of a linear form are not differentiated one by on
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sympy import Expr, Integer, Symbol, sympify
+from sympy import DiracDelta, Expr, Integer, Symbol, sympify
 
-from whirlmap.kernels.lower import Hoisted, Read, Straight, inverse, root
+from whirlmap.kernels.lower import Hoisted, Read, Straight, inverse, root, split_powers
 
 Slopes = dict[Symbol, Expr]
 
@@ -129,7 +129,7 @@ def _derivative(e: Expr, symbol: Symbol) -> Expr:
     """Derivative by a symbol, square roots and reciprocals kept in the form that is printed."""
     calls = [a for a in e.atoms(root, inverse) if a.has(symbol)]
     if not calls:
-        return sympify(e.diff(symbol))
+        return _printable(e.diff(symbol))
     stand_in = {call: Symbol(f"call{i}", real=True) for i, call in enumerate(calls)}
     outermost = e.xreplace(stand_in)
     back: Mapping[Expr, Expr] = {s: call for call, s in stand_in.items()}
@@ -139,7 +139,12 @@ def _derivative(e: Expr, symbol: Symbol) -> Expr:
         if outer != 0:
             inner = inverse(call) / 2 if isinstance(call, root) else -(call**2)
             total += outer * inner * _derivative(call.args[0], symbol)
-    return sympify(total)
+    return _printable(total)
+
+
+def _printable(derivative: Expr) -> Expr:
+    """The derivative on either side of a jump (that of ``sign`` is zero), its powers split as in the code before it."""
+    return split_powers(sympify(derivative).replace(DiracDelta, lambda *_: Integer(0)))
 
 
 def _needed(lines: Straight) -> Straight:
