@@ -16,7 +16,7 @@ setup: .venv/ready
 	touch $@
 
 test: setup
-	$(BIN)/python -m pytest -n 2 --dist loadgroup
+	$(BIN)/python -m pytest -n 2 --dist loadfile  # a file's tests share compiled kernels
 
 slow: setup
 	$(BIN)/python -m pytest -m slow

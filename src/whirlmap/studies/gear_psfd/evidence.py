@@ -87,7 +87,7 @@ class Quality:
 
 
 QUALITIES = {
-    "quick": Quality(48, Settling(transient=24, most=8, keep=16), 32, Settling(transient=40, most=16), 4000, 200),
+    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 32, Settling(transient=30, most=16), 4000, 100),
     "full": Quality(600, Settling(transient=80, most=16, keep=64), 64, Settling(transient=200, most=64), 20480, 1600),
 }
 
