@@ -23,7 +23,7 @@ def reproduce(
         typer.Option(
             "--quality", metavar="quick|full", rich_help_panel=options.COMPUTING,
             help="quick: about a minute and a half on 2 cores; full: at least 600 speeds for each"
-            " permeability, about ten minutes. The first run also compiles.",
+            " permeability, which takes many times longer. The first run also compiles.",
         ),
     ] = "quick",
     out: Annotated[
