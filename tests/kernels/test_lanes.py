@@ -170,11 +170,11 @@ def test_where_arrays_lie_in_memory_changes_no_bit(psi):
     kernel = lane_kernel(model, RK4, tangents=False, kind="locked")
     waves = Waves.of(base.orders, 8, kernel.source.nodes)
     values[base.parameters.index("psi")] = psi
-    p, tables, offsets = kernel.inputs(values).block(slice(0, 32))
+    p, tables, offsets = kernel.inputs(values).lanes(np.arange(32))
     sums = np.zeros((5, 22, 32))
     sums[0, :20], sums[1], sums[2] = x, np.inf, -np.inf
     # y, h, p, tables, waves, saved, growth, sums; sizes that nothing else reads stay as the caller makes them
-    arrays = [x.ravel(), np.full(32, base.period / 8), p.ravel(), tables, waves.table, np.zeros((5, 640)),
+    arrays = [x.ravel(), np.full(640, base.period / 8), p.ravel(), tables, waves.table, np.zeros((5, 640)),
               np.zeros((1, 32)), sums.ravel()]  # fmt: skip
 
     def run(placed):

@@ -164,7 +164,7 @@ def _crossings(
 ) -> tuple[Array, Array]:
     """Crossings in the next ``periods`` typical times: (run, crossing, state), and their times from the start."""
     begin, h = ensemble.x.copy(), ensemble.period / ensemble.steps
-    start = ensemble.step_count * h
+    start = ensemble.turns * ensemble.period
     x = np.concatenate([begin[None], ensemble.advance(periods, save_every=1, progress=progress).saved])
     points, times = crossings(ensemble.model, ensemble.values, x, h)
     return np.moveaxis(points, 2, 0), (start + times).T

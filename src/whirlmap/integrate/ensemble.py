@@ -25,6 +25,7 @@ from whirlmap.kernels.source import LANES
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 
 def cores() -> int:
@@ -63,13 +64,16 @@ class Ensemble:
         Start states, at phase zero.
     orders : tuple of Fraction
         Orders of the harmonics over the fastest.
-    steps : int
-        Steps per T.
+    steps : int or array of int, shape (point,)
+        Steps per T; one number for all points, or one for each.
     method : Method
     tangents : int
         Tangent vectors carried along, started from a fixed random orthonormal set.
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
+    redo : bool
+        Whether steps that failed are redone with shorter ones. Where not, a point ends at its first failed step, as
+        unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
 
     Attributes
     ----------
@@ -81,8 +85,10 @@ class Ensemble:
         When a point ended (NaN while it runs), in the model's time.
     end_stop : array of int, shape (point,)
         Which of the model's stops ended it, else -1.
-    step_count : array of int, shape (point,)
-        Steps that each point has taken; equal modulo the common period.
+    turns : array of int, shape (point,)
+        Periods T that each point has run.
+    point_steps : array of int, shape (point,)
+        Steps per T of each point.
     """
 
     def __init__(
@@ -92,17 +98,19 @@ class Ensemble:
         x: Array,
         *,
         orders: tuple[Fraction, ...],
-        steps: int,
+        steps: int | Integers,
         method: Method = RK4,
         tangents: int = 0,
         workers: int | None = None,
+        redo: bool = True,
     ) -> None:
         n = values.shape[1]
-        if steps < 1:
-            raise RangeError(f"steps per T must be at least 1, not {steps}")
+        if np.min(steps, initial=1) < 1:
+            raise RangeError(f"steps per T must be at least 1, not {np.min(steps)}")
         if x.shape != (model.dimension, n):
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
-        self.model, self.steps, self.method, self.tangents = model, steps, method, tangents
+        self.model, self.method, self.tangents, self.redo = model, method, tangents, redo
+        self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
         self.orders, self.workers = orders, workers or cores()
         self.points = n
         self.period = periods(model, values)
@@ -110,14 +118,26 @@ class Ensemble:
         self.status = np.zeros(n, dtype=np.int8)
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
-        self.step_count = np.zeros(n, dtype=np.int64)
-        self._groups = [_Group(self, m, members) for m, members in _variants(model, values)]
+        self.turns = np.zeros(n, dtype=np.int64)
+        self._groups = [
+            _Group(self, m, members[self.point_steps[members] == count], int(count))
+            for m, members in _variants(model, values)
+            for count in np.unique(self.point_steps[members])
+        ]
         self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n)])
 
     @property
     def x(self) -> Array:
         """Present states, shape (state, point)."""
         return self._y[: self.model.dimension]
+
+    @property
+    def steps(self) -> int:
+        """Steps per T, where all points take the same; else `RangeError`."""
+        counts = np.unique(self.point_steps)
+        if counts.size != 1:
+            raise RangeError(f"points take different steps per T, from {counts[0]} to {counts[-1]}")
+        return int(counts[0])
 
     @property
     def running(self) -> NDArray[np.bool_]:
@@ -129,60 +149,83 @@ class Ensemble:
         """Number of T in the common period."""
         return lcm(*(o.denominator for o in self.orders)) if self.orders else 1
 
-    def subset(self, members: NDArray[np.intp]) -> "Ensemble":
-        """Return an ensemble of some of the points, at their present states; `absorb` takes it back."""
+    def subset(self, members: NDArray[np.intp], *, steps: int | Integers | None = None) -> "Ensemble":
+        """Return an ensemble of some of the points, at their present states; `absorb` takes it back.
+
+        ``steps`` gives it other steps per T.
+        """
         part = Ensemble(
-            self.model, self.values[:, members], self.x[:, members], orders=self.orders, steps=self.steps,
-            method=self.method, tangents=self.tangents, workers=self.workers,
+            self.model, self.values[:, members], self.x[:, members], orders=self.orders,
+            steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
+            workers=self.workers, redo=self.redo,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
-        for name in ("status", "end_time", "end_stop", "step_count"):
+        for name in ("status", "end_time", "end_stop", "turns"):
             setattr(part, name, getattr(self, name)[members].copy())
         return part
 
     def absorb(self, part: "Ensemble", members: NDArray[np.intp]) -> None:
         """Take over the states of a subset that has run on, by whole common periods."""
         self._y[:, members] = part._y
-        for name in ("status", "end_time", "end_stop", "step_count"):
+        for name in ("status", "end_time", "end_stop", "turns"):
             getattr(self, name)[members] = getattr(part, name)
 
     def advance(
         self,
         n_periods: int,
         *,
+        members: NDArray[np.intp] | None = None,
         save_every: int = 0,
-        orthonormalise_every: int = 0,
+        save_periods: int = 0,
         extremes: bool = False,
         progress: Callable[[int], None] | None = None,
     ) -> Segment:
-        """Run all points for ``n_periods`` T.
+        """Run points for ``n_periods`` T; those that run are packed into full blocks, wherever they stand.
 
         Parameters
         ----------
+        members : array of int, optional
+            Indices of the points; all of them where absent. They must stand at the same phase.
         save_every : int
-            Steps between saved states; zero saves none.
-        orthonormalise_every : int
-            Steps between orthonormalisations of the tangent vectors; zero is once per T.
+            Steps between saved states, where all points take the same steps; zero saves none.
+        save_periods : int
+            T between saved states, instead.
         extremes : bool
             Whether to track extremes, mean and rms of every state and output over all steps.
         progress : callable, optional
             Called with the number of points x periods done since the last call.
-        """
-        total = n_periods * self.steps
-        every = orthonormalise_every or self.steps
-        saves = total // save_every if save_every else 0
-        events = -(-total // every) if self.tangents else 0
-        rows = self.model.dimension + len(self.model.outputs)
-        saved = np.full((saves, self.model.dimension, self.points), np.nan)
-        growth = np.zeros((events, self.tangents, self.points))
-        sums = np.zeros((5, rows if extremes else 0, self.points))
-        tasks = [(group, block) for group in self._groups for block in range(group.blocks)]
 
-        def work(task: tuple["_Group", int]) -> None:
+        Returns
+        -------
+        Segment
+            Of the members, in their order.
+        """
+        members = np.arange(self.points) if members is None else members
+        if save_every and save_periods:
+            raise RangeError("save_every and save_periods exclude each other")
+        save = save_periods if save_periods else Fraction(save_every, self.steps) if save_every else Fraction(0)
+        rows = self.model.dimension + len(self.model.outputs)
+        segment = _Record(
+            saved=np.full((int(n_periods // save) if save else 0, self.model.dimension, members.size), np.nan),
+            growth=np.zeros((n_periods if self.tangents else 0, self.tangents, members.size)),
+            sums=np.zeros((5, rows if extremes else 0, members.size)),
+        )
+        place = np.full(self.points, -1, dtype=np.intp)
+        place[members] = np.arange(members.size)
+        running = self.running
+        if np.unique(self.turns[members][running[members]] % self.common_multiple).size > 1:
+            raise RangeError("points that run together must stand at the same phase of their common period")
+        tasks = [
+            (group, block)
+            for group in self._groups
+            for block in _blocks(np.flatnonzero((place[group.members] >= 0) & running[group.members]))
+        ]
+
+        def work(task: tuple["_Group", NDArray[np.intp]]) -> None:
             group, block = task
-            group.advance(block, total, save_every or total + 1, saved, every, growth, sums)
+            group.advance(block, n_periods, save, segment, place)
             if progress:
-                progress(n_periods * group.members_of(block).size)
+                progress(n_periods * block.size)
 
         if self.workers == 1 or len(tasks) == 1:
             for task in tasks:
@@ -194,53 +237,68 @@ class Ensemble:
                     pass
             finally:
                 pool.shutdown(cancel_futures=True)  # an interrupt waits for the blocks that run, not for the queue
-        self.step_count[self.running] += total
-        return Segment(saved, growth, _statistics(sums, total, self.running) if extremes else None)
+        still = members[self.running[members]]
+        self.turns[still] += n_periods
+        total = n_periods * self.point_steps[members]
+        statistics = _statistics(segment.sums, total, self.running[members]) if extremes else None
+        return Segment(segment.saved, segment.growth, statistics)
+
+
+@dataclass(frozen=True)
+class _Record:
+    """Arrays that the blocks of one call fill."""
+
+    saved: Array
+    growth: Array
+    sums: Array
+
+
+def _blocks(local: NDArray[np.intp]) -> list[NDArray[np.intp]]:
+    return [local[i : i + LANES] for i in range(0, local.size, LANES)]
 
 
 class _Group:
-    """Points that share one kernel: a model's plain form where a parameter is zero, or the model itself."""
+    """Points that share one kernel and one number of steps.
 
-    def __init__(self, ensemble: Ensemble, model: Model, members: NDArray[np.intp]) -> None:
-        self.ensemble, self.members = ensemble, members
+    The kernel is that of a model's plain form where a parameter is zero, or that of the model itself.
+    """
+
+    def __init__(self, ensemble: Ensemble, model: Model, members: NDArray[np.intp], steps: int) -> None:
+        self.ensemble, self.members, self.steps = ensemble, members, steps
         self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=ensemble.tangents > 0, kind="locked")
-        whole = padded(ensemble.values[:, members])
-        self.inputs: Inputs = self.kernel.inputs(whole)
-        self.h = padded(ensemble.period[members]) / ensemble.steps
-        self.waves = Waves.of(ensemble.orders, ensemble.steps, self.kernel.source.nodes)
-        self.blocks = whole.shape[1] // LANES
-        self.rescue = Rescue(model, ensemble.method, ensemble.tangents, whole)
-
-    def members_of(self, block: int) -> NDArray[np.intp]:
-        """Indices of the points in a block."""
-        return self.members[block * LANES : (block + 1) * LANES]
+        self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members])
+        self.h = ensemble.period[members] / steps
+        self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)
+        self.rescue = Rescue(model, ensemble.method, ensemble.tangents, ensemble.values[:, members], redo=ensemble.redo)
 
     def advance(
-        self, block: int, total: int, save_every: int, saved: Array, orth_every: int, growth: Array, sums: Array
+        self, block: NDArray[np.intp], n_periods: int, save: Fraction | int, record: _Record, place: NDArray[np.intp]
     ) -> None:
-        """Advance one block, redoing failed steps until every lane has reached the end or ended."""
-        e, lanes = self.ensemble, slice(block * LANES, (block + 1) * LANES)
-        at = self.members_of(block)
-        y = np.ascontiguousarray(padded(e._y[:, at]))
+        """Advance one block, redoing failed steps until every lane has reached the end or ended.
+
+        ``block`` holds indices into the group's members; ``place`` the columns of all points in the record.
+        """
+        e = self.ensemble
+        at, lanes = self.members[block], padded(block)
+        total, save_every = n_periods * self.steps, int(save * self.steps) or n_periods * self.steps + 1
+        y = padded(e._y[:, at])
         active = np.zeros(LANES, dtype=np.int64)
-        active[: at.size] = e.status[at] == Status.ok
-        if not active.any():
-            return
-        p, tables, offsets = self.inputs.block(lanes)
-        h = np.ascontiguousarray(self.h[lanes])
-        block_saved = np.full((saved.shape[0], e.model.dimension * LANES), np.nan)
-        block_growth = np.zeros((max(growth.shape[0], 1), max(e.tangents, 1) * LANES))
-        block_sums = _empty_sums(sums, y)
+        active[: at.size] = 1
+        p, tables, offsets = self.inputs.lanes(lanes)
+        h = self.h[lanes]
+        wide = np.tile(h, e.model.dimension)
+        saved = np.full((record.saved.shape[0], e.model.dimension * LANES), np.nan)
+        growth = np.zeros((max(record.growth.shape[0], 1), max(e.tangents, 1) * LANES))
+        sums = _empty_sums(record.sums, y)
         first = np.zeros(LANES, dtype=np.int64)
-        begin = int(e.step_count[at[active[: at.size] > 0][0]])  # of those that run: an ended point's count stands still
+        begin = int(e.turns[at[0]]) * self.steps
         while active.any():
             failed = np.full(LANES, -1, dtype=np.int64)
             counters = np.array([begin % n for n in self.waves.lengths], dtype=np.int64)
             flat = y.ravel()
             self.kernel.module.advance(
-                flat, h, p.ravel(), tables, offsets.ravel(), self.waves.table, self.waves.starts, self.waves.lengths,
-                counters, total, first, active, failed, save_every, block_saved, orth_every, block_growth,
-                block_sums.ravel(),
+                flat, wide, p.ravel(), tables, offsets.ravel(), self.waves.table, self.waves.starts, self.waves.lengths,
+                counters, total, first, active, failed, save_every, saved, self.steps, growth, sums.ravel(),
             )  # fmt: skip
             y = flat.reshape(y.shape)
             lost = np.flatnonzero(failed >= 0)
@@ -249,23 +307,25 @@ class _Group:
                 break
             active[lost], first = self._mend(lanes, at, y, failed, lost, total)
             ended = e.status[at[lost]] != Status.ok
-            self._record(lost[~ended], first, y, save_every, block_saved)
+            self._record(lost[~ended], first, y, save_every, saved, growth)
             if sums.size:
-                self._fold(lanes, lost[~ended], y, block_sums)
+                self._fold(lanes, lost[~ended], y, sums)
         e._y[:, at] = y[:, : at.size]
-        saved[:, :, at] = block_saved.reshape(saved.shape[0], e.model.dimension, LANES)[:, :, : at.size]
-        if growth.size:
-            growth[:, :, at] = block_growth.reshape(growth.shape[0], e.tangents, LANES)[:, :, : at.size]
+        to = place[at]
+        record.saved[:, :, to] = saved.reshape(saved.shape[0], e.model.dimension, LANES)[:, :, : at.size]
+        if record.growth.size:
+            record.growth[:, :, to] = growth.reshape(growth.shape[0], e.tangents, LANES)[:, :, : at.size]
         if sums.size:
-            sums[:, :, at] = block_sums[:, :, : at.size]
+            record.sums[:, :, to] = sums[:, :, : at.size]
 
     def _mend(
-        self, lanes: slice, at: NDArray[np.intp], y: Array, failed: NDArray[np.int64], lost: NDArray[np.intp], total: int
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        self, lanes: NDArray[np.intp], at: NDArray[np.intp], y: Array, failed: Integers, lost: NDArray[np.intp], total: int
+    ) -> tuple[Integers, Integers]:
         """Redo the failed step of the lost lanes; say which go on, and from which step."""
         e = self.ensemble
-        time = (padded(e.step_count[at]) + np.maximum(failed, 0)) * self.h[lanes]
-        outcome = self.rescue.mend(lanes, lost, y, time, np.ascontiguousarray(self.h[lanes]))
+        h = self.h[lanes]
+        time = (padded(e.turns[at]) * self.steps + np.maximum(failed, 0)) * h
+        outcome = self.rescue.mend(lanes, lost, y, time, h)
         ended = outcome.status[lost] != Status.ok
         points = at[lost[ended]]
         e.status[points] = outcome.status[lost[ended]]
@@ -276,23 +336,31 @@ class _Group:
         return (~ended & (first[lost] < total)).astype(np.int64), first
 
     def _record(
-        self, lanes: NDArray[np.intp], first: NDArray[np.int64], y: Array, save_every: int, saved: Array
+        self, lanes: NDArray[np.intp], first: Integers, y: Array, save_every: int, saved: Array, growth: Array
     ) -> None:
-        """Save the state after a mended step where a save was due; the kernel goes on behind it."""
-        rows = saved.reshape(saved.shape[0], self.ensemble.model.dimension, LANES)
+        """Do after a mended step what the kernel does after its own where it is due: orthonormalise, and save."""
+        n, k = self.ensemble.model.dimension, self.ensemble.tangents
+        turned = lanes[first[lanes] % self.steps == 0]
+        if k and turned.size:
+            q, r = np.linalg.qr(y[n:, turned].reshape(k, n, -1).transpose(2, 1, 0))
+            length = np.diagonal(r, axis1=1, axis2=2)
+            y[n:, turned] = (q * np.sign(length)[:, None, :]).transpose(2, 1, 0).reshape(n * k, -1)
+            rows = growth.reshape(growth.shape[0], k, LANES)
+            rows[first[turned] // self.steps - 1, :, turned] += np.log(np.abs(length))
+        rows = saved.reshape(saved.shape[0], n, LANES)
         due = lanes[first[lanes] % save_every == 0]
-        rows[first[due] // save_every - 1, :, due] = y[: rows.shape[1], due].T
+        rows[first[due] // save_every - 1, :, due] = y[:n, due].T
 
-    def _fold(self, block: slice, lanes: NDArray[np.intp], y: Array, sums: Array) -> None:
+    def _fold(self, lanes: NDArray[np.intp], mended: NDArray[np.intp], y: Array, sums: Array) -> None:
         """Fold the end of a mended step into the statistics, as the kernel does with its own steps."""
-        x = y[: self.ensemble.model.dimension, lanes]
-        seen = reference_outputs(self.rescue.model)(x, self.rescue.values[:, block][:, lanes])
+        x = y[: self.ensemble.model.dimension, mended]
+        seen = reference_outputs(self.rescue.model)(x, self.rescue.values[:, lanes[mended]])
         rows = np.concatenate([x, seen])
-        less = rows - sums[0][:, lanes]
-        sums[1][:, lanes] = np.minimum(sums[1][:, lanes], rows)
-        sums[2][:, lanes] = np.maximum(sums[2][:, lanes], rows)
-        sums[3][:, lanes] += less
-        sums[4][:, lanes] += less**2
+        less = rows - sums[0][:, mended]
+        sums[1][:, mended] = np.minimum(sums[1][:, mended], rows)
+        sums[2][:, mended] = np.maximum(sums[2][:, mended], rows)
+        sums[3][:, mended] += less
+        sums[4][:, mended] += less**2
 
 
 def _variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]]:
@@ -328,7 +396,7 @@ def _empty_sums(sums: Array, y: Array) -> Array:
     return out
 
 
-def _statistics(sums: Array, steps: int, running: NDArray[np.bool_]) -> dict[str, Array]:
+def _statistics(sums: Array, steps: Integers, running: NDArray[np.bool_]) -> dict[str, Array]:
     """Extremes, mean and rms of what `fold` summed; NaN for points that did not run to the end."""
     reference, low, high, total, squares = sums
     mean = total / steps

@@ -42,14 +42,19 @@ class Rescue:
     2. The step is redone in 4, 16, 64, 256 and 1024 shorter ones; a lane that gets through goes on.
     3. Where a gap may physically close, the end is bisected: the last time at which the step still ends at open gaps.
     4. What is left has diverged if it was near its bound, else it is unresolved.
+
+    With ``redo`` off, 2 is left out and 3 is done where the step plainly ended behind a stop.
     """
 
-    def __init__(self, model: Model, method: Method, tangents: int, values: Array) -> None:
-        self.model, self.method, self.tangents, self.values = model, method, tangents, values
+    def __init__(self, model: Model, method: Method, tangents: int, values: Array, *, redo: bool = True) -> None:
+        self.model, self.method, self.tangents, self.values, self.redo = model, method, tangents, values, redo
         self.cyclic = np.array([s.cyclic is not None for s in model.states])
 
-    def mend(self, lanes: slice, lost: NDArray[np.intp], y: Array, time: Array, h: Array) -> Outcome:
-        """Redo the step of the lost lanes of a block from ``y`` at ``time``; ``y`` of those that go on is replaced."""
+    def mend(self, lanes: NDArray[np.intp], lost: NDArray[np.intp], y: Array, time: Array, h: Array) -> Outcome:
+        """Redo the step of the lost lanes of a block from ``y`` at ``time``; ``y`` of those that go on is replaced.
+
+        ``lanes`` holds the group's indices of the points in the block, ``lost`` the positions of those that failed.
+        """
         status = np.zeros(LANES, dtype=np.int8)
         end, stop = np.full(LANES, np.nan), np.full(LANES, -1, dtype=np.int8)
         pending = np.zeros(LANES, dtype=bool)
@@ -66,7 +71,7 @@ class Rescue:
         plainly = pending & np.isfinite(size) & (closed & reachable).any(axis=0)
         for halvings in range(2, SHORTEST + 1, 2):
             trying = pending & ~plainly
-            if not trying.any():
+            if not (trying.any() and self.redo):
                 break
             parts = 2**halvings
             again, good = self._march(lanes, y, time, h / parts, parts)
@@ -74,7 +79,8 @@ class Rescue:
             y[:, through] = again[:, through]
             pending &= ~through
         if pending.any():
-            self._locate(lanes, pending & reachable.any(axis=0), y, time, h, status, end, stop)
+            candidates = pending & reachable.any(axis=0) if self.redo else plainly
+            self._locate(lanes, candidates, y, time, h, status, end, stop)
         left = pending & (status == Status.ok)
         near = np.abs(y[:n][~self.cyclic]).sum(axis=0) > 1e-2 * self.model.bound
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
@@ -82,7 +88,7 @@ class Rescue:
         return Outcome(status, end, stop)
 
     def _locate(
-        self, lanes: slice, which: NDArray[np.bool_], y: Array, time: Array, h: Array,
+        self, lanes: NDArray[np.intp], which: NDArray[np.bool_], y: Array, time: Array, h: Array,
         status: NDArray[np.int8], end: Array, stop: NDArray[np.int8],
     ) -> None:  # fmt: skip
         """Bisect the end of the step between its good start and its bad end."""
@@ -99,20 +105,23 @@ class Rescue:
         status[event], end[event] = Status.contact, (time + low * h)[event]
         stop[event] = gaps.argmin(axis=0)[event] if gaps.shape[0] else -1
 
-    def _march(self, lanes: slice, y: Array, time: Array, h: Array, steps: int) -> tuple[Array, NDArray[np.bool_]]:
+    def _march(
+        self, lanes: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
+    ) -> tuple[Array, NDArray[np.bool_]]:
         kernel = lane_kernel(self.model, self.method, tangents=self.tangents > 0, kind="free")
-        p, tables, offsets = kernel.inputs(self.values[:, lanes]).block(slice(0, LANES))
+        p, tables, offsets = kernel.inputs(self.values[:, lanes]).lanes(np.arange(LANES))
         flat, good = y.copy().ravel(), np.zeros(LANES, dtype=np.int64)
-        kernel.module.march(flat, time.copy(), h, p.ravel(), tables, offsets.ravel(), steps, good)
+        wide = np.tile(h, self.model.dimension)
+        kernel.module.march(flat, time.copy(), wide, p.ravel(), tables, offsets.ravel(), steps, good)
         return flat.reshape(y.shape), good > 0
 
-    def _gaps(self, lanes: slice, x: Array) -> Array:
+    def _gaps(self, lanes: NDArray[np.intp], x: Array) -> Array:
         return self._stops("gap", lanes, x)
 
-    def _reachable(self, lanes: slice) -> NDArray[np.bool_]:
+    def _reachable(self, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:
         return self._stops("reachable", lanes, np.zeros((self.model.dimension, LANES))) > 0
 
-    def _stops(self, field: str, lanes: slice, x: Array) -> Array:
+    def _stops(self, field: str, lanes: NDArray[np.intp], x: Array) -> Array:
         rows = _stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
         return np.array([np.broadcast_to(np.asarray(r, dtype=float), (LANES,)) for r in rows]).reshape(-1, LANES)
 

@@ -172,7 +172,8 @@ class System:
         rates, dense = np.empty((n, lanes)), np.zeros((n, n, lanes))
         for first in range(0, lanes, LANES):
             block = slice(first, first + LANES)
-            rates[:, block], dense[:, :, block] = _evaluate_block(kernel, inputs.block(block), time, many[:, block])
+            at = np.arange(first, first + LANES)
+            rates[:, block], dense[:, :, block] = _evaluate_block(kernel, inputs.lanes(at), time, many[:, block])
         count = 1 if x.ndim == 1 else x.shape[1]
         return rates[:, :count].reshape(x.shape), dense[:, :, :count].reshape(n, *x.shape)
 

@@ -32,15 +32,15 @@ def jacobian_code(
     Returns
     -------
     code : Straight
-        Code whose results are the entries that depend on the state, in the order of those entries.
+        The given code with the assignments of the derivatives; its results are those of the code, then the entries that
+        depend on the state, in the order of those entries. One pass through the lanes gives both.
     entries : dict of (row, column) to Expr
         All non-zero entries; numbers, kernel inputs, or the expression that the code computes.
     """
-    writer = _Forward(variables)
+    writer = _Forward(variables, hoisted)
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
     entries: dict[tuple[int, int], Expr] = {}
-    inputs = dict(zip(hoisted.symbols, hoisted.expressions, strict=True))
     for i, result in enumerate(lines.results):
         by_variable: Slopes = {}
         for seed, slope in writer.slopes(result).items():
@@ -49,16 +49,16 @@ def jacobian_code(
         for j, variable in enumerate(variables):
             entry = by_variable.get(variable, Integer(0))
             if entry != 0:
-                constant = bool(entry.free_symbols) and entry.free_symbols <= set(inputs)
-                entries[i, j] = hoisted.symbol(entry.xreplace(inputs)) if constant else entry
-    moving = {at: e for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols}
-    return _needed(Straight(tuple(writer.steps), tuple(moving.values()))), entries
+                entries[i, j] = writer.hoist(entry)
+    moving = [e for e in entries.values() if e.free_symbols and e not in hoisted.symbols]
+    return _needed(Straight(tuple(writer.steps), (*lines.results, *moving))), entries
 
 
 class _Forward:
     """Derivatives of assignments by seeds, each put into an assignment of its own unless it is trivial."""
 
-    def __init__(self, variables: list[Symbol]) -> None:
+    def __init__(self, variables: list[Symbol], hoisted: Hoisted) -> None:
+        self.hoisted = hoisted
         self.steps: list[tuple[Symbol, Expr] | Read] = []
         self.by_seed: dict[Symbol, Slopes] = {v: {v: Integer(1)} for v in variables}
         self.linear: dict[Symbol, Slopes] = {}
@@ -116,8 +116,17 @@ class _Forward:
                 out[variable] = out.get(variable, Integer(0)) + weight * inner
         return out
 
+    def hoist(self, e: Expr) -> Expr:
+        """The kernel input that an expression of inputs alone becomes; any other expression as it is."""
+        inputs = dict(zip(self.hoisted.symbols, self.hoisted.expressions, strict=True))
+        constant = bool(e.free_symbols) and e.free_symbols <= set(inputs)
+        return self.hoisted.symbol(e.xreplace(inputs)) if constant else e
+
     def _name(self, e: Expr) -> Expr:
         if e.is_number or e.is_Symbol or (-e).is_Symbol:
+            return e
+        e = self.hoist(e)
+        if e.is_Symbol:
             return e
         symbol = Symbol(f"v{self.count}", real=True)
         self.count += 1

@@ -29,7 +29,7 @@ class LaneKernel:
     module: ModuleType
 
     def inputs(self, values: Array) -> "Inputs":
-        """Prepare the inputs of a whole number of blocks: values of shape (parameter, n*LANES)."""
+        """Prepare the inputs of many points: values of shape (parameter, point)."""
         n = values.shape[1]
         index = {q: i for i, q in enumerate(self.model.parameters)}
         readers = {
@@ -51,13 +51,9 @@ class Inputs:
     tables: Array
     offsets: Integers
 
-    def block(self, lanes: slice) -> tuple[Array, Array, Integers]:
-        """Inputs of one block, laid out for the kernel."""
-        return (
-            np.ascontiguousarray(self.p[:, lanes]),
-            self.tables,
-            np.ascontiguousarray(self.offsets[:, lanes]),
-        )
+    def lanes(self, points: NDArray[np.intp]) -> tuple[Array, Array, Integers]:
+        """Inputs of one block of points, laid out for the kernel."""
+        return self.p[:, points], self.tables, self.offsets[:, points]
 
 
 @lru_cache(maxsize=64)

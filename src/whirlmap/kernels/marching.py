@@ -9,12 +9,15 @@ kernel cannot: the right-hand side at a given time, shorter steps where a step f
 
 @kernel
 def march(y, time, h, p, tables, offsets, steps, good):
-    """Take ``steps`` steps of ``h`` from ``time``, in place; ``good`` says which lanes ended every step at open gaps."""
+    """Take ``steps`` steps of ``h`` from ``time``, in place; ``good`` says which lanes ended every step at open gaps.
+
+    ``h`` has N * L entries: that of each lane, repeated for every row.
+    """
     rows = y.size // L
     count = rows // N - 1
-    x = np.empty(rows * L)
-    k = np.empty(STAGES * rows * L)
-    jac = np.empty(ENTRIES * L)
+    x, z = np.empty(rows * L), np.empty(N * L)
+    k = np.empty(STAGES * N * L)
+    jac = np.empty(STAGES * ENTRIES * L)
     c = np.empty((2 * H + 1) * L)
     scratch = np.empty(SCRATCH * L)
     cells = np.zeros(READS * L, dtype=np.int64)
@@ -22,7 +25,7 @@ def march(y, time, h, p, tables, offsets, steps, good):
     for l in range(L):
         good[l] = 1
     for _ in range(steps):
-        step(y, time, h, p, tables, offsets, x, k, jac, c, scratch, cells, rows, count)
+        step(y, time, h, p, tables, offsets, x, z, k, jac, c, scratch, cells, count)
         examine(x, p, flag)
         for l in range(L):
             good[l] *= flag[l]
@@ -38,6 +41,5 @@ def evaluate(y, time, p, tables, offsets, dy, jac, o):
     scratch = np.empty(SCRATCH * L)
     cells = np.zeros(READS * L, dtype=np.int64)
     phases(time, p, c)
-    rates(y, c, p, tables, offsets, scratch, cells, dy)
-    slopes(y, c, p, tables, offsets, scratch, cells, jac)
+    rates(y, c, p, tables, offsets, scratch, cells, dy, jac)
     observed(y, p, o)

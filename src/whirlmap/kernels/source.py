@@ -73,9 +73,10 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
 
     hoisted = Hoisted(model.parameters)
     rates = straight(model, [model.equations[s] for s in model.states], hoisted)
-    nothing: tuple[Straight, dict[tuple[int, int], Expr]] = (Straight((), ()), {})
     names = [Symbol(local_name(s), real=True) for s in model.states]
-    slopes, entries = jacobian_code(rates, names, hoisted) if tangents else nothing
+    entries: dict[tuple[int, int], Expr] = {}
+    if tangents:
+        rates, entries = jacobian_code(rates, names, hoisted)
     moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
     slots = {at: i for i, at in enumerate(moving)}
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
@@ -84,10 +85,9 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
     nodes = tuple(sorted({float(c) for c in method.c}))
     writer = _Writer(model, hoisted, kind)
     parts = [
-        writer.function("rates(y, c, p, tables, offsets, scratch, cells, dy)", rates,
-                        [f"dy[{i * LANES} + l]" for i in range(model.dimension)]),
-        writer.function("slopes(y, c, p, tables, offsets, scratch, cells, jac)", slopes,
-                        [f"jac[{i * LANES} + l]" for i in range(len(slots))]),
+        writer.function("rates(y, c, p, tables, offsets, scratch, cells, dy, jac)", rates,
+                        [*(f"dy[{i * LANES} + l]" for i in range(model.dimension)),
+                         *(f"jac[{i * LANES} + l]" for i in range(len(slots)))]),
         writer.tangent(entries, slots),
         writer.function("observed(y, p, o)", observed, [f"o[{i * LANES} + l]" for i in range(len(model.outputs))]),
         writer.examine(gaps),
@@ -209,38 +209,46 @@ class _Writer:
         return "\n".join(["@inner", "def phases(time, p, c):", *self.loop(statements, frequencies.names())])
 
     def step(self, method: Method, nodes: tuple[float, ...]) -> str:
-        """Write one step of the method: fused combinations of stages, and one call of ``rates`` for all stages.
+        """Write one step of the method: the state first, then each tangent vector along the stages' Jacobians.
 
-        The call stands once, in a loop, so that LLVM inlines and vectorises the model a single time.
+        The calls of ``rates`` and ``tangent`` stand once, in loops over the stages, so that LLVM inlines and vectorises
+        the model a single time. A vector at a time, the stage arrays stay in the first level of cache whatever the number
+        of vectors.
         """
         locked = self.kind == "locked"
         head = "waves, starts, counters, " if locked else ""
         time = "" if locked else "time, "
-        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, k, jac, c, scratch, cells, rows, count):"]
+        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, z, k, jac, c, scratch, cells, count):"]
         out += [] if locked else ["    stage_time = np.empty(L)"]
-        out += ["    for stage in range(STAGES):", "        if stage == 0:", "            node = 0",
-                "            for i in range(rows * L):", "                x[i] = y[i]"]  # fmt: skip
-        for i in range(1, method.stages):
-            out += [f"        elif stage == {i}:", f"            node = {nodes.index(float(method.c[i]))}"]
-            out += ["        " + line for line in _combine(method.a[i])]
+        out += ["    for stage in range(STAGES):"]
+        for i in range(method.stages):
+            out += [f"        {'el' if i else ''}if stage == {i}:", f"            node = {nodes.index(float(method.c[i]))}",
+                    *_combine("z", "y", method.a[i], 12)]  # fmt: skip
         if locked:
             out += ["        for j in range(H):", "            at = starts[j] + 2 * (counters[j] * NODES + node)",
                     "            c[2 * j] = waves[at]", "            c[2 * j + 1] = waves[at + 1]"]  # fmt: skip
         else:
             out += ["        for l in range(L):", "            stage_time[l] = time[l] + STAGE_TIMES[node] * h[l]",
                     "        phases(stage_time, p, c)"]  # fmt: skip
-        out += ["        at = stage * rows * L",
-                "        rates(x, c, p, tables, offsets, scratch, cells, k[at : at + N * L])",
-                "        if count > 0:", "            slopes(x, c, p, tables, offsets, scratch, cells, jac)",
-                "        for v in range(count):", "            a = N * (1 + v) * L",
-                "            tangent(x[a : a + N * L], jac, p, k[at + a : at + a + N * L])"]  # fmt: skip
-        return "\n".join([*out, *_combine(method.b)])
+        out += ["        slopes = jac[stage * ENTRIES * L : (stage + 1) * ENTRIES * L]",
+                "        rates(z, c, p, tables, offsets, scratch, cells, k[stage * N * L : (stage + 1) * N * L], slopes)",
+                *_combine("x", "y", method.b, 4),
+                "    for v in range(1, count + 1):",
+                "        before, after = y[v * N * L : (v + 1) * N * L], x[v * N * L : (v + 1) * N * L]",
+                "        for stage in range(STAGES):"]  # fmt: skip
+        for i in range(method.stages):
+            out += [f"            {'el' if i else ''}if stage == {i}:", *_combine("z", "before", method.a[i], 16)]
+        out += ["            slopes = jac[stage * ENTRIES * L : (stage + 1) * ENTRIES * L]",
+                "            tangent(z, slopes, p, k[stage * N * L : (stage + 1) * N * L])",
+                *_combine("after", "before", method.b, 8)]  # fmt: skip
+        return "\n".join(out)
 
 
-def _combine(weights: tuple) -> list[str]:
-    terms = [f"{float(w)!r} * k[{j} * rows * L + a + l]" for j, w in enumerate(weights) if w != 0]
-    return ["    for i in range(rows):", "        a = i * L", "        for l in range(L):",
-            f"            x[a + l] = y[a + l] + h[l] * ({' + '.join(terms)})"]  # fmt: skip
+def _combine(result: str, start: str, weights: tuple, indent: int) -> list[str]:
+    """A flat loop over rows and lanes with constant offsets: anything else, and LLVM gathers."""
+    terms = [f"{float(w)!r} * k[{j} * N * L + i]" for j, w in enumerate(weights) if w != 0]
+    slope = f" + h[i] * ({' + '.join(terms)})" if terms else ""
+    return [" " * indent + "for i in range(N * L):", " " * indent + f"    {result}[i] = {start}[i]{slope}"]
 
 
 class _Rows:

@@ -2,7 +2,7 @@
 
 This file is never imported. `source.py` copies it behind the generated part of a module, which defines ``L`` (lanes),
 ``N`` (states), ``M`` (outputs), ``H`` (harmonics), ``NODES`` (distinct stage times) and the functions ``rates``,
-``tangents``, ``step``, ``examine`` and ``observed``. Arrays are flat over rows and lanes, ``y[i * L + l]``: rows 0..N-1
+``tangent``, ``step``, ``examine`` and ``observed``. Arrays are flat over rows and lanes, ``y[i * L + l]``: rows 0..N-1
 are the state, the next N rows the first tangent vector, and so on.
 """
 # ruff: noqa: F821
@@ -13,31 +13,31 @@ are the state, the next N rows the first tangent vector, and so on.
 def orthonormalise(y, count, growth, active):
     """Modified Gram-Schmidt on the tangent vectors; adds the logarithms of their lengths to growth of active lanes."""
     length = np.empty(L)
-    for a in range(count):
-        first = N * (1 + a) * L
-        for b in range(a):
-            other = N * (1 + b) * L
+    for a in range(1, count + 1):
+        this = y[a * N * L : (a + 1) * N * L]
+        for b in range(1, a):
+            other = y[b * N * L : (b + 1) * N * L]
             for l in range(L):
                 length[l] = 0.0
             for i in range(N):
                 for l in range(L):
-                    length[l] += y[first + i * L + l] * y[other + i * L + l]
+                    length[l] += this[i * L + l] * other[i * L + l]
             for i in range(N):
                 for l in range(L):
-                    y[first + i * L + l] -= length[l] * y[other + i * L + l]
+                    this[i * L + l] -= length[l] * other[i * L + l]
         for l in range(L):
             length[l] = 0.0
         for i in range(N):
             for l in range(L):
-                length[l] += y[first + i * L + l] * y[first + i * L + l]
+                length[l] += this[i * L + l] * this[i * L + l]
         for l in range(L):
             length[l] = sqrt(length[l])
             if active[l] != 0:
-                growth[a * L + l] += log(length[l])
+                growth[(a - 1) * L + l] += log(length[l])
             length[l] = 1.0 / length[l]
         for i in range(N):
             for l in range(L):
-                y[first + i * L + l] *= length[l]
+                this[i * L + l] *= length[l]
 
 
 @inner
@@ -74,7 +74,7 @@ def advance(
     Parameters
     ----------
     y : (N*(1+k) * L)     state and k tangent vectors
-    h : (L)               step of each lane
+    h : (N * L)           step of each lane, repeated for every row
     p : (inputs * L)      hoisted parameters
     tables, offsets       table entries, and where each lane's begin: (tables * L)
     waves, starts, lengths, counters
@@ -86,9 +86,9 @@ def advance(
     """
     rows = y.size // L
     count = rows // N - 1
-    x = np.empty(rows * L)
-    k = np.empty(STAGES * rows * L)
-    jac = np.empty(ENTRIES * L)
+    x, z = np.empty(rows * L), np.empty(N * L)
+    k = np.empty(STAGES * N * L)
+    jac = np.empty(STAGES * ENTRIES * L)
     c = np.empty(2 * H + 1)
     scratch = np.empty(SCRATCH * L)
     cells = np.zeros(READS * L, dtype=np.int64)
@@ -112,7 +112,7 @@ def advance(
                     running += 1
         if running == 0 and waiting == 0:
             break
-        step(y, h, p, tables, offsets, waves, starts, counters, x, k, jac, c, scratch, cells, rows, count)
+        step(y, h, p, tables, offsets, waves, starts, counters, x, z, k, jac, c, scratch, cells, count)
         examine(x, p, good)
         bad = 0
         for l in range(L):
