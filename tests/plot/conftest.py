@@ -6,7 +6,7 @@ import xarray as xr
 
 from whirlmap.analysis.diagnosis import diagnose
 from whirlmap.analysis.dimension import correlation_dimension
-from whirlmap.analysis.returns import Settling
+from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import section, simulate
 from whirlmap.integrate.loading import load
 from whirlmap.sweep.diagram import bifurcation_diagram

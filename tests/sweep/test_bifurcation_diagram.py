@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.returns import Settling
+from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.diagram import bifurcation_diagram

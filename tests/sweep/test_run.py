@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from whirlmap.analysis.returns import Settling
+from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import simulate
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import load

@@ -19,7 +19,8 @@ from sympy import sympify
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.lyapunov import BLOCKS, exponents, mean_and_error
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
-from whirlmap.analysis.returns import Returns, Settling, settle_and_record
+from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
 from whirlmap.analysis.trajectory import outputs_of
 from whirlmap.errors import RangeError
@@ -36,6 +37,8 @@ Array = NDArray[np.float64]
 ENOUGH = (0.02, 0.002)
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
+#: Least steps per T of the recorded time series.
+RECORD_STEPS = 32
 
 
 def diagnose(
@@ -47,7 +50,8 @@ def diagnose(
     points: int = 5000,
     record: int = 512,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
@@ -82,7 +86,9 @@ def diagnose(
         if given < least:
             raise RangeError(f"{name} must be at least {least}, not {given}")
     swarm = {system.parameters[0]: np.full(LANES, system.vector[0])}
-    ensemble, found = make_ensemble(system, swarm, steps=steps, method=method, workers=workers, swarm=True)
+    ensemble, found = make_ensemble(
+        system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True
+    )  # fmt: skip
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
     data = _label_data(ensemble, returns, found)
     votes: dict[str, Any] = {"return": _return_vote(returns)}
@@ -94,7 +100,7 @@ def diagnose(
     }
     if alive.size:
         part = ensemble.subset(alive)
-        votes["lyapunov"] = _exponents(system, part, count, max_periods, steps, method, workers, progress, data)
+        votes["lyapunov"] = _exponents(system, part, count, max_periods, progress, data)
         _record(system, part, record, data, coords, votes)
         open_motion = votes["return"]["vote"] != "periodic"
         _section(part, points if open_motion else 2 * LANES, data, votes, measure=open_motion, progress=progress)
@@ -147,13 +153,12 @@ def _return_vote(r: Returns) -> dict[str, Any]:
 
 
 def _exponents(
-    system: System, part: Ensemble, count: int, most: int, steps: int | None, method: str, workers: int | None,
-    progress: Callable[[int], None] | None, data: dict[str, Any],
+    system: System, part: Ensemble, count: int, most: int, progress: Callable[[int], None] | None, data: dict[str, Any],
 ) -> dict[str, Any]:  # fmt: skip
     repeat = {system.parameters[0]: np.full(part.points, system.vector[0])}
     tangent, _ = make_ensemble(
-        system, repeat, starts=part.x, steps=steps, method=method, tangents=count, workers=workers
-    )
+        system, repeat, starts=part.x, steps=part.point_steps, method=part.method.name, tangents=count, workers=part.workers
+    )  # fmt: skip
     pieces: list[Array] = []
     done, stretch = 0, min(max(FIRST_STRETCH // part.common_multiple, BLOCKS), most)
     while True:
@@ -204,7 +209,7 @@ def _record(
     system: System, part: Ensemble, record: int, data: dict[str, Any], coords: dict[str, Any], votes: dict[str, Any]
 ) -> None:
     """Time series of the first run, its spectrum and lines."""
-    first = part.subset(np.array([0]))
+    first = part.subset(np.array([0]), steps=int(part.point_steps[0]) * -(-RECORD_STEPS // int(part.point_steps[0])))
     common = first.common_multiple
     kept = -(-record // common) * common
     total = kept * first.steps
@@ -233,7 +238,7 @@ def _section(
 ) -> None:  # fmt: skip
     common = part.common_multiple
     each = max(-(-points // part.points), 8)
-    saved = part.advance(each * common, save_every=common * part.steps, progress=progress).saved
+    saved = part.advance(each * common, save_periods=common, progress=progress).saved
     section = np.moveaxis(saved, 2, 0)
     data["section"] = variable(("run", "period", "state"), section, "1", "section point, once per common period")
     good = section[part.running]

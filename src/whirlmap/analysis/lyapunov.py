@@ -63,7 +63,8 @@ def lyapunov_spectrum(
     periods: int = 400,
     starts: int = 8,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
@@ -98,7 +99,7 @@ def lyapunov_spectrum(
         raise RangeError(f"starts must be at least 1, not {starts}")
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
     ensemble, _ = make_ensemble(
-        system, repeat, steps=steps, method=method, tangents=count, workers=workers, swarm=True
+        system, repeat, steps=steps, accuracy=accuracy, method=method, tangents=count, workers=workers, swarm=True
     )
     align = max(transient // 10, 5)
     ensemble.advance(max(transient - align, 0) * ensemble.common_multiple, progress=progress)

@@ -14,6 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
 
+Array = NDArray[np.float64]
+
 RETURN_STATUS = ("returns", "no-return", "not-finite")
 """Meaning of ``status`` of ``return_multiple`` by value."""
 PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
@@ -118,6 +120,41 @@ def return_multiple(
     )
     result.attrs = {"tolerance": tolerance, "most": most, "window": x.shape[0], "floor": floor}
     return result
+
+
+def distance_to_limit(
+    section: Array,
+    multiple: NDArray[np.int64],
+    *,
+    scale: ArrayLike | None = None,
+    cyclic: Mapping[int, float] | None = None,
+    floor: float = 1e-6,
+) -> Array:
+    """Scaled distance of the last section point from the limit of its geometric approach, shape (lane,).
+
+    Parameters are those of `return_multiple`, and its ``multiple``; every lane returns.
+
+    Notes
+    -----
+    From the last difference over one return, d, and the one before it, d / r, the distance is d r / (1 - r). Differences
+    that do not shrink have no limit: infinity, but for those below 1e-9, where rounding hides the ratio: they count as
+    they are.
+    A window too short for two differences has r = 0.
+    """
+    period = _periods(cyclic, section.shape[1])
+    size = _scales(section, scale, period, floor, np.ones(section.shape[2], dtype=bool))
+    lanes, last = np.arange(section.shape[2]), section.shape[0] - 1
+
+    def apart(now: NDArray[np.int64]) -> Array:
+        change = section[now, :, lanes] - section[np.maximum(now - multiple, 0), :, lanes]
+        out: Array = (_difference(change.T[None], period)[0] / size).max(axis=0, initial=0.0)
+        return out
+
+    late, early = apart(np.full_like(multiple, last)), apart(last - multiple)
+    known = (last - 2 * multiple >= 0) & (early > 0)
+    ratio = np.where(known, late / np.where(early > 0, early, 1.0), 0.0)
+    left = np.where(ratio < 1, late * ratio / np.where(ratio < 1, 1 - ratio, 1.0), np.inf)
+    return np.where(late <= 1e-9, late, left)
 
 
 def period_in_T(

@@ -2,12 +2,13 @@
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.loading import pieces
@@ -17,17 +18,14 @@ from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
 
-#: Steps of RK4 per T where the user does not say. Forced: the error after 8 T is about 1e-6 on the gear pair
-#: (docs/design.md). Unforced: Lorenz's exponents sum to the divergence to 1e-6.
-FORCED_STEPS, UNFORCED_STEPS = 100, 400
+#: Error over one common period that a forced model's steps are chosen for where the user does not say.
+ACCURACY = 1e-6
+#: Steps of RK4 per typical time of an unforced model where the user does not say: Lorenz's exponents then sum to the
+#: divergence to 1e-6, and crossings are located as well as the method allows.
+UNFORCED_STEPS = 400
 
 #: Start states of one swarm differ by this much of one, so that they end on one attractor but decorrelate in chaos.
 SWARM = 1e-6
-
-
-def default_steps(system: System) -> int:
-    """Steps per T (per typical time of an unforced model) that an analysis takes unless it is told."""
-    return FORCED_STEPS if system.model.forced else UNFORCED_STEPS
 
 
 def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
@@ -77,8 +75,9 @@ def make_ensemble(
     vary: Mapping[str, ArrayLike] | None = None,
     *,
     starts: Array | None = None,
-    steps: int | None = None,
-    method: str = "rk4",
+    steps: int | NDArray[np.int64] | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
     tangents: int = 0,
     workers: int | None = None,
     swarm: bool = False,
@@ -91,6 +90,13 @@ def make_ensemble(
         Parameters that differ between points.
     starts : array, shape (state, point), optional
         Start states; where absent the model's default starts, with the system's own start values on top.
+    steps : int or array of int, optional
+        Steps per T. Where absent, each point of a forced model gets those that the accuracy asks for
+        (`whirlmap.integrate.accuracy.choose_steps`), and an unforced model gets `UNFORCED_STEPS`.
+    accuracy : float, optional
+        Error over one common period; `ACCURACY` where absent.
+    method : str, optional
+        ``dop853`` for forced, ``rk4`` for unforced models where absent.
     swarm : bool
         Move every start by `SWARM` in its own fixed random direction (zero for the first point).
 
@@ -100,8 +106,14 @@ def make_ensemble(
     found : array of bool, shape (point,)
         Whether each default start was had (see `start_states`).
     """
-    steps = default_steps(system) if steps is None else steps
-    if not 1 <= steps <= 1_000_000:
+    forced = system.model.forced
+    if steps is not None and accuracy is not None:
+        raise RangeError("give steps per T or an accuracy, not both")
+    if not forced and accuracy is not None:
+        raise RangeError(f"{system.model.name} is not forced: give steps, an accuracy is chosen over a common period")
+    if steps is None and not forced:
+        steps = UNFORCED_STEPS
+    if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
         raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
     orders = system.orders
     if orders is None:
@@ -120,9 +132,14 @@ def make_ensemble(
         kicks = np.random.default_rng(7).normal(size=x.shape)
         kicks[:, 0] = 0
         x = x + SWARM * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
-    ensemble = Ensemble(
-        system.model, values, x, orders=orders, steps=steps, method=method_named(method), tangents=tangents, workers=workers
-    )  # fmt: skip
+    chosen = method_named(method or ("dop853" if forced else "rk4"))
+    wanted = (ACCURACY if accuracy is None else accuracy) if steps is None else None
+    options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted}
+    if wanted is None:
+        return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
+    rungs = choose_steps(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
+    ensemble = Ensemble(system.model, values, x, steps=rungs.steps, tangents=tangents, **options)
+    ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
     return ensemble, found
 
 
@@ -131,11 +148,22 @@ def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[
     origin = provenance(
         pieces(system),
         method=ensemble.method.name,
-        steps_per_period=ensemble.steps,
+        steps_per_period=_steps_text(ensemble),
         citations=(ensemble.method.source,),
     )
     cyclic = {s.name: s.cyclic for s in system.model.states if s.cyclic is not None}
+    if ensemble.accuracy is not None:
+        settings = {"accuracy": ensemble.accuracy, **settings}
+    doubts = [v for v in Verdict if v != Verdict.met and (ensemble.step_verdict == v).any()]
+    if doubts:
+        counts = {v: int((ensemble.step_verdict == v).sum()) for v in doubts}
+        settings["accuracy_not_met"] = "; ".join(f"{counts[v]} of {ensemble.points} points: {v.advice}" for v in doubts)
     return {**origin, **settings, **({"cyclic": json.dumps(cyclic)} if cyclic else {})}
+
+
+def _steps_text(ensemble: Ensemble) -> int | str:
+    low, high = int(ensemble.point_steps.min()), int(ensemble.point_steps.max())
+    return low if low == high else f"{low} to {high}, chosen for each point"
 
 
 def cyclic_states(system: System) -> dict[int, float]:

@@ -1,16 +1,14 @@
-"""Settle many operating points and say which of them are periodic, and after how many T.
+"""Settle many operating points, say which of them are periodic, and after how many T, and record their sections.
 
-1. Run the transient.
-2. Record a window of common periods and look for a return after m of them, m up to half of the window.
-3. Points that return are done; for the others the window doubles, until m has been tried up to 64. As the window moves
-   on while it grows, a slow transient also gets more time.
-4. From all points, record the section once per T for the diagram, with extremes over every step. In periodic points it
-   then gives the smallest number of T.
+Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled state is asked again whether
+they meet it: a point that needs more of them settles on with these (the start says little of a whirl that has grown since).
+Then all points record their section once per T for the diagram; in periodic points it gives the smallest number of T.
+Extremes come from steps no longer than T/`EXTREMES_STEPS`, over one return, or the whole record where nothing returns.
 
-An unforced model is cut at its declared section instead, and the return is counted in crossings; its windows are as many
-typical times as would be common periods.
+An unforced model runs its transient, and is then cut at its declared section; the return is counted in crossings. Windows
+are as many typical times as would be common periods, each twice the one before, for the points that have not returned.
 
-The tolerance is relative to each state's range over the last recorded stretch (`periodicity.return_multiple`).
+The tolerance is relative to each state's range (`periodicity.return_multiple`).
 """
 
 from collections.abc import Callable
@@ -21,7 +19,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
-from whirlmap.errors import RangeError
+from whirlmap.analysis.settling import Settled, Settling, positive, settle
+from whirlmap.integrate.accuracy import choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -29,39 +28,10 @@ from whirlmap.results.status import Status
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-
-@dataclass(frozen=True)
-class Settling:
-    """How long to wait and how sure to be.
-
-    Attributes
-    ----------
-    transient : int
-        Common periods that are run before anything is looked at.
-    first_window : int
-        Common periods of the first window; a return is sought up to half of it.
-    most : int
-        Largest return that is sought, in common periods.
-    keep : int
-        Least number of T that are recorded once settled; at least two common periods are.
-    tolerance : float
-        Largest difference that counts as a return, relative to the range of each state.
-    """
-
-    transient: int = 100
-    first_window: int = 8
-    most: int = 64
-    keep: int = 64
-    tolerance: float = 1e-6
-
-    def __post_init__(self) -> None:
-        """Refuse counts that make no sense, naming the one."""
-        for name, least in (("transient", 0), ("first_window", 2), ("most", 1), ("keep", 1)):
-            value = getattr(self, name)
-            if not least <= value <= 10_000_000:
-                raise RangeError(f"{name} must lie between {least} and 10000000, not {value}")
-        if not 0 < self.tolerance < 1:
-            raise RangeError(f"tolerance must lie between 0 and 1, not {self.tolerance}")
+#: Least steps per T from which extremes are read: a cosine's peak is then missed by 0.2 % at most.
+EXTREMES_STEPS = 48
+#: How often a point may be given more steps after it has settled.
+MORE_STEPS = 3
 
 
 @dataclass(frozen=True)
@@ -78,6 +48,8 @@ class Returns:
         Smallest return in T, and in common periods; of an unforced model both in crossings. 0 where there is none.
     distance : array
         The return distance that decided.
+    waited : array of int
+        Common periods that each point ran before the record (of an unforced model: typical times).
     extremes : dict of arrays, shape (row, point)
         Of every state and output over the recorded stretch.
     """
@@ -87,6 +59,7 @@ class Returns:
     period: Integers
     multiple: Integers
     distance: Array
+    waited: Integers
     extremes: dict[str, Array]
 
 
@@ -97,62 +70,103 @@ def settle_and_record(
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Returns:
-    """Run the four steps above on an ensemble, in place."""
-    common, steps = ensemble.common_multiple, ensemble.steps
-    n = ensemble.points
+    """Settle an ensemble and record it, in place."""
+    if ensemble.model.forced:
+        settled = _settle_accurately(ensemble, settling, cyclic, progress)
+    else:
+        settled = _settle_unforced(ensemble, settling, cyclic, progress)
+    common = ensemble.common_multiple
+    kept = common * max(-(-settling.keep // common), 2)
+    multiple = np.where(ensemble.running, settled.multiple, 0)
+    fine = ensemble.subset(np.arange(ensemble.points), steps=_at_least(ensemble.point_steps, EXTREMES_STEPS))
+    section = ensemble.advance(kept, save_periods=1, progress=progress).saved
+    extremes = _extremes(fine, multiple, kept, progress)
+    multiple = np.where(ensemble.running, multiple, 0)
+    forced = ensemble.model.forced
+    period = _periods_in_T(section, multiple, settled.scale, common, settling, cyclic) if forced else multiple.copy()
+    period = np.where(ensemble.running, period, 0)
+    return Returns(section, _labels(ensemble, multiple), period, multiple, settled.distance, settled.waited, extremes)
+
+
+def _at_least(steps: Integers, least: int) -> Integers:
+    """Smallest whole multiples of the steps that are not below the least."""
+    out: Integers = steps * -(-least // steps)
+    return out
+
+
+def _extremes(
+    fine: Ensemble, multiple: Integers, kept: int, progress: Callable[[int], None] | None
+) -> dict[str, Array]:
+    """Extremes, mean and rms of all rows: over one return of the points that return, over the record of the others."""
+    rows = fine.model.dimension + len(fine.model.outputs)
+    out = {name: np.full((rows, fine.points), np.nan) for name in ("minimum", "maximum", "mean", "rms")}
+    length = np.where((multiple > 0) & fine.model.forced, np.minimum(multiple * fine.common_multiple, kept), kept)
+    for periods in np.unique(length):
+        members = np.flatnonzero(length == periods)
+        found = fine.advance(int(periods), members=members, extremes=True, progress=progress).extremes
+        assert found is not None
+        for name, values in found.items():
+            out[name][:, members] = values
+    return out
+
+
+def _settle_accurately(
+    ensemble: Ensemble, settling: Settling, cyclic: dict[int, float] | None, progress: Callable[[int], None] | None
+) -> Settled:
+    """Settle, and settle on with more steps where the settled motion needs them."""
+    settled = settle(ensemble, settling, cyclic=cyclic, progress=progress)
+    if ensemble.accuracy is None:
+        return settled
+    left = np.flatnonzero(settled.multiple > 0)
+    for _ in range(MORE_STEPS):
+        rungs = choose_steps(ensemble, ensemble.accuracy, members=left, progress=progress)
+        more = rungs.steps > ensemble.point_steps[left]
+        ensemble.step_error[left], ensemble.step_verdict[left] = rungs.error, rungs.verdict
+        left = left[more]
+        if not left.size:
+            break
+        part = ensemble.subset(left, steps=rungs.steps[more])
+        again = settle(part, settling, cyclic=cyclic, progress=progress)
+        ensemble.absorb(part, left)
+        settled.multiple[left], settled.distance[left] = again.multiple, again.distance
+        settled.scale[:, left] = again.scale
+        settled.waited[left] += again.waited
+    return settled
+
+
+def _settle_unforced(
+    ensemble: Ensemble, settling: Settling, cyclic: dict[int, float] | None, progress: Callable[[int], None] | None
+) -> Settled:
+    n, states = ensemble.points, ensemble.model.dimension
     if settling.transient:
-        ensemble.advance(settling.transient * common, progress=progress)
+        ensemble.advance(settling.transient, progress=progress)
     multiple, distance = np.zeros(n, dtype=np.int64), np.full(n, np.nan)
-    scale = np.full((ensemble.model.dimension, n), np.nan)
+    scale, waited = np.full((states, n), np.nan), np.full(n, settling.transient, dtype=np.int64)
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:
-        part = ensemble.subset(left)
-        points, size = _window(part, window, progress)
-        ensemble.absorb(part, left)
-        alive = np.flatnonzero(part.running)
-        most = min(window, points.shape[0]) // 2
-        if alive.size and most:
+        begin = ensemble.x[:, left]
+        segment = ensemble.advance(window, members=left, save_every=1, extremes=True, progress=progress)
+        assert segment.extremes is not None
+        scale[:, left] = (segment.extremes["maximum"] - segment.extremes["minimum"])[:states]
+        waited[left] += window
+        x = np.concatenate([begin[None], segment.saved])
+        alive = ensemble.running[left]
+        values, h = ensemble.values[:, left], ensemble.period[left] / ensemble.steps
+        points, times = crossings(ensemble.model, values, x, h)
+        shared = int(np.isfinite(times).sum(axis=0)[alive].min(initial=points.shape[0]))
+        most, these = min(window, shared) // 2, left[alive]
+        if these.size and most:
             found = return_multiple(
-                points[:, :, alive], scale=_positive(size[:, alive]), tolerance=settling.tolerance, most=most, cyclic=cyclic
+                points[:shared, :, alive], scale=positive(scale[:, these]), tolerance=settling.tolerance, most=most,
+                cyclic=cyclic,
             )  # fmt: skip
-            multiple[left[alive]] = found["multiple"].values
-            distance[left[alive]] = found["distance"].values
-            scale[:, left] = size
-        left = left[part.running & (multiple[left] == 0)]
+            multiple[these], distance[these] = found["multiple"].values, found["distance"].values
+        left = left[ensemble.running[left] & (multiple[left] == 0)]
         if window >= 2 * settling.most:
             break
         window = min(2 * window, 2 * settling.most)
-    kept = common * max(-(-settling.keep // common), 2)
-    segment = ensemble.advance(kept, save_every=steps, extremes=True, progress=progress)
-    assert segment.extremes is not None
-    forced = ensemble.model.forced
-    period = _periods_in_T(segment.saved, multiple, scale, common, settling, cyclic) if forced else multiple.copy()
-    multiple = np.where(ensemble.running, multiple, 0)
-    period = np.where(ensemble.running, period, 0)
-    return Returns(segment.saved, _labels(ensemble, multiple), period, multiple, distance, segment.extremes)
-
-
-def _window(ensemble: Ensemble, window: int, progress: Callable[[int], None] | None) -> tuple[Array, Array]:
-    """Section points of the next window, (period, state, point), and the range of every state over it."""
-    common, n = ensemble.common_multiple, ensemble.model.dimension
-    forced = ensemble.model.forced
-    begin = ensemble.x.copy()
-    every = common * ensemble.steps if forced else 1
-    segment = ensemble.advance(window * common, save_every=every, extremes=True, progress=progress)
-    assert segment.extremes is not None
-    size = (segment.extremes["maximum"] - segment.extremes["minimum"])[:n]
-    if forced:
-        return segment.saved, size
-    x = np.concatenate([begin[None], segment.saved])
-    points, times = crossings(ensemble.model, ensemble.values, x, ensemble.period / ensemble.steps)
-    shared = int(np.isfinite(times).sum(axis=0)[ensemble.running].min(initial=points.shape[0]))
-    return points[:shared], size
-
-
-def _positive(size: Array) -> Array:
-    """Ranges, with those of states that do not move at all made one: their differences are zero anyway."""
-    return np.where(size > 0, size, 1.0)
+    return Settled(multiple, distance, scale, waited)
 
 
 def _periods_in_T(
@@ -163,7 +177,7 @@ def _periods_in_T(
     fits = np.flatnonzero((multiple > 0) & (out <= section.shape[0]) & np.isfinite(section[-1]).all(axis=0))
     if fits.size and common > 1:
         found = period_in_T(
-            section[:, :, fits], multiple[fits], common_over_T=common, scale=_positive(scale[:, fits]),
+            section[:, :, fits], multiple[fits], common_over_T=common, scale=positive(scale[:, fits]),
             tolerance=10 * settling.tolerance, cyclic=cyclic,
         )  # fmt: skip
         out[fits] = np.where(found["period"].values > 0, found["period"].values, out[fits])

@@ -29,6 +29,20 @@ def outputs_of(model: Model, values: Array, x: Array) -> Array:
     return np.array([np.broadcast_to(np.asarray(r, dtype=float), x.shape[1:]) for r in rows]).reshape(-1, *x.shape[1:])
 
 
+#: Least samples per T of a time series whose steps are chosen by accuracy.
+SAMPLES = 64
+
+
+def series_steps(
+    system: System, *, steps: int | None = None, accuracy: float | None = None, method: str | None = None
+) -> int:
+    """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture."""
+    if steps is not None and accuracy is None:
+        return steps
+    chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0].steps
+    return chosen * -(-SAMPLES // chosen)
+
+
 def simulate(
     system: System,
     *,
@@ -36,7 +50,8 @@ def simulate(
     transient: int = 0,
     every: int = 1,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
@@ -48,8 +63,9 @@ def simulate(
         Common periods that are recorded, and dropped before (for an unforced model: typical times).
     every : int
         Steps between recorded samples.
-    steps : int, optional
-        Steps per T.
+    steps, accuracy, method, workers
+        As in `make_ensemble`. Where steps are chosen by accuracy, whole multiples of them are taken that give at least
+        `SAMPLES` samples per T.
 
     Returns
     -------
@@ -57,7 +73,8 @@ def simulate(
         ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
     """
-    ensemble, found = _one(system, steps, method, workers)
+    steps = series_steps(system, steps=steps, accuracy=accuracy, method=method)
+    ensemble, found = _one(system, steps, None, method, workers)
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), every=(every, 1))
     common = ensemble.common_multiple
     if (periods * common * ensemble.steps) % every:
@@ -95,7 +112,8 @@ def section(
     once_per: str = "T",
     starts: int = 1,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
@@ -125,13 +143,13 @@ def section(
     if once_per not in ("T", "common"):
         raise RangeError(f"once_per is 'T' or 'common', not {once_per!r}")
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))
-    ensemble, _ = _one(system, steps, method, workers, starts)
+    ensemble, _ = _one(system, steps, accuracy, method, workers, starts)
     common = ensemble.common_multiple
     ensemble.advance(transient * common, progress=progress)
     data: dict[str, Any] = {}
     if system.model.forced:
         every = common if once_per == "common" else 1
-        points = ensemble.advance(periods * every, save_every=every * ensemble.steps, progress=progress).saved
+        points = ensemble.advance(periods * every, save_periods=every, progress=progress).saved
         points = np.moveaxis(points, 2, 0)
     else:
         points, times = _crossings(ensemble, periods, progress)
@@ -153,10 +171,12 @@ def section(
 
 
 def _one(
-    system: System, steps: int | None, method: str, workers: int | None, starts: int = 1
+    system: System, steps: int | None, accuracy: float | None, method: str | None, workers: int | None, starts: int = 1
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
-    return make_ensemble(system, repeat, steps=steps, method=method, workers=workers, swarm=starts > 1)
+    return make_ensemble(
+        system, repeat, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=starts > 1
+    )  # fmt: skip
 
 
 def _crossings(

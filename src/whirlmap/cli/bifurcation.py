@@ -66,7 +66,8 @@ def bifurcation(
         ),
     ] = 0,
     steps: options.Steps = None,
-    method: options.Method = "rk4",
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
     workers: options.Workers = None,
     plot: Annotated[
         str | None,
@@ -96,7 +97,7 @@ def bifurcation(
     system = options.open_system(case, changes, start)
     _refuse_input(system, swept.name)
     states = _states(system, plot)
-    from whirlmap.analysis.returns import Settling
+    from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.run import diagram_in_batches, expected_periods
 
     settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
@@ -104,7 +105,7 @@ def bifurcation(
     with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
-            settling=settling, lyapunov=lyapunov, steps=steps, method=method, workers=workers,
+            settling=settling, lyapunov=lyapunov, steps=steps, accuracy=accuracy, method=method, workers=workers,
             progress=progress, on_batch=lambda done, points: progress.expect(
                 progress.done * points / done, f"{done} of {points} points"
             ),

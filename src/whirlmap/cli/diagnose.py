@@ -44,7 +44,8 @@ def diagnose(
         ),
     ] = 5000,
     steps: options.Steps = None,
-    method: options.Method = "rk4",
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
     workers: options.Workers = None,
     out: options.Out = None,
     force: options.Force = False,
@@ -61,7 +62,7 @@ def diagnose(
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.diagnosis import diagnose as measure
     from whirlmap.analysis.diagnosis import verdict_json
-    from whirlmap.analysis.returns import Settling
+    from whirlmap.analysis.settling import Settling
     from whirlmap.kernels.source import LANES
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
@@ -69,7 +70,7 @@ def diagnose(
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
         ds = measure(
             system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
-            steps=steps, method=method, workers=workers, progress=progress,
+            steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
     verdict = verdict_json(ds)
     files = destination.write(ds, lambda made: pictures.diagnosis(system, made))

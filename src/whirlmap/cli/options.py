@@ -67,11 +67,28 @@ Steps = Annotated[
     typer.Option(
         "--steps",
         metavar="N",
-        help="Integration steps per period T; 100 where absent.",
+        help="Integration steps per period T, instead of those that the accuracy asks for.",
         rich_help_panel=COMPUTING,
     ),
 ]
-Method = Annotated[str, typer.Option("--method", metavar="NAME", help="Integration method.", rich_help_panel=COMPUTING)]
+Accuracy = Annotated[
+    float | None,
+    typer.Option(
+        "--accuracy",
+        metavar="X",
+        help="Largest error over one common period that the steps per T are chosen for; 1e-6 where absent.",
+        rich_help_panel=COMPUTING,
+    ),
+]
+Method = Annotated[
+    str | None,
+    typer.Option(
+        "--method",
+        metavar="NAME",
+        help="Integration method: dop853, tsit5 or rk4; dop853 for forced, rk4 for unforced systems where absent.",
+        rich_help_panel=COMPUTING,
+    ),
+]
 Transient = Annotated[
     int,
     typer.Option(

@@ -45,7 +45,8 @@ def simulate(
         ),
     ] = 1,
     steps: options.Steps = None,
-    method: options.Method = "rk4",
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
     workers: options.Workers = None,
     out: options.Out = None,
     force: options.Force = False,
@@ -64,7 +65,7 @@ def simulate(
     total = (periods + transient) * system.common_multiple
     with Progress("simulate", max(total, 1), quiet=quiet) as progress:
         work = simulation_in_stretches(
-            system, periods=periods, transient=transient, every=every, steps=steps, method=method,
+            system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
             workers=workers, progress=progress,
         )  # fmt: skip
     if work.dataset is None:

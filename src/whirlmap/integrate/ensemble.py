@@ -33,6 +33,10 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
+#: Arrays over points that a subset carries along.
+_POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict")
+
+
 @dataclass(frozen=True)
 class Segment:
     """What one call of `Ensemble.advance` recorded.
@@ -74,6 +78,8 @@ class Ensemble:
     redo : bool
         Whether steps that failed are redone with shorter ones. Where not, a point ends at its first failed step, as
         unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
+    accuracy : float, optional
+        What the steps were chosen for (`choose_steps`); absent where they were given.
 
     Attributes
     ----------
@@ -89,6 +95,8 @@ class Ensemble:
         Periods T that each point has run.
     point_steps : array of int, shape (point,)
         Steps per T of each point.
+    step_error, step_verdict : arrays, shape (point,)
+        Measured error of these steps and whether it meets the accuracy; NaN and zero where the steps were given.
     """
 
     def __init__(
@@ -103,13 +111,14 @@ class Ensemble:
         tangents: int = 0,
         workers: int | None = None,
         redo: bool = True,
+        accuracy: float | None = None,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
             raise RangeError(f"steps per T must be at least 1, not {np.min(steps)}")
         if x.shape != (model.dimension, n):
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
-        self.model, self.method, self.tangents, self.redo = model, method, tangents, redo
+        self.model, self.method, self.tangents, self.redo, self.accuracy = model, method, tangents, redo, accuracy
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
         self.orders, self.workers = orders, workers or cores()
         self.points = n
@@ -119,12 +128,17 @@ class Ensemble:
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
         self.turns = np.zeros(n, dtype=np.int64)
+        self.step_error, self.step_verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
+        self._group()
+        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n)])
+
+    def _group(self) -> None:
+        """Group the points by kernel and steps."""
         self._groups = [
             _Group(self, m, members[self.point_steps[members] == count], int(count))
-            for m, members in _variants(model, values)
+            for m, members in _variants(self.model, self.values)
             for count in np.unique(self.point_steps[members])
         ]
-        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n)])
 
     @property
     def x(self) -> Array:
@@ -157,18 +171,21 @@ class Ensemble:
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            workers=self.workers, redo=self.redo,
+            workers=self.workers, redo=self.redo, accuracy=self.accuracy,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
-        for name in ("status", "end_time", "end_stop", "turns"):
+        for name in _POINT_ARRAYS:
             setattr(part, name, getattr(self, name)[members].copy())
         return part
 
     def absorb(self, part: "Ensemble", members: NDArray[np.intp]) -> None:
-        """Take over the states of a subset that has run on, by whole common periods."""
+        """Take over the states of a subset that has run on, by whole common periods, and its steps."""
         self._y[:, members] = part._y
-        for name in ("status", "end_time", "end_stop", "turns"):
+        for name in _POINT_ARRAYS:
             getattr(self, name)[members] = getattr(part, name)
+        if not np.array_equal(self.point_steps[members], part.point_steps):
+            self.point_steps[members] = part.point_steps
+            self._group()
 
     def advance(
         self,
@@ -176,7 +193,7 @@ class Ensemble:
         *,
         members: NDArray[np.intp] | None = None,
         save_every: int = 0,
-        save_periods: int = 0,
+        save_periods: int | Fraction = 0,
         extremes: bool = False,
         progress: Callable[[int], None] | None = None,
     ) -> Segment:
@@ -188,8 +205,8 @@ class Ensemble:
             Indices of the points; all of them where absent. They must stand at the same phase.
         save_every : int
             Steps between saved states, where all points take the same steps; zero saves none.
-        save_periods : int
-            T between saved states, instead.
+        save_periods : int or Fraction
+            T between saved states, instead; a whole number of steps of every point.
         extremes : bool
             Whether to track extremes, mean and rms of every state and output over all steps.
         progress : callable, optional
@@ -204,6 +221,8 @@ class Ensemble:
         if save_every and save_periods:
             raise RangeError("save_every and save_periods exclude each other")
         save = save_periods if save_periods else Fraction(save_every, self.steps) if save_every else Fraction(0)
+        if any((save * int(count)) % 1 for count in np.unique(self.point_steps[members])):
+            raise RangeError(f"states every {save} T are not a whole number of steps apart")
         rows = self.model.dimension + len(self.model.outputs)
         segment = _Record(
             saved=np.full((int(n_periods // save) if save else 0, self.model.dimension, members.size), np.nan),

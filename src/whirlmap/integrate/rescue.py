@@ -78,8 +78,8 @@ class Rescue:
             through = trying & good
             y[:, through] = again[:, through]
             pending &= ~through
-        if pending.any():
-            candidates = pending & reachable.any(axis=0) if self.redo else plainly
+        candidates = pending & reachable.any(axis=0) if self.redo else plainly
+        if candidates.any():
             self._locate(lanes, candidates, y, time, h, status, end, stop)
         left = pending & (status == Status.ok)
         near = np.abs(y[:n][~self.cyclic]).sum(axis=0) > 1e-2 * self.model.bound

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from types import ModuleType
 from typing import Any, Literal
 
@@ -32,15 +32,18 @@ class LaneKernel:
         """Prepare the inputs of many points: values of shape (parameter, point)."""
         n = values.shape[1]
         index = {q: i for i, q in enumerate(self.model.parameters)}
-        readers = {
-            e.table_name: e.parameter for rate in self.model.equations.values() for e in rate.atoms(tabulated)
-        }  # a table's parameter is a plain symbol of the model, or a number
+        readers = self._readers
         parameters = tuple(
             values[index[readers[table.name]]] if readers[table.name] in index else np.full(n, float(readers[table.name]))
             for table in self.source.tables
         )
         entries, offsets = fill(self.source.tables, parameters, n)
         return Inputs(self.source.hoisted.evaluate(values), entries, offsets)
+
+    @cached_property
+    def _readers(self) -> dict[str, Any]:
+        """Parameter of each table: a plain symbol of the model, or a number."""
+        return {e.table_name: e.parameter for rate in self.model.equations.values() for e in rate.atoms(tabulated)}
 
 
 @dataclass(frozen=True)

@@ -53,7 +53,7 @@ def provenance(
     pieces: Pieces,
     *,
     method: str | None = None,
-    steps_per_period: int | None = None,
+    steps_per_period: int | str | None = None,
     seed: int | None = None,
     settings: Mapping[str, Any] | None = None,
     citations: Iterable[str] = (),
@@ -67,7 +67,7 @@ def provenance(
         What the system says about itself.
     method : str, optional
         Integration method.
-    steps_per_period : int, optional
+    steps_per_period : int or str, optional
         Its steps in a period T.
     seed : int, optional
         Seed of whatever was random.

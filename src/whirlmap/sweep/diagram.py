@@ -10,8 +10,10 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.lyapunov import exponents, mean_and_error
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
-from whirlmap.analysis.returns import Returns, Settling, settle_and_record
+from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
+from whirlmap.integrate.accuracy import Verdict
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
@@ -31,6 +33,9 @@ class _Measured:
     exponent: Array
     exponent_error: Array
     start_found: NDArray[np.bool_]
+    steps: NDArray[np.int64]
+    step_error: Array
+    step_verdict: NDArray[np.int8]
 
 
 def bifurcation_diagram(
@@ -42,7 +47,8 @@ def bifurcation_diagram(
     settling: Settling | None = None,
     lyapunov: int = 0,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
@@ -82,7 +88,7 @@ def bifurcation_diagram(
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     if not 0 <= lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
-    run = _Run(system, parameter, settling, lyapunov, steps, method, workers, progress)
+    run = _Run(system, parameter, settling, lyapunov, steps, accuracy, method, workers, progress)
     if follow is None:
         measured, ensemble = run.cold(points)
         ds = _dataset(system, parameter, points, measured)
@@ -108,14 +114,16 @@ class _Run:
     settling: Settling
     lyapunov: int
     steps: int | None
-    method: str
+    accuracy: float | None
+    method: str | None
     workers: int | None
     progress: Callable[[int], None] | None
 
     def cold(self, points: Array, starts: Array | None = None) -> tuple[_Measured, Ensemble]:
         """Measure points, each from its own start."""
         ensemble, found = make_ensemble(
-            self.system, {self.parameter: points}, starts=starts, steps=self.steps, method=self.method, workers=self.workers
+            self.system, {self.parameter: points}, starts=starts, steps=self.steps, accuracy=self.accuracy,
+            method=self.method, workers=self.workers,
         )  # fmt: skip
         returns = settle_and_record(ensemble, self.settling, cyclic=cyclic_states(self.system), progress=self.progress)
         exponent, error = np.full(points.size, np.nan), np.full(points.size, np.nan)
@@ -123,13 +131,16 @@ class _Run:
         open_points = open_points[ensemble.running[open_points]]
         if self.lyapunov and open_points.size:
             tangent, _ = make_ensemble(
-                self.system, {self.parameter: points[open_points]}, starts=ensemble.x[:, open_points], steps=self.steps,
-                method=self.method, tangents=1, workers=self.workers,
+                self.system, {self.parameter: points[open_points]}, starts=ensemble.x[:, open_points],
+                steps=ensemble.point_steps[open_points], method=ensemble.method.name, tangents=1, workers=self.workers,
             )  # fmt: skip
             rates = exponents(tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=self.progress)
             mean, spread = mean_and_error(rates[:, 0])
             exponent[open_points], error[open_points] = mean, spread
-        return _Measured(returns, ensemble.status, ensemble.end_time, exponent, error, found), ensemble
+        e = ensemble
+        return _Measured(
+            returns, e.status, e.end_time, exponent, error, found, e.point_steps, e.step_error, e.step_verdict
+        ), ensemble  # fmt: skip
 
     def chain(self, points: Array, *, downwards: bool) -> tuple[_Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""
@@ -148,14 +159,16 @@ def _joined(parts: list[_Measured]) -> _Measured:
         first.returns,
         **{
             name: np.concatenate([getattr(p.returns, name) for p in parts], axis=-1)
-            for name in ("section", "regime", "period", "multiple", "distance")
+            for name in ("section", "regime", "period", "multiple", "distance", "waited")
         },
         extremes={k: np.concatenate([p.returns.extremes[k] for p in parts], axis=-1) for k in first.returns.extremes},
     )
     rest = {
         name: np.concatenate([getattr(p, name) for p in parts])
-        for name in ("status", "end_time", "exponent", "exponent_error", "start_found")
-    }
+        for name in (
+            "status", "end_time", "exponent", "exponent_error", "start_found", "steps", "step_error", "step_verdict"
+        )
+    }  # fmt: skip
     return _Measured(returns, **rest)
 
 
@@ -177,6 +190,13 @@ def _dataset(system: System, parameter: str, points: Array, m: _Measured) -> xr.
         "lyapunov_error": variable(parameter, m.exponent_error, "1/time", "one standard error of it, from block means"),
         "end_time": variable(parameter, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(parameter, m.start_found.astype(np.int8), "1", "whether the default start exists"),
+        "settled_after": variable(parameter, r.waited, "1", "common periods run before the record"),
+        "steps": variable(parameter, m.steps, "1/T", "steps per T"),
+        "step_error": variable(parameter, m.step_error, "1", "measured error of these steps over one common period"),
+        "step_verdict": variable(
+            parameter, m.step_verdict, "1", "whether the steps meet the accuracy",
+            flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
+        ),
     }  # fmt: skip
     for name, meaning in (
         ("minimum", "smallest value"), ("maximum", "largest value"), ("mean", "mean"), ("rms", "rms about the mean"),

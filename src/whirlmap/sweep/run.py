@@ -15,9 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from sympy import sympify
 
 from whirlmap.analysis.lyapunov import BLOCKS
-from whirlmap.analysis.points import default_steps, parameter_values
-from whirlmap.analysis.returns import Settling
-from whirlmap.analysis.trajectory import simulate
+from whirlmap.analysis.points import parameter_values
+from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.trajectory import series_steps, simulate
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
@@ -70,7 +70,8 @@ def diagram_in_batches(
     settling: Settling | None = None,
     lyapunov: int = 0,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     batch: int | None = None,
     progress: Callable[[int], None] | None = None,
@@ -104,8 +105,8 @@ def diagram_in_batches(
         + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "settling": settling, "lyapunov": lyapunov, "steps": steps, "method": method, "workers": workers,
-        "progress": progress,
+        "settling": settling, "lyapunov": lyapunov, "steps": steps, "accuracy": accuracy, "method": method,
+        "workers": workers, "progress": progress,
     }  # fmt: skip
     finished: dict[Any, list[xr.Dataset]] = {way: [] for way in ways}
     done, total = 0, points.size * len(ways)
@@ -189,7 +190,8 @@ def simulation_in_stretches(
     transient: int = 0,
     every: int = 1,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Work:
@@ -197,11 +199,12 @@ def simulation_in_stretches(
 
     Parameters, and the Dataset, are those of `simulate`.
     """
+    steps = series_steps(system, steps=steps, accuracy=accuracy, method=method)
     options: dict[str, Any] = {
         "every": every, "steps": steps, "method": method, "workers": workers, "progress": progress,
     }  # fmt: skip
     common = system.common_multiple
-    per = common * (default_steps(system) if steps is None else steps)
+    per = common * steps
     if min(periods, every, per) < 1 or periods * per % every:  # simulate says what is wrong
         return Work(simulate(system, periods=periods, transient=transient, **options), periods, periods)
     samples = periods * per // every

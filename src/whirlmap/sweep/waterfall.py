@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Callable
+from fractions import Fraction
 
 import numpy as np
 import xarray as xr
@@ -25,7 +26,8 @@ def waterfall(
     periods: int = 256,
     samples: int = 20,
     steps: int | None = None,
-    method: str = "rk4",
+    accuracy: float | None = None,
+    method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
@@ -40,7 +42,7 @@ def waterfall(
     periods : int
         Least T of the record, rounded up to whole common periods so that every forced line stands on a bin.
     samples : int
-        Least samples per T; frequencies reach half of it.
+        Samples per T; frequencies reach half of it. The record takes whole multiples of them as steps.
 
     Returns
     -------
@@ -53,14 +55,17 @@ def waterfall(
         raise RangeError(f"{system.model.name} has no state {state!r}.{nearest(state, system.states)}")
     if np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    ensemble, _ = make_ensemble(system, {parameter: points}, steps=steps, method=method, workers=workers)
+    ensemble, _ = make_ensemble(
+        system, {parameter: points}, steps=steps, accuracy=accuracy, method=method, workers=workers
+    )  # fmt: skip
     common = ensemble.common_multiple
-    every = max(k for k in range(1, max(ensemble.steps // samples, 1) + 1) if ensemble.steps % k == 0)
     ensemble.advance(transient * common, progress=progress)
-    saved = ensemble.advance(-(-periods // common) * common, save_every=every, progress=progress).saved
+    # the same samples in every point: whole multiples of them, at least as many as the point's own steps
+    ensemble = ensemble.subset(np.arange(points.size), steps=samples * -(-ensemble.point_steps // samples))
+    saved = ensemble.advance(-(-periods // common) * common, save_periods=Fraction(1, samples), progress=progress).saved
     series = saved[:, system.states.index(state), :]
     good = ensemble.running
-    power = power_spectrum(np.where(good, series, 0.0), rate=ensemble.steps / every, unit="T")
+    power = power_spectrum(np.where(good, series, 0.0), rate=samples, unit="T")
     declared = system.model.parameter(parameter)
     lanes = str(power["power"].dims[1])
     ds = power.rename({lanes: parameter}).assign_coords(

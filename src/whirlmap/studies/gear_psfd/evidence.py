@@ -12,7 +12,7 @@ from whirlmap.analysis.diagnosis import diagnose
 from whirlmap.analysis.dimension import STATUS as DIMENSION_STATUS
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
-from whirlmap.analysis.returns import Settling
+from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.loading import load

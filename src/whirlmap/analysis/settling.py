@@ -1,0 +1,189 @@
+"""Settling without waste: every point runs until its section has provably repeated, and the next one takes its place.
+
+Forced models. All points share a pool of lanes. In each round the points in the pool run `ROUND` common periods; then each
+is looked at on its own, by its own history:
+
+1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever the number of
+   points has doubled, the longer window is searched too, for returns up to `Settling.most`.
+2. A return counts once what is left of the transient is small as well: where successive differences shrink by a factor r
+   from one return to the next, the distance to the limit is the last difference times r / (1 - r).
+3. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
+
+Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.periodicity import distance_to_limit, return_multiple
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.kernels.source import LANES
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Common periods between two looks at a point.
+ROUND = 4
+#: Blocks of lanes in the pool, for each worker.
+POOL = 8
+
+
+@dataclass(frozen=True)
+class Settling:
+    """How long to wait and how sure to be.
+
+    Attributes
+    ----------
+    transient : int
+        Common periods that a point which does not return runs before its longest window begins. Points that return
+        earlier stop there.
+    first_window : int
+        Common periods of the first window; a return is sought up to half of it.
+    most : int
+        Largest return that is sought, in common periods.
+    keep : int
+        Least number of T that are recorded once settled; at least two common periods are.
+    tolerance : float
+        Largest difference that counts as a return, relative to the range of each state.
+    """
+
+    transient: int = 100
+    first_window: int = 8
+    most: int = 64
+    keep: int = 64
+    tolerance: float = 1e-6
+
+    def __post_init__(self) -> None:
+        """Refuse counts that make no sense, naming the one."""
+        for name, least in (("transient", 0), ("first_window", 2), ("most", 1), ("keep", 1)):
+            value = getattr(self, name)
+            if not least <= value <= 10_000_000:
+                raise RangeError(f"{name} must lie between {least} and 10000000, not {value}")
+        if not 0 < self.tolerance < 1:
+            raise RangeError(f"tolerance must lie between 0 and 1, not {self.tolerance}")
+
+    @property
+    def longest(self) -> int:
+        """Common periods after which a point is given up."""
+        return self.transient + max(2 * self.most, self.first_window)
+
+
+@dataclass(frozen=True)
+class Settled:
+    """How every point of an ensemble settled; arrays end in the point axis.
+
+    Attributes
+    ----------
+    multiple : array of int
+        Smallest return in common periods; 0 where there is none.
+    distance : array
+        The return distance that decided, over the range of each state.
+    scale : array, shape (state, point)
+        Range of each state over the last round.
+    waited : array of int
+        Common periods run.
+    """
+
+    multiple: Integers
+    distance: Array
+    scale: Array
+    waited: Integers
+
+
+def settle(
+    ensemble: Ensemble,
+    settling: Settling,
+    *,
+    cyclic: dict[int, float] | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Settled:
+    """Settle all points of a forced model, in place."""
+    n, common = ensemble.points, ensemble.common_multiple
+    pool = _Pool(ensemble, settling, cyclic or {})
+    while pool.active.size:
+        segment = ensemble.advance(
+            ROUND * common, members=pool.active, save_periods=common, extremes=True, progress=progress
+        )
+        assert segment.extremes is not None
+        pool.look(segment.saved, segment.extremes["maximum"] - segment.extremes["minimum"])
+    assert pool.waiting == n
+    return pool.settled
+
+
+class _Pool:
+    """Points that run now, with their last section points, and the queue of those that wait."""
+
+    def __init__(self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float]) -> None:
+        n, states = ensemble.points, ensemble.model.dimension
+        self.ensemble, self.settling, self.cyclic = ensemble, settling, cyclic
+        self.waiting = 0
+        self.active = np.zeros(0, dtype=np.intp)
+        self.size = min(POOL * LANES * ensemble.workers, n)
+        longest = -(-max(2 * settling.most, settling.first_window) // ROUND) * ROUND
+        self.history = np.full((longest, states, self.size), np.nan)
+        self.slot = np.full(n, -1, dtype=np.intp)
+        self.free = list(range(self.size))
+        self.settled = Settled(
+            np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64)
+        )
+        self.fill()
+
+    def fill(self) -> None:
+        """Give the free places of the pool to the next points that have not ended."""
+        n, running = self.ensemble.points, self.ensemble.running
+        entering = []
+        while self.free and self.waiting < n:
+            if running[self.waiting]:
+                self.slot[self.waiting] = self.free.pop()
+                entering.append(self.waiting)
+            self.waiting += 1
+        self.active = np.concatenate([self.active, np.array(entering, dtype=np.intp)])
+
+    def look(self, saved: Array, size: Array) -> None:
+        """Take over a round's section points, and let the points that are done leave."""
+        at, s = self.active, self.settled
+        rows = (s.waited[at] + np.arange(ROUND)[:, None]) % self.history.shape[0]
+        self.history[rows, :, self.slot[at]] = saved.transpose(0, 2, 1)
+        s.waited[at] += ROUND
+        s.scale[:, at] = size[: s.scale.shape[0]]
+        alive = self.ensemble.running[at]
+        for window in self.windows():
+            due = (s.waited[at] >= window) if window == self.windows()[0] else (s.waited[at] % window == 0)
+            due |= (s.waited[at] >= self.settling.longest) & (s.waited[at] >= window)
+            these = at[alive & due & (s.multiple[at] == 0)]
+            if these.size:
+                self.search(these, window)
+        done = ~alive | (s.multiple[at] > 0) | (s.waited[at] >= self.settling.longest)
+        self.free += self.slot[at[done]].tolist()
+        self.active = at[~done]
+        self.fill()
+
+    def windows(self) -> list[int]:
+        """Lengths of the windows, each twice the one before."""
+        out = [min(self.settling.first_window, 2 * self.settling.most)]
+        while out[-1] < 2 * self.settling.most:
+            out.append(min(2 * out[-1], 2 * self.settling.most))
+        return out
+
+    def search(self, points: NDArray[np.intp], window: int) -> None:
+        """Look for a return in the last ``window`` section points."""
+        s, tolerance = self.settled, self.settling.tolerance
+        rows = (s.waited[points] - window + np.arange(window)[:, None]) % self.history.shape[0]
+        x = self.history[rows, :, self.slot[points]].transpose(0, 2, 1)
+        scale = positive(s.scale[:, points])
+        found = return_multiple(x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic)
+        multiple = found["multiple"].values
+        s.distance[points] = found["distance"].values
+        returned = np.flatnonzero(multiple > 0)
+        left = distance_to_limit(x[:, :, returned], multiple[returned], scale=scale[:, returned], cyclic=self.cyclic)
+        near = left <= tolerance
+        s.multiple[points[returned[near]]] = multiple[returned[near]]
+
+
+def positive(size: Array) -> Array:
+    """Ranges, with those of states that do not move at all made one: their differences are zero anyway."""
+    return np.where(size > 0, size, 1.0)
