@@ -9,9 +9,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from whirlmap import units
 from whirlmap.errors import CaseError
 from whirlmap.models import FAMILIES
-from whirlmap import units
 from whirlmap.units import convert, exact, factor, read, split
 
 

@@ -27,27 +27,24 @@ COMMON = (
 _PI = Fraction("3.1415926535897932384626433832795028841971693993751")
 
 #: Size in grams, metres, seconds and radians, and the powers of these.
-_SI: dict[str, tuple[Fraction, tuple[int, int, int, int]]] = {
-    unit: (Fraction(size), powers)
-    for powers, units in {
-        (1, 0, 0, 0): {"kg": 1000, "g": 1},
-        (0, 1, 0, 0): {"m": 1, "mm": Fraction(1, 10**3), "um": Fraction(1, 10**6)},
-        (0, 2, 0, 0): {"m^2": 1, "mm^2": Fraction(1, 10**6), "um^2": Fraction(1, 10**12)},
-        (0, 0, 1, 0): {"s": 1, "ms": Fraction(1, 10**3), "min": 60},
-        (0, 0, 0, 1): {"rad": 1, "deg": _PI / 180},
-        (0, 0, -1, 1): {"rad/s": 1, "turn/s": 2 * _PI, "rpm": _PI / 30},
-        (0, 1, -2, 0): {"m/s^2": 1},
-        (1, 1, -2, 0): {"N": 10**3, "kN": 10**6},
-        (1, 2, -2, 0): {"N*m": 10**3},
-        (1, 0, -2, 0): {"N/m": 10**3, "kN/m": 10**6, "N/um": 10**9},
-        (1, -2, -2, 0): {"N/m^3": 10**3},
-        (1, 0, -1, 0): {"N*s/m": 10**3, "kN*s/m": 10**6},
-        (1, -1, -2, 0): {"Pa": 10**3, "kPa": 10**6, "MPa": 10**9},
-        (1, -1, -1, 0): {"Pa*s": 10**3, "mPa*s": 1, "cP": 1},
-        (0, 0, 0, 0): {"1": 1, "%": Fraction(1, 100)},
-    }.items()
-    for unit, size in units.items()
+_UNITS: dict[tuple[int, int, int, int], dict[str, int | Fraction]] = {
+    (1, 0, 0, 0): {"kg": 1000, "g": 1},
+    (0, 1, 0, 0): {"m": 1, "mm": Fraction(1, 10**3), "um": Fraction(1, 10**6)},
+    (0, 2, 0, 0): {"m^2": 1, "mm^2": Fraction(1, 10**6), "um^2": Fraction(1, 10**12)},
+    (0, 0, 1, 0): {"s": 1, "ms": Fraction(1, 10**3), "min": 60},
+    (0, 0, 0, 1): {"rad": 1, "deg": _PI / 180},
+    (0, 0, -1, 1): {"rad/s": 1, "turn/s": 2 * _PI, "rpm": _PI / 30},
+    (0, 1, -2, 0): {"m/s^2": 1},
+    (1, 1, -2, 0): {"N": 10**3, "kN": 10**6},
+    (1, 2, -2, 0): {"N*m": 10**3},
+    (1, 0, -2, 0): {"N/m": 10**3, "kN/m": 10**6, "N/um": 10**9},
+    (1, -2, -2, 0): {"N/m^3": 10**3},
+    (1, 0, -1, 0): {"N*s/m": 10**3, "kN*s/m": 10**6},
+    (1, -1, -2, 0): {"Pa": 10**3, "kPa": 10**6, "MPa": 10**9},
+    (1, -1, -1, 0): {"Pa*s": 10**3, "mPa*s": 1, "cP": 1},
+    (0, 0, 0, 0): {"1": 1, "%": Fraction(1, 100)},
 }
+_SI = {unit: (Fraction(size), powers) for powers, units in _UNITS.items() for unit, size in units.items()}
 _BASES = ("gram", "meter", "second", "radian")  # as pint calls them
 
 _NUMBER = r"[+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"

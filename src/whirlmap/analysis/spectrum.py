@@ -309,7 +309,7 @@ def _periodogram(
     transform = np.fft.rfft(x * weights.reshape(-1, *(1,) * (x.ndim - 1)), axis=0)
     density = np.abs(transform) ** 2 / (rate * np.sum(weights**2))
     density[1 : (n + 1) // 2] *= 2.0
-    return np.fft.rfftfreq(n, 1 / rate), density
+    return np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=np.float64), density
 
 
 def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
