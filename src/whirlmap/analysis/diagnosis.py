@@ -82,7 +82,7 @@ def diagnose(
         if given < least:
             raise RangeError(f"{name} must be at least {least}, not {given}")
     swarm = {system.parameters[0]: np.full(LANES, system.vector[0])}
-    ensemble, found = make_ensemble(system, swarm, steps=steps, method=method, workers=workers, swarm=True)
+    ensemble, found = make_ensemble(system, swarm, steps=steps, method=method, workers=workers, swarm=True, one_kernel=True)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
     data = _label_data(ensemble, returns, found)
     votes: dict[str, Any] = {"return": _return_vote(returns)}

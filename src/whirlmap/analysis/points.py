@@ -82,6 +82,7 @@ def make_ensemble(
     tangents: int = 0,
     workers: int | None = None,
     swarm: bool = False,
+    one_kernel: bool = False,
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Build the ensemble of a system at one or many operating points.
 
@@ -91,6 +92,8 @@ def make_ensemble(
         Parameters that differ between points.
     starts : array, shape (state, point), optional
         Start states; where absent the model's default starts, with the system's own start values on top.
+    one_kernel : bool
+        As in `Ensemble`.
     swarm : bool
         Move every start by `SWARM` in its own fixed random direction (zero for the first point).
 
@@ -121,7 +124,8 @@ def make_ensemble(
         kicks[:, 0] = 0
         x = x + SWARM * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
     ensemble = Ensemble(
-        system.model, values, x, orders=orders, steps=steps, method=method_named(method), tangents=tangents, workers=workers
+        system.model, values, x, orders=orders, steps=steps, method=method_named(method), tangents=tangents, workers=workers,
+        one_kernel=one_kernel,
     )  # fmt: skip
     return ensemble, found
 

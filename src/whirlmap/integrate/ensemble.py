@@ -70,6 +70,9 @@ class Ensemble:
         Tangent vectors carried along, started from a fixed random orthonormal set.
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
+    one_kernel : bool
+        Use the kernel that can carry tangent vectors even while there are none: where both are run once, a second
+        kernel takes longer to compile or to load than it saves.
 
     Attributes
     ----------
@@ -96,6 +99,7 @@ class Ensemble:
         method: Method = RK4,
         tangents: int = 0,
         workers: int | None = None,
+        one_kernel: bool = False,
     ) -> None:
         n = values.shape[1]
         if steps < 1:
@@ -103,7 +107,7 @@ class Ensemble:
         if x.shape != (model.dimension, n):
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
         self.model, self.steps, self.method, self.tangents = model, steps, method, tangents
-        self.orders, self.workers = orders, workers or cores()
+        self.orders, self.workers, self.one_kernel = orders, workers or cores(), one_kernel
         self.points = n
         self.period = periods(model, values)
         self.values = values
@@ -133,7 +137,7 @@ class Ensemble:
         """Return an ensemble of some of the points, at their present states; `absorb` takes it back."""
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders, steps=self.steps,
-            method=self.method, tangents=self.tangents, workers=self.workers,
+            method=self.method, tangents=self.tangents, workers=self.workers, one_kernel=self.one_kernel,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in ("status", "end_time", "end_stop", "step_count"):
@@ -203,7 +207,8 @@ class _Group:
 
     def __init__(self, ensemble: Ensemble, model: Model, members: NDArray[np.intp]) -> None:
         self.ensemble, self.members = ensemble, members
-        self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=ensemble.tangents > 0, kind="locked")
+        carries = ensemble.tangents > 0 or ensemble.one_kernel
+        self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=carries, kind="locked")
         whole = padded(ensemble.values[:, members])
         self.inputs: Inputs = self.kernel.inputs(whole)
         self.h = padded(ensemble.period[members]) / ensemble.steps
