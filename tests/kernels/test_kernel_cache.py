@@ -1,5 +1,6 @@
 """The source of a kernel is its identity, and the folder of compiled kernels does what the user says."""
 
+import dataclasses
 import os
 import shutil
 import subprocess
@@ -276,6 +277,16 @@ def test_the_digest_changes_with_every_part_of_a_declaration(change):
     else:
         base = declared()
     assert model_digest(declared(**parts)) != model_digest(base)
+
+
+def test_no_part_of_a_declaration_is_forgotten():
+    """A new field of a model is either part of its digest or is said here not to reach any cached answer."""
+    digested = {
+        "name", "states", "parameters", "equations", "harmonics", "defaults", "outputs", "stops", "section",
+        "typical_time", "start", "bound", "tables", "clocks",
+    }  # fmt: skip
+    read_when_running = {"start_where_none", "plain", "checks", "switches", "swing", "sources"}
+    assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running
 
 
 def test_digests_of_stock_models_differ_and_are_the_same_in_every_process():

@@ -5,12 +5,14 @@ expressions out (`srepr`) repeats a shared part wherever it stands, and takes th
 """
 
 import hashlib
+from dataclasses import fields
 from functools import lru_cache
 from typing import Any
 
 from sympy import srepr, sympify
 
 from whirlmap.equations.model import Model
+from whirlmap.equations.pieces import Table
 
 Known = dict[int, tuple[Any, str]]
 
@@ -44,11 +46,17 @@ def model_digest(model: Model) -> str:
         *(f"default {p.name} {of(e)}" for p, e in model.defaults.items()),
         *(f"output {name} {of(o.expression)}" for name, o in model.outputs.items()),
         *(f"stop {name} {of(s.gap)} {of(s.reachable)}" for name, s in model.stops.items()),
-        *(f"table {a.name} {a.outputs} {a.cells} {a.degree}" for a in model.tables),
+        *(f"table {_shape(table)}" for table in model.tables),
         *([f"section {of(cut.surface)} {cut.direction}"] if cut else []),
         *(f"clock {name} {of(rate)}" for name, rate in model.clocks.items()),
         f"typical time {of(model.typical_time)}",
     )  # fmt: skip
+
+
+def _shape(table: Table) -> str:
+    """All of a table but its functions, which are called and never written into a cached answer."""
+    held = ((f.name, getattr(table, f.name)) for f in fields(table))
+    return " ".join(f"{name} {value!r}" for name, value in held if not callable(value))
 
 
 def _digest(*parts: str) -> str:
