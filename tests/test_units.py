@@ -9,6 +9,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from whirlmap import units
 from whirlmap.errors import CaseError
 from whirlmap.models import FAMILIES
 from whirlmap.units import convert, exact, factor, read, split
@@ -114,3 +115,20 @@ def test_dimensionless_cases_never_load_pint():
         " assert 'pint' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)
+
+
+def test_units_known_without_pint_are_those_of_pint():
+    """A wrong size or power in the table would be a wrong machine, without a word."""
+    assert len(units._SI) > 30
+    for unit in units._SI:
+        assert units._root(unit, unit) == units._looked_up(unit, unit), unit
+
+
+def test_stock_cases_never_start_pint():
+    """It takes a second, at the start of every command."""
+    code = (
+        "import sys\nfrom whirlmap.cases import names\nfrom whirlmap.integrate.loading import load\n"
+        "for name in names(): load(name)\nassert 'pint' not in sys.modules, 'pint was imported'"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr

@@ -4,7 +4,7 @@ Numbers are read as exact fractions of what was written (`50` and `1e-6`, not th
 units are scaled exactly, and only the result is rounded, once: ``"50 um"`` is the float ``5e-05``, not
 ``4.9999999999999996e-05``.
 
-pint is imported where a unit has to be understood, which a case without dimensions never needs.
+The SI units of case files are known here; pint, which takes a second to start, is imported for any other.
 """
 
 import re
@@ -23,6 +23,29 @@ COMMON = (
     "rad/s", "turn/s", "rad", "deg", "Pa", "kPa", "MPa", "Pa*s", "mPa*s", "cP", "N/m", "kN/m", "N/um",
     "lbf/in", "N*s/m", "kN*s/m", "N/m^3", "N*m", "m^2", "mm^2", "um^2", "m/s^2", "darcy",
 )  # fmt: skip
+
+_PI = Fraction("3.1415926535897932384626433832795028841971693993751")
+
+#: Size in grams, metres, seconds and radians, and the powers of these.
+_UNITS: dict[tuple[int, int, int, int], dict[str, int | Fraction]] = {
+    (1, 0, 0, 0): {"kg": 1000, "g": 1},
+    (0, 1, 0, 0): {"m": 1, "mm": Fraction(1, 10**3), "um": Fraction(1, 10**6)},
+    (0, 2, 0, 0): {"m^2": 1, "mm^2": Fraction(1, 10**6), "um^2": Fraction(1, 10**12)},
+    (0, 0, 1, 0): {"s": 1, "ms": Fraction(1, 10**3), "min": 60},
+    (0, 0, 0, 1): {"rad": 1, "deg": _PI / 180},
+    (0, 0, -1, 1): {"rad/s": 1, "turn/s": 2 * _PI, "rpm": _PI / 30},
+    (0, 1, -2, 0): {"m/s^2": 1},
+    (1, 1, -2, 0): {"N": 10**3, "kN": 10**6},
+    (1, 2, -2, 0): {"N*m": 10**3},
+    (1, 0, -2, 0): {"N/m": 10**3, "kN/m": 10**6, "N/um": 10**9},
+    (1, -2, -2, 0): {"N/m^3": 10**3},
+    (1, 0, -1, 0): {"N*s/m": 10**3, "kN*s/m": 10**6},
+    (1, -1, -2, 0): {"Pa": 10**3, "kPa": 10**6, "MPa": 10**9},
+    (1, -1, -1, 0): {"Pa*s": 10**3, "mPa*s": 1, "cP": 1},
+    (0, 0, 0, 0): {"1": 1, "%": Fraction(1, 100)},
+}
+_SI = {unit: (Fraction(size), powers) for powers, units in _UNITS.items() for unit, size in units.items()}
+_BASES = ("gram", "meter", "second", "radian")  # as pint calls them
 
 _NUMBER = r"[+-]?(?:\d[\d_]*\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 _QUANTITY = re.compile(
@@ -157,6 +180,13 @@ def factor(unit: str, to: str) -> Fraction:
 
 
 def _root(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]:
+    if unit in _SI:
+        scale, powers = _SI[unit]
+        return scale, {base: Fraction(power) for base, power in zip(_BASES, powers, strict=True) if power}
+    return _looked_up(unit, expected)
+
+
+def _looked_up(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]:
     if len(unit) > 60 or not _UNIT.fullmatch(unit) or _TOWER.search(unit):
         raise CaseError(f"found {unit[:60]!r}, which is not a unit, expected one such as {expected}")
     registry = _registry()
@@ -175,7 +205,7 @@ def _root(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]:
 
 @lru_cache(maxsize=1)
 def _registry() -> Any:
-    from pint import UnitRegistry  # 0.5 s, paid by the first unit that is not already the declared one
+    from pint import UnitRegistry  # 0.5 s to a second
 
     return UnitRegistry(non_int_type=Fraction, cache_folder=None)
 

@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.signal import get_window, lfilter
+from scipy.signal import find_peaks, get_window, lfilter, periodogram
 
-from whirlmap.analysis.spectrum import LINE_STATUS, full_spectrum, power_spectrum, spectral_lines
+from whirlmap.analysis.spectrum import _COSINES, LINE_STATUS, _peaks, full_spectrum, power_spectrum, spectral_lines
 from whirlmap.errors import RangeError
 
 N, RATE = 4096, 64.0
@@ -216,3 +216,23 @@ def test_wrong_input_is_refused():
         spectral_lines(full_spectrum(t, t, rate=1.0))
     with pytest.raises(RangeError, match="floor_width"):
         spectral_lines(power_spectrum(t, rate=1.0), floor_width=3)
+
+
+@pytest.mark.parametrize("window", list(_COSINES))
+@pytest.mark.parametrize("length", [64, 81])
+def test_spectra_are_those_of_scipy(window, length):
+    """SciPy's own take a second to import, so they are written out; even and odd lengths end differently."""
+    x = np.random.default_rng(5).normal(size=(length, 2, 3))
+    ds = power_spectrum(x, rate=4.0, window=window)
+    weights = get_window(window, length)
+    frequency, density = periodogram(x, fs=4.0, window=weights, detrend="constant", axis=0)
+    assert np.array_equal(ds["frequency"], frequency)
+    np.testing.assert_allclose(ds["density"][1:], density[1:], rtol=1e-11)  # both round; the mean is subtracted alike
+
+
+def test_peaks_are_those_of_scipy_with_equal_neighbours_too():
+    values = np.random.default_rng(6).integers(0, 4, size=500).astype(float)
+    peaks = _peaks(values)
+    assert np.any(values[peaks] == values[peaks + 1]), "the record has no flat top: the test has lost its case"
+    assert np.array_equal(peaks, find_peaks(values)[0])
+    assert _peaks(np.ones(9)).size == 0

@@ -1,13 +1,20 @@
 """The source of a kernel is its identity, and the folder of compiled kernels does what the user says."""
 
+import dataclasses
 import os
+import shutil
 import subprocess
 import sys
 import textwrap
+import threading
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
 
 import pytest
 
-from whirlmap.equations import Model, Output, Parameter, State, Stop, cos, t
+import whirlmap
+from whirlmap.equations import Model, Output, Parameter, State, Stop, Table, cos, t
+from whirlmap.equations.identity import model_digest
 from whirlmap.errors import CacheError
 from whirlmap.integrate.system import System
 from whirlmap.kernels import cache
@@ -75,9 +82,11 @@ print(System(Model("folder-test", (x,), (k,), {x: -k * x}), {"k": 2.0}).rhs(0.0,
 """
 
 
-def run(folder):
+def run(folder, script=SCRIPT, source=None):
     environment = {**os.environ, "WHIRLMAP_CACHE": str(folder)}
-    done = subprocess.run([sys.executable, "-c", textwrap.dedent(SCRIPT)], env=environment, capture_output=True, text=True)
+    if source:
+        environment["PYTHONPATH"] = str(source)
+    done = subprocess.run([sys.executable, "-c", textwrap.dedent(script)], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return float(done.stdout)
 
@@ -93,12 +102,15 @@ def test_kernels_are_kept_in_the_chosen_folder_and_found_again(tmp_path):
 
 def test_size_and_clear_of_the_chosen_folder(tmp_path, monkeypatch):
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path / "k"))
-    assert (cache.size(), cache.clear()) == (0, 0)
+    assert (cache.size(), cache.clear()) == (0, (0, 0))
     (tmp_path / "k").mkdir()
     (tmp_path / "k" / "kernel_0123.py").write_text("pass\n")
+    (tmp_path / "k" / "lowered_0123.json").write_text("{}")
     (tmp_path / "k" / "mine.txt").write_text("keep")
-    assert cache.size() == 9
-    assert cache.clear() == 1
+    assert cache.size() == 11
+    assert cache.counts() == (1, 1)
+    assert cache.clear() == (1, 1)
+    assert [f.name for f in (tmp_path / "k").iterdir()] == ["mine.txt"]
     assert (tmp_path / "k" / "mine.txt").exists()
 
 
@@ -117,3 +129,173 @@ def test_a_folder_that_cannot_be_written_is_said_plainly(tmp_path, monkeypatch):
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path / "file" / "below"))
     with pytest.raises(CacheError, match="WHIRLMAP_CACHE"):
         cache.module("value = 43\n")
+
+
+# --- what lowering gave ------------------------------------------------------------------------------------
+
+EVERYTHING = """
+import numpy as np
+from whirlmap.equations import Model, Output, Parameter, State, Stop, cos, t
+from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.system import System
+from whirlmap.kernels.reference import reference_outputs
+x, k, w = State("x", "1", "x"), Parameter("k", "1", "k"), Parameter("w", "1", "w")
+model = Model("folder-test", (x,), (k, w), {x: 1 - k * x + cos(w * t)}, harmonics=(w,), start="equilibrium",
+              outputs={"o": Output(x**2, "1", "o")}, stops={"wall": Stop(9 - x, "wall")})
+system = System(model, {"k": 2.0, "w": 1.0})
+start = start_states(model, system.vector[:, None])[0]
+numbers = [system.rhs(0.0, [1.5])[0], system.jacobian(0.0, [1.5])[0, 0], system.period, start[0, 0],
+           system.reference_rhs(0.0, [1.5])[0], reference_outputs(model)(start, system.vector[:, None])[0, 0]]
+print(sum(10**i * number for i, number in enumerate(numbers)))
+"""
+
+
+def test_what_was_lowered_is_read_again_without_lowering(tmp_path):
+    """The second process must neither print an expression nor derive a Jacobian."""
+    first = run(tmp_path, EVERYTHING)
+    assert len(list(tmp_path.glob("lowered_*.json"))) >= 6
+    forbidden = """
+    import whirlmap.kernels.formulas as formulas, whirlmap.kernels.source as source
+    def refuse(*_, **__): raise SystemExit("lowered again")
+    formulas.lambdify = source.straight = source.jacobian_code = refuse
+    """
+    assert run(tmp_path, textwrap.dedent(forbidden) + EVERYTHING) == first
+
+
+@pytest.mark.parametrize(
+    ("file", "old", "new"),
+    [
+        ("kernels/lower.py", 'return f"{int(expr)}.0"', 'return f"{int(expr) + 1}.0"'),
+        ("kernels/formulas.py", "[sympify(e) for e in", "[2 * sympify(e) for e in"),
+        ("integrate/rescue.py", "[getattr(stop, field) for", "[-getattr(stop, field) for"),
+        ("equations/identity.py", "Known = dict", "Known  = dict"),
+    ],
+    ids=lambda text: text if text.endswith(".py") else "",
+)
+def test_a_change_of_the_source_that_writes_gives_new_numbers(tmp_path, file, old, new):
+    """An entry of yesterday's source would be a wrong number that nobody can explain."""
+    package = Path(whirlmap.__file__).parent
+    shutil.copytree(package, tmp_path / "src" / "whirlmap", ignore=shutil.ignore_patterns("__pycache__"))
+    folder = tmp_path / "kernels"
+    before = run(folder, EVERYTHING, tmp_path / "src")
+    entries = set(folder.glob("lowered_*.json"))
+    changed = tmp_path / "src" / "whirlmap" / file
+    text = changed.read_text()
+    assert old in text
+    changed.write_text(text.replace(old, new))
+    after = run(folder, EVERYTHING, tmp_path / "src")
+    assert (after == before) == (file == "equations/identity.py")  # a change of layout alone: new entries, old numbers
+    assert len(set(folder.glob("lowered_*.json"))) >= 2 * len(entries) - 1
+
+
+@pytest.mark.parametrize("damage", [b"", b"{}", b"\xff\xfe", b"0123\n[1, 2]"], ids=["empty", "cut", "binary", "altered"])
+def test_a_damaged_entry_is_worked_out_again_with_a_warning(tmp_path, monkeypatch, damage):
+    monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path))
+    asked = []
+
+    def answer():
+        asked.append(1)
+        return [1.5, "text"]
+
+    def remembered():
+        return cache.remembered("question", answer, lambda data: isinstance(data, list))
+
+    assert [remembered(), remembered(), len(asked)] == [[1.5, "text"], [1.5, "text"], 1]
+    (entry,) = tmp_path.iterdir()
+    sound = entry.read_bytes()
+    entry.write_bytes(damage)
+    with pytest.warns(UserWarning, match="damaged"):
+        assert remembered() == [1.5, "text"]
+    assert entry.read_bytes() == sound
+    assert [remembered(), len(asked)] == [[1.5, "text"], 2]
+    assert cache.remembered("another question", lambda: 3, lambda data: data == 3) == 3
+
+
+def test_an_entry_of_another_form_is_no_answer(tmp_path, monkeypatch):
+    monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path))
+    cache.remembered("question", lambda: 1, lambda data: True)
+    with pytest.warns(UserWarning, match="damaged"):
+        assert cache.remembered("question", lambda: [2], lambda data: isinstance(data, list)) == [2]
+
+
+def test_many_threads_may_fill_the_same_entry_at_once(tmp_path, monkeypatch):
+    monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path))
+    together = threading.Barrier(8)
+
+    def answer():
+        together.wait()
+        return list(range(20_000))
+
+    with ThreadPoolExecutor(8) as pool:
+        found = list(pool.map(lambda _: cache.remembered("question", answer, lambda data: True), range(8)))
+    assert all(data == list(range(20_000)) for data in found)
+    assert [f.suffix for f in tmp_path.iterdir()] == [".json"]
+
+
+def declared(**changed):
+    """Oscillator whose whole declaration can be changed, one part at a time."""
+    parts = {
+        "name": "identity", "states": (x, v), "parameters": (k, g, omega), "harmonics": (omega,), "bound": 1e6,
+        "equations": {x: v, v: -k * x + g * cos(omega * t)}, "outputs": {"e": Output(x**2, "1", "energy")},
+        "stops": {"contact": Stop(2 - x, "wall")}, "clocks": {"forcing": omega}, "defaults": {g: 1},
+        "tables": (Table("curve", ("f",), lambda p, z: (z,), (8,), 3),),
+    }  # fmt: skip
+    return Model(**{**parts, **changed})
+
+
+CHANGES = {
+    "name": {"name": "other"},
+    "equation": {"equations": {x: v, v: -k * x - x**3 + g * cos(omega * t)}},
+    "coefficient": {"equations": {x: v, v: -1.0000001 * k * x + g * cos(omega * t)}},
+    "float for integer": {"equations": {x: 1.0 * v, v: -k * x + g * cos(omega * t)}},
+    "order of states": {"states": (v, x)},
+    "start": {"states": (State("x", "1", "position", start=2.0), v), "clocks": {}},
+    "cyclic": {"states": (State("x", "1", "position", cyclic=6.28), v), "clocks": {}},
+    "order of parameters": {"parameters": (g, k, omega)},
+    "harmonic": {"harmonics": (omega, 2 * omega)},
+    "output": {"outputs": {"e": Output(x**4, "1", "energy")}},
+    "output's name": {"outputs": {"f": Output(x**2, "1", "energy")}},
+    "stop": {"stops": {"contact": Stop(3 - x, "wall")}},
+    "stop reachable": {"stops": {"contact": Stop(2 - x, "wall", k)}},
+    "bound": {"bound": 1e5},
+    "clock": {"clocks": {"forcing": omega / 2}},
+    "default": {"defaults": {g: 2}},
+    "table's cells": {"tables": (Table("curve", ("f",), lambda p, z: (z,), (16,), 3),)},
+    "table's degree": {"tables": (Table("curve", ("f",), lambda p, z: (z,), (8,), 5),)},
+}
+
+
+@pytest.mark.parametrize("change", list(CHANGES))
+def test_the_digest_changes_with_every_part_of_a_declaration(change):
+    """What the digest does not see, the cache would answer with another model's numbers."""
+    assert model_digest(declared()) == model_digest(declared())
+    parts = dict(CHANGES[change])
+    if parts.get("states", (x, v))[0] is not x and "equations" not in parts and change != "order of states":
+        other = parts["states"][0]
+        parts |= {"equations": {other: v, v: -k * other + g * cos(omega * t)}, "stops": {}, "outputs": {}}
+        base = declared(stops={}, outputs={}, clocks={})
+    else:
+        base = declared()
+    assert model_digest(declared(**parts)) != model_digest(base)
+
+
+def test_no_part_of_a_declaration_is_forgotten():
+    """A new field of a model is either part of its digest or is said here not to reach any cached answer."""
+    digested = {
+        "name", "states", "parameters", "equations", "harmonics", "defaults", "outputs", "stops", "section",
+        "typical_time", "start", "bound", "tables", "clocks",
+    }  # fmt: skip
+    read_when_running = {"start_where_none", "plain", "checks", "switches", "swing", "sources"}
+    assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running
+
+
+def test_digests_of_stock_models_differ_and_are_the_same_in_every_process():
+    script = "import whirlmap.models as m\nfrom whirlmap.equations.identity import model_digest\n"
+    script += "for f in m.FAMILIES.values(): print(model_digest(f.model()))"
+    found = []
+    for seed in ("1", "2"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        done = subprocess.run([sys.executable, "-c", script], env=environment, capture_output=True, text=True, check=True)
+        found.append(done.stdout.split())
+    assert found[0] == found[1]
+    assert len(set(found[0])) == len(found[0]) == 8

@@ -7,6 +7,7 @@ import sympy as sp
 from whirlmap.equations import Model, Parameter, State, cbrt, cos, pi, sign, sin, sqrt, t, when
 from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System
+from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import (
     Hoisted,
     code,
@@ -79,7 +80,7 @@ def test_what_depends_on_parameters_alone_leaves_the_kernel():
     assert not got.free_symbols & {a, b, omega}
     assert len(hoisted.expressions) == 3  # one coefficient each for x and sin x, and the constant
     values = np.array([[2.0, 3.0], [4.0, 9.0], [0.5, 0.1]])
-    numbers = hoisted.evaluate(values)
+    numbers = HoistedFunction.of(hoisted.parameters, hoisted.expressions).evaluate(values)
     back = got.subs({x: 0.7, **{q: numbers[i, 1] for i, q in enumerate(hoisted.symbols)}})
     assert float(back) == pytest.approx(-6 / 3 * 0.7 + np.exp(27) * np.sin(0.7) + 3.01, rel=1e-14)
 
@@ -95,7 +96,7 @@ def test_numbers_stay_in_the_code():
     hoisted = Hoisted((a,))
     assert hoist(3 * x / 7, hoisted) == 3 * x / 7
     assert hoisted.expressions == []
-    assert hoisted.evaluate(np.zeros((1, 4))).shape == (0, 4)
+    assert HoistedFunction.of(hoisted.parameters, []).evaluate(np.zeros((1, 4))).shape == (0, 4)
 
 
 # --- powers ------------------------------------------------------------------------------------------------

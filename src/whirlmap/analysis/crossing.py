@@ -2,10 +2,10 @@
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import lambdify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
+from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.reference import reference_rates
 
 Array = NDArray[np.float64]
@@ -44,7 +44,11 @@ def crossings(model: Model, values: Array, x: Array, h: Array) -> tuple[Array, A
     place = model.section
     if place is None:
         raise RangeError(f"{model.name} is not forced and declares no section: add section=Section(...)")
-    surface = lambdify([list(model.states), list(model.parameters)], place.surface, modules="numpy")
+    height_of = numpy_function(model, "section", lambda: Formula([model.states, model.parameters], [place.surface]))
+
+    def surface(x: list[Array], values: list[Array]) -> Array:
+        return np.asarray(height_of(x, values)[0])
+
     sign = 1.0 if place.direction == "rising" else -1.0
     height = sign * surface(list(np.moveaxis(x, 1, 0)), list(values))
     step, point = np.nonzero((height[:-1] <= 0) & (height[1:] > 0))

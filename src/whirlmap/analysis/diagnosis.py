@@ -87,7 +87,8 @@ def diagnose(
             raise RangeError(f"{name} must be at least {least}, not {given}")
     swarm = {system.parameters[0]: np.full(LANES, system.vector[0])}
     ensemble, found = make_ensemble(
-        system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True
+        system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True,
+        one_kernel=True,
     )  # fmt: skip
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
     data = _label_data(ensemble, returns, found)

@@ -9,11 +9,21 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage, signal
+from scipy import ndimage
 
 from whirlmap.errors import RangeError
 
 Window = Literal["boxcar", "hann", "hamming", "blackman", "blackmanharris", "flattop"]
+
+#: Each window as a sum of cosines, over one turn.
+_COSINES = {
+    "boxcar": (1.0,),
+    "hann": (0.5, 0.5),
+    "hamming": (0.54, 0.46),
+    "blackman": (0.42, 0.50, 0.08),
+    "blackmanharris": (0.35875, 0.48829, 0.14128, 0.01168),
+    "flattop": (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
+}
 
 _LOBE = {"boxcar": 1, "hann": 2, "hamming": 2, "blackman": 3, "blackmanharris": 4, "flattop": 5}
 """Half-width of each window's main lobe [frequency bins]."""
@@ -59,8 +69,7 @@ def power_spectrum(
     weights = _checked(x, rate, window)
     if x.ndim > 3:
         raise RangeError(f"values has shape {x.shape}: time and at most state and lane are needed.")
-    options = {"window": weights, "detrend": "constant" if detrend else False, "axis": 0}
-    frequency, density = signal.periodogram(x, fs=rate, scaling="density", **options)
+    frequency, density = _periodogram(x - _means(x) if detrend else x, weights, rate)
     bandwidth = (
         rate * np.sum(weights**2) / np.sum(weights) ** 2
     )  # power = density * equivalent noise bandwidth
@@ -281,6 +290,37 @@ def spectral_lines(
     return result
 
 
+def _window(name: str, length: int) -> NDArray[np.float64]:
+    """Weights of a window whose next value would be its first again (Fourier analysis wants periodic windows)."""
+    angle = np.linspace(-np.pi, np.pi, length + 1)[:-1]
+    return np.sum([a * np.cos(k * angle) for k, a in enumerate(_COSINES[name])], axis=0, dtype=np.float64)
+
+
+def _means(x: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Mean of each series, summed along contiguous memory: the same bits alone and in a batch."""
+    return np.asarray(np.ascontiguousarray(np.moveaxis(x, 0, -1)).mean(axis=-1))
+
+
+def _periodogram(
+    x: NDArray[np.float64], weights: NDArray[np.float64], rate: float
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Frequencies, and the one-sided density of each series: every bin but zero and Nyquist counts twice."""
+    n = x.shape[0]
+    transform = np.fft.rfft(x * weights.reshape(-1, *(1,) * (x.ndim - 1)), axis=0)
+    density = np.abs(transform) ** 2 / (rate * np.sum(weights**2))
+    density[1 : (n + 1) // 2] *= 2.0
+    return np.asarray(np.fft.rfftfreq(n, 1 / rate), dtype=np.float64), density
+
+
+def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
+    """Bins higher than what stands on either side; of equally high neighbours the middle one."""
+    ends = np.append(np.flatnonzero(np.diff(density)), density.size - 1)  # of runs of equal values
+    starts = np.append(0, ends[:-1] + 1)
+    level = density[starts]
+    top = (level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])
+    return np.asarray((starts[1:-1] + ends[1:-1]) // 2)[top]
+
+
 def _floor(density: NDArray[np.float64], width: int, lobe: int) -> NDArray[np.float64]:
     """Mean level of the broadband part around each bin (steps 1 and 2 of ``spectral_lines``)."""
     half = 4 * lobe
@@ -294,7 +334,7 @@ def _floor(density: NDArray[np.float64], width: int, lobe: int) -> NDArray[np.fl
 def _leakage(window: str) -> NDArray[np.float64]:
     """Largest power that a line can show so many bins away, or further, as a share of its highest bin."""
     fine, bins, length = 16, 256, 1024  # sums of cosines: their transforms do not depend on the length
-    response = np.abs(np.fft.rfft(signal.get_window(window, length), fine * length)[: fine * bins]) ** 2
+    response = np.abs(np.fft.rfft(_window(window, length), fine * length)[: fine * bins]) ** 2
     envelope = np.maximum.accumulate(response[::-1])[::-1]
     # A line half a bin off shows its highest bin at response[fine / 2], and half a bin more on the far side.
     nearest = np.maximum(np.arange(bins) * fine - fine // 2, 0)
@@ -312,7 +352,8 @@ def _lines_of(
     least: float,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Frequencies, powers and floors of the lines of one spectrum, the strongest first."""
-    peaks, _ = signal.find_peaks(density, height=threshold * floor)
+    peaks = _peaks(density)
+    peaks = peaks[density[peaks] >= threshold * floor[peaks]]
     peaks = peaks[(peaks >= 4 * lobe) & (density[peaks] * step >= least * density.sum() * step)]
     # A side lobe of a stronger line is not a line. Two amplitudes may add: four times the power.
     reach = np.abs(peaks[:, None] - peaks)
@@ -332,7 +373,7 @@ def _lines_of(
     inside = np.abs(index - peaks[owner]) <= lobe
     excess = np.where(inside, density - floor, 0.0)
     power = np.bincount(owner, weights=excess, minlength=peaks.size) * step
-    # find_peaks never returns the first or last bin, so both neighbours exist; zeros would break the
+    # A peak is never the first or last bin, so both neighbours exist; zeros would break the
     # logarithm.
     around = np.log(np.maximum(density[peaks[:, None] + np.array([-1, 0, 1])], np.finfo(float).tiny))
     curvature = around[:, 0] - 2 * around[:, 1] + around[:, 2]
@@ -356,4 +397,4 @@ def _checked(x: NDArray[Any], rate: float, window: str) -> NDArray[np.float64]:
         raise RangeError(f"rate = {rate}: a positive number of samples per unit is needed.")
     if window not in _LOBE:
         raise RangeError(f"window = {window!r}: one of {', '.join(_LOBE)} is needed.")
-    return np.asarray(signal.get_window(window, x.shape[0]), dtype=np.float64)
+    return _window(window, x.shape[0])

@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
-from sympy import lambdify
 
 from whirlmap.analysis.crossing import crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
@@ -14,6 +13,7 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.kernels.reference import reference_outputs
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
 
@@ -22,11 +22,7 @@ Array = NDArray[np.float64]
 
 def outputs_of(model: Model, values: Array, x: Array) -> Array:
     """Outputs of a model at states (state, ...) for parameters (parameter,); shape (output, ...)."""
-    function = lambdify(
-        [list(model.states), list(model.parameters)], [o.expression for o in model.outputs.values()], modules="numpy"
-    )
-    rows = function(list(x), list(values))
-    return np.array([np.broadcast_to(np.asarray(r, dtype=float), x.shape[1:]) for r in rows]).reshape(-1, *x.shape[1:])
+    return reference_outputs(model)(x, values.reshape(-1, *(1,) * (x.ndim - 1)))
 
 
 #: Least samples per T of a time series whose steps are chosen by accuracy.

@@ -14,22 +14,28 @@ EXAMPLES = (
 
 
 def cache(
-    clear: Annotated[bool, typer.Option("--clear", help="Delete every compiled kernel.")] = False,
+    clear: Annotated[bool, typer.Option("--clear", help="Delete all that is kept.")] = False,
     json: options.Json = False,
 ) -> None:
     """Show the folder of compiled kernels and its size, or clear it.
 
-    A model is compiled the first time that it is run, which takes some seconds to a minute; the machine code
-    is kept in this folder. The variable WHIRLMAP_CACHE chooses another one. Clearing is always safe.
+    A model is lowered and compiled the first time that it is run, which takes some seconds to a minute; the
+    expressions and the machine code are kept in this folder. The variable WHIRLMAP_CACHE chooses another one.
+    Clearing is always safe.
     """
     from whirlmap.kernels import cache as kernels
 
     deleted = kernels.clear() if clear else None
-    path, size = kernels.folder(), kernels.size()
+    path, size, (compiled, lowered) = kernels.folder(), kernels.size(), kernels.counts()
     if json:
-        report.print_json({"path": path, "bytes": size, "kernels_deleted": deleted})
+        gone = {"kernels_deleted": deleted[0] if deleted else None, "lowered_deleted": deleted[1] if deleted else None}
+        report.print_json({"path": path, "bytes": size, "kernels": compiled, "lowered": lowered, **gone})
         return
     typer.echo(f"folder: {path}")
-    typer.echo(f"size:   {size / 1e6:.1f} MB")
+    typer.echo(f"size:   {size / 1e6:.1f} MB, {_many(compiled, lowered)}")
     if deleted is not None:
-        typer.echo(f"deleted: {deleted} kernels")
+        typer.echo(f"deleted: {_many(*deleted)}")
+
+
+def _many(compiled: int, lowered: int) -> str:
+    return f"{compiled} kernels and {lowered} lowered expressions"

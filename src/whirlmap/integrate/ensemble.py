@@ -80,6 +80,9 @@ class Ensemble:
         unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
     accuracy : float, optional
         What the steps were chosen for (`choose_steps`); absent where they were given.
+    one_kernel : bool
+        Use the kernel that can carry tangent vectors even while there are none: where both are run once, a second
+        kernel takes longer to compile or to load than it saves.
 
     Attributes
     ----------
@@ -112,6 +115,7 @@ class Ensemble:
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
+        one_kernel: bool = False,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -120,7 +124,7 @@ class Ensemble:
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
         self.model, self.method, self.tangents, self.redo, self.accuracy = model, method, tangents, redo, accuracy
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
-        self.orders, self.workers = orders, workers or cores()
+        self.orders, self.workers, self.one_kernel = orders, workers or cores(), one_kernel
         self.points = n
         self.period = periods(model, values)
         self.values = values
@@ -171,7 +175,7 @@ class Ensemble:
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            workers=self.workers, redo=self.redo, accuracy=self.accuracy,
+            workers=self.workers, redo=self.redo, accuracy=self.accuracy, one_kernel=self.one_kernel,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:
@@ -284,7 +288,8 @@ class _Group:
 
     def __init__(self, ensemble: Ensemble, model: Model, members: NDArray[np.intp], steps: int) -> None:
         self.ensemble, self.members, self.steps = ensemble, members, steps
-        self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=ensemble.tangents > 0, kind="locked")
+        carries = ensemble.tangents > 0 or ensemble.one_kernel
+        self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=carries, kind="locked")
         self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members])
         self.h = ensemble.period[members] / steps
         self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)

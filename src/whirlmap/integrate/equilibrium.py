@@ -4,9 +4,9 @@ from collections.abc import Callable
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import lambdify
 
 from whirlmap.equations.model import Model
+from whirlmap.integrate.rescue import stop_function
 from whirlmap.kernels.reference import reference_rates
 
 Array = NDArray[np.float64]
@@ -88,13 +88,14 @@ def _newton(
     model: Model, values: Array, guess: Array, *, less: Array | None = None, most: int = MOST_STEPS
 ) -> tuple[Array, NDArray[np.bool_]]:
     rates = reference_rates(model, forced=False)
-    gaps = lambdify([list(model.states)], [stop.gap for stop in model.stops.values()], modules="numpy")
+    gaps = stop_function(model, "gap")
     points = guess.shape[1]
 
     def residual(x: Array, at: NDArray[np.intp]) -> Array:
         """Rates at points whose gaps are open; infinite elsewhere, where no film exists."""
         out = np.full(x.shape, np.inf)
-        inside = np.all([np.broadcast_to(g, x.shape[1:]) > 0 for g in gaps(list(x))] or [np.full(at.size, True)], axis=0)
+        open_gaps = [np.broadcast_to(g, x.shape[1:]) > 0 for g in gaps(list(x), list(values[:, at]))]
+        inside = np.all(open_gaps or [np.full(at.size, True)], axis=0)
         if inside.any():
             out[:, inside] = rates(0.0, x[:, inside], values[:, at[inside]])
             if less is not None:

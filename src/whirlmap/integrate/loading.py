@@ -6,10 +6,11 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from sympy import srepr, sympify
+from sympy import sympify
 
 from whirlmap.cases import Case, Settled, read, settle
 from whirlmap.cases.case import start_values
+from whirlmap.equations.identity import Known, expression_digest
 from whirlmap.equations.model import Family, Model
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.system import System, exact_order
@@ -126,9 +127,10 @@ def pieces(system: System) -> Pieces:
 
 @lru_cache(maxsize=64)
 def _model_hash(model: Model) -> str:
-    named = [(state.name, srepr(model.equations[state])) for state in model.states]
-    named += [(f"output {name}", srepr(output.expression)) for name, output in model.outputs.items()]
-    named += [(f"stop {name}", srepr(stop.gap)) for name, stop in model.stops.items()]
+    known: Known = {}
+    named = [(state.name, expression_digest(model.equations[state], known)) for state in model.states]
+    named += [(f"output {name}", expression_digest(output.expression, known)) for name, output in model.outputs.items()]
+    named += [(f"stop {name}", expression_digest(stop.gap, known)) for name, stop in model.stops.items()]
     named += [("parameters", " ".join(p.name for p in model.parameters))]
     return model_hash(named)
 

@@ -1,14 +1,15 @@
 """What happens to a lane whose step failed: an event is located, a step that was too long is redone with shorter ones."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import lambdify
 
 from whirlmap.equations.model import Model
+from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.lanes import lane_kernel
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.source import LANES
@@ -121,12 +122,13 @@ class Rescue:
     def _reachable(self, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:
         return self._stops("reachable", lanes, np.zeros((self.model.dimension, LANES))) > 0
 
-    def _stops(self, field: str, lanes: NDArray[np.intp], x: Array) -> Array:
-        rows = _stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
+    def _stops(self, field: Literal["gap", "reachable"], lanes: NDArray[np.intp], x: Array) -> Array:
+        rows = stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
         return np.array([np.broadcast_to(np.asarray(r, dtype=float), (LANES,)) for r in rows]).reshape(-1, LANES)
 
 
 @lru_cache(maxsize=64)
-def _stop_function(model: Model, field: str) -> Any:
+def stop_function(model: Model, field: Literal["gap", "reachable"]) -> Callable[..., Any]:
+    """One field of each of a model's stops, as a function of lists of states and parameters."""
     expressions = [getattr(stop, field) for stop in model.stops.values()]
-    return lambdify([list(model.states), list(model.parameters)], expressions, modules="numpy")
+    return numpy_function(model, f"stops: {field}", lambda: Formula([model.states, model.parameters], expressions))

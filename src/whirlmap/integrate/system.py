@@ -1,6 +1,6 @@
 """A system: a model with numbers, ready to integrate."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -9,11 +9,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sympy import Expr, Rational, lambdify, sympify
+from sympy import Expr, Rational, sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
+from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.lanes import LaneKernel, lane_kernel, padded
 from whirlmap.kernels.methods import RK4
 from whirlmap.kernels.reference import reference_rates
@@ -181,17 +182,14 @@ class System:
 def _evaluate_block(kernel: LaneKernel, inputs: Any, time: float, x: Array) -> tuple[Array, Array]:
     n, model = x.shape[0], kernel.model
     p, tables, offsets = inputs
-    slots = max(len(kernel.source.slots), 1)
+    slots = max(kernel.source.slot_count, 1)
     dy, jac, o = np.empty(n * LANES), np.empty(slots * LANES), np.empty((len(model.outputs) + 1) * LANES)
     kernel.module.evaluate(np.ascontiguousarray(x).ravel(), np.full(LANES, float(time)), p.ravel(), tables,
                            offsets.ravel(), dy, jac, o)  # fmt: skip
     dense = np.zeros((n, n, LANES))
-    inputs_of = {q: i for i, q in enumerate(kernel.source.hoisted.symbols)}
-    for (i, j), entry in kernel.source.entries.items():
-        if (i, j) in kernel.source.slots:
-            dense[i, j] = jac.reshape(-1, LANES)[kernel.source.slots[i, j]]
-        else:
-            dense[i, j] = p[inputs_of[entry]] if entry in inputs_of else float(entry)
+    moving = jac.reshape(-1, LANES)
+    for (i, j), (where, value) in kernel.source.entries.items():
+        dense[i, j] = value if where == "constant" else (p if where == "input" else moving)[int(value)]
     return dy.reshape(n, LANES), dense
 
 
@@ -208,17 +206,18 @@ def _plain(model: Model, parameter: Parameter) -> Model:
 
 
 @lru_cache(maxsize=64)
-def _frequencies(model: Model) -> Any:
-    return lambdify([list(model.parameters)], [sympify(w) for w in model.harmonics], modules="numpy")
+def _frequencies(model: Model) -> Callable[..., Any]:
+    """Frequency of every harmonic; for an unforced model its typical time."""
+    times = model.harmonics if model.forced else (model.typical_time,)
+    return numpy_function(model, "frequencies or typical time", lambda: Formula([model.parameters], times))
 
 
 def periods(model: Model, values: Array) -> Array:
     """Period T of every operating point (values of shape (parameter, point)); typical time of an unforced model."""
     n = values.shape[1]
-    if not model.forced:
-        time = lambdify([list(model.parameters)], sympify(model.typical_time), modules="numpy")(list(values))
-        return np.broadcast_to(np.asarray(time, dtype=float), (n,)).copy()
     rates = np.stack([np.broadcast_to(np.asarray(w, dtype=float), (n,)) for w in _frequencies(model)(list(values))])
+    if not model.forced:
+        return np.asarray(rates[0])
     fastest = np.abs(rates).max(axis=0)
     if not np.all(fastest > 0):
         raise RangeError(f"{model.name}: every declared harmonic has frequency zero, so there is no period T")

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cached_property, lru_cache
+from functools import lru_cache
 from types import ModuleType
 from typing import Any, Literal
 
@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import tabulated
 from whirlmap.kernels import cache
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.source import LANES, KernelSource, kernel_source
+from whirlmap.kernels.source import LANES, KernelSource, stored_source
 from whirlmap.kernels.tabulate import fill
 
 Array = NDArray[np.float64]
@@ -31,19 +30,11 @@ class LaneKernel:
     def inputs(self, values: Array) -> "Inputs":
         """Prepare the inputs of many points: values of shape (parameter, point)."""
         n = values.shape[1]
-        index = {q: i for i, q in enumerate(self.model.parameters)}
-        readers = self._readers
-        parameters = tuple(
-            values[index[readers[table.name]]] if readers[table.name] in index else np.full(n, float(readers[table.name]))
-            for table in self.source.tables
-        )
-        entries, offsets = fill(self.source.tables, parameters, n)
+        index = {q.name: i for i, q in enumerate(self.model.parameters)}
+        parameters = tuple(values[index[p]] if isinstance(p, str) else np.full(n, p) for p in self.source.tables.values())
+        tables = {table.name: table for table in self.model.tables}
+        entries, offsets = fill(tuple(tables[name] for name in self.source.tables), parameters, n)
         return Inputs(self.source.hoisted.evaluate(values), entries, offsets)
-
-    @cached_property
-    def _readers(self) -> dict[str, Any]:
-        """Parameter of each table: a plain symbol of the model, or a number."""
-        return {e.table_name: e.parameter for rate in self.model.equations.values() for e in rate.atoms(tabulated)}
 
 
 @dataclass(frozen=True)
@@ -62,7 +53,7 @@ class Inputs:
 @lru_cache(maxsize=64)
 def lane_kernel(model: Model, method: Method, *, tangents: bool, kind: Literal["locked", "free"]) -> LaneKernel:
     """Compile, or find again, the kernel of a model (compilation itself happens at the first call)."""
-    source = kernel_source(model, method, tangents=tangents, kind=kind)
+    source = stored_source(model, method, tangents=tangents, kind=kind)
     return LaneKernel(model, source, cache.module(source.text))
 
 

@@ -11,11 +11,8 @@ Steps, in this order:
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Any
 
-import numpy as np
-from numpy.typing import NDArray
 from sympy import (
     Add,
     Expr,
@@ -27,7 +24,6 @@ from sympy import (
     Symbol,
     cos,
     cse,
-    lambdify,
     sin,
     sqrt,
     sympify,
@@ -77,26 +73,6 @@ class Hoisted:
         self.expressions.append(expression)
         self.symbols.append(Symbol(f"q{len(self.symbols)}", real=True))
         return self.symbols[-1]
-
-    def evaluate(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Compute the expressions for many operating points.
-
-        Parameters
-        ----------
-        values : array, shape (parameter, point)
-
-        Returns
-        -------
-        array, shape (expression, point)
-        """
-        out = np.empty((len(self.expressions), values.shape[1]))
-        for i, row in enumerate(self._function(list(values)) if self.expressions else ()):
-            out[i] = row
-        return out
-
-    @cached_property
-    def _function(self) -> Any:
-        return lambdify([list(self.parameters)], self.expressions, modules="numpy", cse=True)
 
 
 def split_harmonics(expression: Expr, harmonics: Sequence[Expr]) -> Expr:

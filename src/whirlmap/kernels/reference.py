@@ -5,12 +5,13 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sympy import Expr, Function, cos, lambdify, sin, sympify
+from sympy import Expr, Function, cos, sin, sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import Table, tabulated
 from whirlmap.equations.quantities import t
 from whirlmap.errors import ModelError
+from whirlmap.kernels.formulas import Formula, numpy_function
 
 Array = NDArray[np.float64]
 
@@ -22,14 +23,16 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
     ``x`` has shape (state,) or (state, point), ``values`` (parameter,) or (parameter, point); the result is as ``x``.
     Nothing of the lowering is used, so that this is a check of it. Without ``forced`` every harmonic of time is zero.
     """
-    functions: dict[str, Callable[..., Array]] = {}
-    expressions = [_with_exact(sympify(model.equations[s]), model, functions) for s in model.states]
-    if not forced:
-        expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda _: 0) for e in expressions]
-    # Shared subexpressions only where speed matters: the oracle itself repeats every term as it stands in the model.
-    compiled = lambdify(
-        [t, list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"], cse=not forced
-    )
+
+    def formula() -> Formula:
+        expressions = [_with_exact(sympify(model.equations[s])) for s in model.states]
+        if not forced:
+            expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda _: 0) for e in expressions]
+        # Shared subexpressions only where speed matters: the oracle itself repeats every term as it stands in the model.
+        return Formula([t, model.states, model.parameters], expressions, share=not forced)
+
+    role = "rates" if forced else "rates with all forcing off"
+    compiled = numpy_function(model, role, formula, _exact_functions(model))
 
     def rates(time: ArrayLike, x: ArrayLike, values: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -42,28 +45,36 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
 @lru_cache(maxsize=64)
 def reference_outputs(model: Model) -> Callable[[Array, Array], Array]:
     """Return ``outputs(x, values)`` of a model: (state, point), (parameter, point) -> (output, point)."""
-    functions: dict[str, Callable[..., Array]] = {}
-    expressions = [_with_exact(sympify(o.expression), model, functions) for o in model.outputs.values()]
-    compiled = lambdify([list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"])
+
+    def formula() -> Formula:
+        expressions = [_with_exact(sympify(o.expression)) for o in model.outputs.values()]
+        return Formula([model.states, model.parameters], expressions)
+
+    compiled = numpy_function(model, "outputs", formula, _exact_functions(model))
 
     def outputs(x: Array, values: Array) -> Array:
         rows = [np.broadcast_to(np.asarray(row, dtype=float), x.shape[1:]) for row in compiled(list(x), list(values))]
-        return np.array(rows).reshape(len(expressions), *x.shape[1:])
+        return np.array(rows).reshape(len(model.outputs), *x.shape[1:])
 
     return outputs
 
 
-def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..., Array]]) -> Expr:
-    tables = {table.name: _exact_once(table) for table in model.tables}
-
+def _with_exact(expression: Expr) -> Expr:
     def replace(e: tabulated) -> Expr:
         if any(e.orders):
             raise ModelError("derivatives of a table have no exact function here; difference the rates instead")
-        name = f"{e.table_name}_{e.output}"
-        functions[name] = _output(tables[e.table_name], e.output)
-        return Function(name)(e.parameter, *e.coordinates)
+        return Function(f"{e.table_name}_{e.output}")(e.parameter, *e.coordinates)
 
     return expression.replace(lambda e: isinstance(e, tabulated), replace)
+
+
+def _exact_functions(model: Model) -> dict[str, Callable[..., Array]]:
+    """Exact functions of a model's tables, by the names that `_with_exact` calls them."""
+    functions: dict[str, Callable[..., Array]] = {}
+    for table in model.tables:
+        exact = _exact_once(table)
+        functions |= {f"{table.name}_{i}": _output(exact, i) for i in range(len(table.outputs))}
+    return functions
 
 
 def _exact_once(table: Table) -> Callable[..., tuple[Array, ...]]:

@@ -8,13 +8,16 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import cache
 from importlib.resources import files
-from typing import Literal
+from typing import Any, Literal, NamedTuple
 
 from sympy import Expr, Symbol, sympify
 
+from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import Table
+from whirlmap.equations.pieces import Table, tabulated
+from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import jacobian_code
+from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, Read, Straight, code, local_name, straight
 from whirlmap.kernels.methods import Method
 
@@ -39,6 +42,13 @@ inner = njit(nogil=True, error_model="numpy", fastmath={{{fast}}})
 '''
 
 
+class Entry(NamedTuple):
+    """Where an entry of the Jacobian is found: a constant (its value), an input or a slot of the kernel (its index)."""
+
+    kind: Literal["constant", "input", "slot"]
+    value: float
+
+
 @dataclass(frozen=True)
 class KernelSource:
     """Source of a kernel module and what its caller must supply.
@@ -47,24 +57,53 @@ class KernelSource:
     ----------
     text : str
         The module.
-    hoisted : Hoisted
+    hoisted : HoistedFunction
         Inputs of the kernel, computed from the parameters.
-    entries : dict of (row, column) to Expr
-        Every non-zero entry of the Jacobian: a number, an input of the kernel, or what a slot holds.
-    slots : dict of (row, column) to int
-        Where the kernel puts the entries that depend on the state.
-    tables : tuple of Table
-        Tables that it reads, in the order of its offsets.
+    entries : dict of (row, column) to Entry
+        Every non-zero entry of the Jacobian.
+    slot_count : int
+        Entries that the kernel computes at every state.
+    tables : dict of str to (str or float)
+        Tables that it reads, in the order of its offsets, each with the name or the value of its parameter.
     nodes : tuple of float
         Distinct stage times of the method, in units of the step.
     """
 
     text: str
-    hoisted: Hoisted
-    entries: dict[tuple[int, int], Expr]
-    slots: dict[tuple[int, int], int]
-    tables: tuple[Table, ...]
+    hoisted: HoistedFunction
+    entries: dict[tuple[int, int], Entry]
+    slot_count: int
+    tables: dict[str, str | float]
     nodes: tuple[float, ...]
+
+    def as_data(self) -> dict[str, Any]:
+        """Write it as JSON holds it."""
+        entries = [[*at, *entry] for at, entry in self.entries.items()]
+        return {
+            "text": self.text, "inputs": self.hoisted.count, "hoisted": self.hoisted.text, "entries": entries,
+            "slots": self.slot_count, "tables": self.tables, "nodes": self.nodes,
+        }  # fmt: skip
+
+    @classmethod
+    def from_data(cls, data: dict[str, Any]) -> "KernelSource":
+        """Read what `as_data` wrote."""
+        entries = {(i, j): Entry(kind, value) for i, j, kind, value in data["entries"]}
+        hoisted = HoistedFunction(data["inputs"], data["hoisted"])
+        return cls(data["text"], hoisted, entries, data["slots"], dict(data["tables"]), tuple(data["nodes"]))
+
+
+KEYS = {"text", "inputs", "hoisted", "entries", "slots", "tables", "nodes"}
+
+
+def stored_source(model: Model, method: Method, *, tangents: bool, kind: Literal["locked", "free"]) -> KernelSource:
+    """Return `kernel_source` from the cache, where it was written before for the same declaration and method."""
+    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{tangents} {kind} {LANES} {FAST_MATH}"
+    data = remembered(
+        question,
+        lambda: kernel_source(model, method, tangents=tangents, kind=kind).as_data(),
+        lambda data: isinstance(data, dict) and set(data) == KEYS,
+    )
+    return KernelSource.from_data(data)
 
 
 def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal["locked", "free"]) -> KernelSource:
@@ -101,7 +140,27 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
         entries=max(len(slots), 1), scratch=writer.scratch,
         reads=writer.reads, bound=float(model.bound), times=nodes, fast=", ".join(repr(f) for f in FAST_MATH),
     )  # fmt: skip
-    return KernelSource("\n\n".join(p for p in [head, *parts] if p), hoisted, entries, slots, model.tables, nodes)
+    return KernelSource(
+        text="\n\n".join(p for p in [head, *parts] if p),
+        hoisted=HoistedFunction.of(hoisted.parameters, hoisted.expressions),
+        entries={at: _entry(at, e, slots, hoisted) for at, e in entries.items()},
+        slot_count=len(slots),
+        tables=_table_parameters(model),
+        nodes=nodes,
+    )
+
+
+def _entry(at: tuple[int, int], e: Expr, slots: dict[tuple[int, int], int], hoisted: Hoisted) -> Entry:
+    if at in slots:
+        return Entry("slot", slots[at])
+    return Entry("input", hoisted.symbols.index(e)) if e in hoisted.symbols else Entry("constant", float(e))
+
+
+def _table_parameters(model: Model) -> dict[str, str | float]:
+    """Name of the parameter that each table is made for, or its value where it is a number."""
+    read = {e.table_name: e.parameter for rate in model.equations.values() for e in sympify(rate).atoms(tabulated)}
+    chosen = {table.name: read[table.name] for table in model.tables}
+    return {name: p.name if p in model.parameters else float(p) for name, p in chosen.items()}
 
 
 @cache

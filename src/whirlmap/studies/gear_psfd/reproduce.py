@@ -4,17 +4,15 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from whirlmap.plot.save import save
+from whirlmap.integrate.ensemble import cores
 from whirlmap.results.files import write
 from whirlmap.studies.gear_psfd.claims import Verdict, judge
 from whirlmap.studies.gear_psfd.evidence import EDITIONS, ORBITS, PSI, Evidence, gather, quality_named
-from whirlmap.studies.gear_psfd.figures import DIAGRAM_NUMBER, figures
+from whirlmap.studies.gear_psfd.figures import DIAGRAM_NUMBER, Studio, plans
 from whirlmap.studies.gear_psfd.output import Folder
 from whirlmap.studies.gear_psfd.report import Picture, write_report
 
 REPORT = "report.html"
-#: Of the pictures, which the report carries inside: sharp on a screen.
-DPI = 120
 
 
 def reproduce(
@@ -52,16 +50,17 @@ def reproduce(
     folder.check(file_names())
     done: list[tuple[Evidence, list[Verdict]]] = []
     pictures: list[Picture] = []
-    for edition in EDITIONS:
-        evidence = gather(edition, level, workers=workers, progress=progress)
-        for psi in PSI:
-            for kind, ds in (("diagram", evidence.diagrams[psi]), ("orbit", evidence.orbits[psi])):
-                folder.write(f"{kind}-{edition.name}-psi{psi:g}.nc", lambda trial, ds=ds: write(ds, trial))  # type: ignore[misc]
-        for stem, caption, figure in figures(evidence):
-            path = folder.write(f"{stem}.png", lambda trial, figure=figure: save(figure, trial, dpi=DPI))  # type: ignore[misc]
-            pictures.append(Picture(path, caption, edition.name))
-        done.append((evidence, judge(evidence)))
-        folder.write(REPORT, lambda trial: write_report(trial, done, pictures, quality=quality))
+    with Studio(workers or cores()) as studio:
+        for edition in EDITIONS:
+            evidence = gather(edition, level, workers=workers, progress=progress)
+            for psi in PSI:
+                for kind, ds in (("diagram", evidence.diagrams[psi]), ("orbit", evidence.orbits[psi])):
+                    folder.write(f"{kind}-{edition.name}-psi{psi:g}.nc", lambda trial, ds=ds: write(ds, trial))  # type: ignore[misc]
+            for plan, png in studio.draw(plans(evidence)):
+                path = folder.write(f"{plan.stem}.png", lambda trial, png=png: trial.write_bytes(png))  # type: ignore[misc]
+                pictures.append(Picture(path, plan.caption, edition.name))
+            done.append((evidence, judge(evidence)))
+            folder.write(REPORT, lambda trial: write_report(trial, done, pictures, quality=quality))
     return {
         "report": folder.path / REPORT,
         "figures": [p.path for p in pictures],

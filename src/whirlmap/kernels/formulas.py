@@ -1,0 +1,120 @@
+"""Expressions of a model as NumPy functions, written by SymPy once and read from the cache from then on.
+
+SymPy takes longer to print the expressions of a film than an orbit takes to integrate.
+"""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import Expr, Symbol, lambdify, sympify
+
+from whirlmap.equations.identity import model_digest
+from whirlmap.equations.model import Model
+from whirlmap.kernels import cache
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Formula:
+    """What a NumPy function computes.
+
+    Attributes
+    ----------
+    arguments : sequence of Symbol, or of sequence of Symbol
+        A sequence is one argument, a list of arrays.
+    expressions : sequence of Expr
+        One result for each.
+    share : bool
+        Whether subexpressions are computed once.
+    """
+
+    arguments: Sequence[Symbol | Sequence[Symbol]]
+    expressions: Sequence[Any]
+    share: bool = False
+
+
+def numpy_function(
+    model: Model, role: str, formula: Callable[[], Formula], calls: Mapping[str, Callable[..., Any]] | None = None
+) -> Callable[..., Sequence[Any]]:
+    """Return a formula of a model as a function of arrays.
+
+    Parameters
+    ----------
+    role : str
+        What the formula is to the model. Model and role name the entry of the cache; the formula itself is only asked
+        for where there is none.
+    calls : mapping of str to callable, optional
+        Functions that the expressions call by name, beside those of NumPy.
+    """
+    text = cache.remembered(f"numpy function\n{model_digest(model)}\n{role}", lambda: numpy_text(formula()), _is_text)
+    return _function(text, calls or {})
+
+
+def numpy_text(formula: Formula) -> str:
+    """Write a formula as the source of a Python function, ``formula``, of NumPy arrays."""
+    functions = {type(call).__name__ for e in formula.expressions for call in sympify(e).atoms(_called())}
+    made = lambdify(
+        [a if isinstance(a, Symbol) else list(a) for a in formula.arguments],
+        [sympify(e) for e in formula.expressions],
+        modules=[dict.fromkeys(functions, None), "numpy"],
+        cse=formula.share,
+    )
+    head, body = inspect.getsource(made).split("(", 1)
+    assert head.startswith("def "), head
+    return f"def formula({body}"
+
+
+@dataclass(frozen=True)
+class HoistedFunction:
+    """The inputs of a kernel as one function of the parameters."""
+
+    count: int
+    text: str
+
+    @classmethod
+    def of(cls, parameters: Sequence[Symbol], expressions: Sequence[Expr]) -> "HoistedFunction":
+        """Write the function of these expressions."""
+        return cls(len(expressions), numpy_text(Formula([list(parameters)], expressions, share=True)))
+
+    def evaluate(self, values: Array) -> Array:
+        """Compute the inputs for many operating points.
+
+        Parameters
+        ----------
+        values : array, shape (parameter, point)
+
+        Returns
+        -------
+        array, shape (input, point)
+        """
+        out = np.empty((self.count, values.shape[1]))
+        for i, row in enumerate(self._compiled(list(values))):
+            out[i] = row
+        return out
+
+    @cached_property
+    def _compiled(self) -> Callable[..., Sequence[Any]]:
+        return _function(self.text, {})
+
+
+def _called() -> Any:
+    from sympy.core.function import AppliedUndef
+
+    return AppliedUndef
+
+
+def _is_text(data: Any) -> bool:
+    return isinstance(data, str) and data.startswith("def formula(")
+
+
+def _function(text: str, calls: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
+    namespace: dict[str, Any] = {**vars(np), **calls}
+    exec(text, namespace)
+    made: Callable[..., Any] = namespace["formula"]
+    return made
