@@ -20,10 +20,11 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
     """Return ``rates(time, x, values)`` of a model.
 
     ``x`` has shape (state,) or (state, point), ``values`` (parameter,) or (parameter, point); the result is as ``x``.
-    Nothing of the lowering is used, so that this is a check of it. Without ``forced`` every harmonic of time is zero.
+    Nothing of the lowering is used, so that this is a check of it. Without ``forced`` every harmonic of time is zero, and
+    tables are replaced by what they are fitted to: equilibria are searched with it, at many points.
     """
     functions: dict[str, Callable[..., Array]] = {}
-    expressions = [_with_exact(sympify(model.equations[s]), model, functions) for s in model.states]
+    expressions = [_without_tables(sympify(model.equations[s]), model, functions, exact=forced) for s in model.states]
     if not forced:
         expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda _: 0) for e in expressions]
     # Shared subexpressions only where speed matters: the oracle itself repeats every term as it stands in the model.
@@ -43,7 +44,7 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
 def reference_outputs(model: Model) -> Callable[[Array, Array], Array]:
     """Return ``outputs(x, values)`` of a model: (state, point), (parameter, point) -> (output, point)."""
     functions: dict[str, Callable[..., Array]] = {}
-    expressions = [_with_exact(sympify(o.expression), model, functions) for o in model.outputs.values()]
+    expressions = [_without_tables(sympify(o.expression), model, functions, exact=True) for o in model.outputs.values()]
     compiled = lambdify([list(model.states), list(model.parameters)], expressions, modules=[functions, "numpy"])
 
     def outputs(x: Array, values: Array) -> Array:
@@ -53,8 +54,10 @@ def reference_outputs(model: Model) -> Callable[[Array, Array], Array]:
     return outputs
 
 
-def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..., Array]]) -> Expr:
-    tables = {table.name: _exact_once(table) for table in model.tables}
+def _without_tables(
+    expression: Expr, model: Model, functions: dict[str, Callable[..., Array]], *, exact: bool
+) -> Expr:
+    tables = {table.name: _once(table, table.exact if exact else table.samples) for table in model.tables}
 
     def replace(e: tabulated) -> Expr:
         if any(e.orders):
@@ -66,24 +69,24 @@ def _with_exact(expression: Expr, model: Model, functions: dict[str, Callable[..
     return expression.replace(lambda e: isinstance(e, tabulated), replace)
 
 
-def _exact_once(table: Table) -> Callable[..., tuple[Array, ...]]:
-    """A table's exact functions; the last few arguments are remembered, for every output asks for the same ones."""
+def _once(table: Table, functions: Callable[..., tuple[Array, ...]]) -> Callable[..., tuple[Array, ...]]:
+    """A table's functions; the last few arguments are remembered, for every output asks for the same ones."""
     known: dict[tuple, tuple[Array, ...]] = {}
 
-    def exact(parameter: ArrayLike, *coordinates: ArrayLike) -> tuple[Array, ...]:
+    def evaluate(parameter: ArrayLike, *coordinates: ArrayLike) -> tuple[Array, ...]:
         values = np.asarray(parameter, dtype=float)
         if values.ndim and np.ptp(values) > 0:
-            raise ModelError(f"table {table.name!r} is exact at one value of its parameter at a time")
+            raise ModelError(f"table {table.name!r} is evaluated at one value of its parameter at a time")
         places = [np.asarray(c, dtype=float) for c in coordinates]
         key = (float(values.flat[0]), *((c.shape, c.tobytes()) for c in places))
         if key not in known:
             if len(known) > 7:
                 known.clear()
-            known[key] = table.exact(key[0], *places)
+            known[key] = functions(key[0], *places)
         return known[key]
 
-    return exact
+    return evaluate
 
 
-def _output(exact: Callable[..., tuple[Array, ...]], index: int) -> Callable[..., Array]:
-    return lambda parameter, *coordinates: exact(parameter, *coordinates)[index]
+def _output(functions: Callable[..., tuple[Array, ...]], index: int) -> Callable[..., Array]:
+    return lambda parameter, *coordinates: functions(parameter, *coordinates)[index]
