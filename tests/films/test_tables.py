@@ -5,8 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
+import whirlmap
 from whirlmap.equations import Model, Parameter, states
-from whirlmap.errors import RangeError
+from whirlmap.errors import CaseError, RangeError
 from whirlmap.films import porous_short, scaled, tables
 from whirlmap.films.law import FIXED_ARC, POSITIVE_ARC, film_law
 from whirlmap.integrate.ensemble import Ensemble
@@ -153,6 +154,15 @@ def test_beyond_the_film_there_is_no_mobility():
     with pytest.raises(RangeError, match="undefined"):
         tables.positive_arc(1e-3, [0.5, 0.99], 1.1)
     assert np.isnan(lane_velocity("positive", 0.0, 1.1, 0.0, 1.0, 0.0)).any()
+
+
+def test_a_permeability_that_drowns_in_rounding_is_refused():
+    with pytest.raises(CaseError, match=r"psi = 1e-13 is too small .* expected 0 .* or at least 1e-12"):
+        whirlmap.load("gear-psfd/intended", psi=1e-13)
+    for edges in (FIXED_ARC.edges, POSITIVE_ARC.edges):
+        edges(1e-12)
+        with pytest.raises(RangeError, match="too small for a table"):
+            edges(9e-13)
 
 
 def test_a_table_says_how_it_is_laid_out():

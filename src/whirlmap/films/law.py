@@ -5,13 +5,13 @@ Every law solves ``M w = q`` for the journal's velocity ``w``, seen from the fra
 the film has a limit at the centre. Source: equation audit, sections 3.2 and 4.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from sympy import Abs, Expr, Float, Integer, Rational, cbrt, pi, sqrt
 
 from whirlmap.equations import Table
-from whirlmap.films import tables
+from whirlmap.films import scaled, tables
 
 #: Added to squares under a root, so that 0/0 at the very centre, or under no load, is the limit 0 that the film has there.
 CENTRE = Float("1e-100")
@@ -73,6 +73,17 @@ def film_law(film: str, arc: str, *, plain: bool = False) -> FilmLaw:
     if plain:
         return FilmLaw(_fixed_arc(plain_mobility), plain_mobility)
     return FilmLaw(_fixed_arc(porous_mobility), porous_mobility, (FIXED_ARC,))
+
+
+def permeability_fault(values: Mapping[str, float]) -> str:
+    """Say what is wrong with ``psi`` for a film that is read from a table, as a model's check; empty where nothing is."""
+    psi = values["psi"]
+    if 0.0 < psi < scaled.SMALLEST:
+        return (
+            f"psi = {psi:g} is too small for the porous film: expected 0 (the plain film) or at least"
+            f" {scaled.SMALLEST:g}; in between psi^(1/3) drowns in the rounding of the gap"
+        )
+    return ""
 
 
 def printed_velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sigma: Expr) -> Vector:  # noqa: ARG001

@@ -30,6 +30,7 @@ from whirlmap.films.porous_short import check_range, unit_load_velocity
 Floats = NDArray[np.float64]
 
 BEYOND = 0.3  # tables reach to eps = 1 + BEYOND k: a stage of an integrator may step over the wall
+SMALLEST = 1e-12  # permeability of a table, but for zero: below it k drowns in the rounding of the gap
 HAT = 0.75  # the wall seen by z lies at 1 + HAT k, so that z < 1 on the whole table
 _ORDER = 12  # points per panel and coordinate
 _NEAREST = 0.03  # psi = 0 reaches s = 0, where no film is left to solve: sample from T = 8e-7 and continue
