@@ -87,7 +87,7 @@ def scipy_times(system, made):
         for j in range(3):
             c[2 * j], c[2 * j + 1] = np.cos(frequencies[j] * t), np.sin(frequencies[j] * t)
         dy = np.empty(y.size)
-        rates(y, c, p, np.zeros(1), np.zeros(1, np.int64), np.empty(scratch), np.zeros(1, np.int64), dy)
+        rates(y, c, p, np.zeros(1), np.zeros(1, np.int64), np.zeros(scratch), dy)
         return dy
 
     start, _ = make_ensemble(system, steps=STEPS)

@@ -53,7 +53,7 @@ def test_plain_bearing_sits_on_its_locus(eps):
         x, found = start(system)
         assert found
         expected = eps * np.array([D, B]) / np.hypot(B, D)  # spin carries it to +x under a load along -y
-        tolerance = 1e-7 if system.model.tabulated() else 1e-10  # the table of the positive arc at psi = 0
+        tolerance = 1e-7 if system.model.tables else 1e-10  # the table of the positive arc at psi = 0
         np.testing.assert_allclose(x[:2], expected, atol=tolerance)
 
 

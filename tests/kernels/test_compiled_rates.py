@@ -67,7 +67,7 @@ def test_gear_pair_compiled_is_its_reference(edition, film, arc, psi):
 def test_stock_model_compiled_is_its_reference(name, switches):
     system = other(name, switches)
     x = states_of(system, np.random.default_rng(3), 60)
-    limit = 1e-9 if system.model.tabulated() else 1e-12
+    limit = 1e-9 if system.model.tables else 1e-12
     for time in (0.0, 3.7):
         got, expected = system.rhs(time, x), system.reference_rhs(time, x)
         assert np.max(np.abs(got - expected) / np.maximum(1, np.abs(expected))) < limit

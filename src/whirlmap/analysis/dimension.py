@@ -6,79 +6,20 @@ the counts, and with them the dimension, do not depend on the number of threads.
 """
 
 from collections.abc import Mapping
-from concurrent.futures import ThreadPoolExecutor
-from itertools import pairwise
 from typing import Any, Literal
 
-import numba
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.correlation_sum import pair_counts
+from whirlmap.analysis.scaling_range import Curves, is_finite_set, scaling_range
 from whirlmap.errors import RangeError
 
 Norm = Literal["euclidean", "maximum"]
 
 STATUS = ("ok", "no-scaling-range", "too-few-points", "degenerate")
 """Meaning of ``status`` by value."""
-
-# Radii run down from the largest by eighths of an octave, 27 to a decade. The kernel sorts squared distances
-# by the upper bits of their binary form (16 bins to an octave of r^2, no logarithm per pair), so the radii
-# are those numbers 2^(e/2) sqrt(1 + j/16) which lie nearest to the even spacing: known exactly, even to 1 %.
-_SUB = 16
-_PICK = (0, 3, 7, 11)
-_SHIFT = np.int64(48)  # 52 bits of mantissa less 4 bits for the 16 bins
-_OCTAVES = 3  # of r^2 above the mean squared distance: nothing that is fitted lies there
-_FLAGS = {"contract", "reassoc", "nsz", "arcp", "afn"}
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FLAGS)
-def _count_pairs(
-    x: NDArray[np.float64],
-    wrap: NDArray[np.float64],
-    first: NDArray[np.int64],
-    rows: tuple[int, int],
-    columns: tuple[int, int],
-    maximum: bool,
-    low: int,
-    n_bins: int,
-) -> NDArray[np.int64]:
-    """Histogram of squared distances between points ``i`` in ``rows`` and ``j >= first[i]`` in ``columns``.
-
-    ``x`` has shape (coordinate, point), the cyclic coordinates last with their periods in ``wrap``. Bin 0
-    holds all distances below the lowest edge, the last one all above the highest.
-    """
-    d, n_plain = x.shape[0], x.shape[0] - wrap.shape[0]
-    histogram = np.zeros(n_bins + 2, np.int64)
-    buffer = np.empty(256)
-    bits = buffer.view(np.int64)
-    for i in range(rows[0], rows[1]):
-        begin = max(columns[0], first[i])
-        while begin < columns[1]:
-            width = min(256, columns[1] - begin)
-            # One coordinate at a time over a strip of points: the compiler turns the inner loop into vector
-            # code, which beats leaving early pair by pair even with 20 coordinates.
-            for j in range(width):
-                buffer[j] = 0.0
-            for k in range(d):
-                here, there = x[k, i], x[k, begin : begin + width]
-                period = wrap[k - n_plain] if k >= n_plain else 0.0
-                if period > 0.0:
-                    for j in range(width):
-                        difference = there[j] - here
-                        difference -= period * np.rint(difference / period)
-                        square = difference * difference
-                        buffer[j] = max(buffer[j], square) if maximum else buffer[j] + square
-                elif maximum:
-                    for j in range(width):
-                        buffer[j] = max(buffer[j], (there[j] - here) ** 2)
-                else:
-                    for j in range(width):
-                        buffer[j] += (there[j] - here) ** 2
-            for j in range(width):
-                histogram[min(max((bits[j] >> _SHIFT) - low + 1, 0), n_bins + 1)] += 1
-            begin += width
-    return histogram
 
 
 def correlation_dimension(
@@ -214,133 +155,23 @@ def correlation_dimension(
         cuts = np.r_[0, ends[np.linspace(-1, starts.size - 1, blocks + 1)[1:].astype(int)]]
     else:
         cuts = np.linspace(0, n, blocks + 1).astype(np.int64)
-    lowest = int(np.floor(2 * np.log2(resolution)))
-    bins = (_OCTAVES - lowest) * _SUB
-    low_bits = int(np.float64(2.0**lowest).view(np.int64) >> _SHIFT)
-    columns = np.ascontiguousarray((x / size).T)
     tasks = [(a, b) for a in range(blocks) for b in range(a, blocks)]
-
-    def count(task: tuple[int, int]) -> NDArray[np.int64]:
-        a, b = ((int(cuts[k]), int(cuts[k + 1])) for k in task)
-        return _count_pairs(columns, wrap / size, first, a, b, norm == "maximum", low_bits, bins)
-
-    with ThreadPoolExecutor(workers) as pool:
-        histograms = list(pool.map(count, tasks))
-
-    edges = np.r_[np.arange(0, bins, _SUB)[:, None] + np.array(_PICK)].ravel()
-    exponent, part = np.divmod(edges, _SUB)
-    radius = np.sqrt(2.0 ** (exponent + lowest) * (1.0 + part / _SUB))
-    inside = np.array(
-        [np.cumsum(h)[edges] for h in histograms]
-    )  # pairs below each edge, for each pair of blocks
-    all_pairs = np.array([h.sum() for h in histograms])
+    radius, inside, all_pairs = pair_counts(
+        x / size, wrap / size, first, cuts, tasks, maximum=norm == "maximum", resolution=resolution, workers=workers
+    )
     total = inside.sum(axis=0)
     without = np.array([total - inside[[k in t for t in tasks]].sum(axis=0) for k in range(blocks)])
     pairs_without = np.array([n_pairs - all_pairs[[k in t for t in tasks]].sum() for k in range(blocks)])
-    curves = _Curves(radius, total / n_pairs, without / pairs_without[:, None], total >= least_pairs)
+    curves = Curves(radius, total / n_pairs, without / pairs_without[:, None], total >= least_pairs)
     answer["curves"] = curves
-    if _is_finite_set(curves, n):
+    if is_finite_set(curves, n):
         return _dataset(answer, STATUS.index("degenerate"), used, size)
-    found = _scaling_range(curves, tolerance, least_decades, largest_sum)
+    found = scaling_range(curves, tolerance, least_decades, largest_sum)
     if found is None:
         return _dataset(answer, STATUS.index("no-scaling-range"), used, size)
     answer |= curves.fit(*found)
     status = "too-few-points" if answer["D2"] > answer["D2_limit"] else "ok"
     return _dataset(answer, STATUS.index(status), used, size)
-
-
-class _Curves:
-    """Correlation sums on common radii: ``whole``, and ``without`` each block in turn; with their slopes."""
-
-    half = 8  # radii: one octave to either side
-
-    def __init__(
-        self,
-        radius: NDArray[np.float64],
-        whole: NDArray[np.float64],
-        without: NDArray[np.float64],
-        usable: NDArray[np.bool_],
-    ) -> None:
-        # A jackknife replicate may be empty where the whole is not: such radii carry no error and are not
-        # used.
-        self.radius, self.whole, self.without = radius, whole, without
-        self.usable = usable & (without > 0).all(axis=0)
-        self.ln_r = np.log(radius)
-        self.ln_whole = np.log(np.where(self.usable, whole, 1.0))
-        self.ln_without = np.log(np.where(self.usable, without, 1.0))
-        self.slope, self.error = (np.full(radius.size, np.nan) for _ in range(2))
-        for k in range(self.half, radius.size - self.half):
-            window = slice(k - self.half, k + self.half + 1)
-            if self.usable[window].all():
-                self.slope[k], self.error[k] = self.slope_and_error(window)
-
-    def slope_and_error(self, window: slice) -> tuple[float, float]:
-        """Least-squares slope of ln C on ln r in a window, and its jackknife standard error."""
-        r = self.ln_r[window] - self.ln_r[window].mean()
-        replicates = self.ln_without[:, window] @ r / (r @ r)
-        spread = np.mean((replicates - replicates.mean()) ** 2)
-        return float(self.ln_whole[window] @ r / (r @ r)), float(np.sqrt((replicates.size - 1) * spread))
-
-    def fit(self, begin: int, end: int) -> dict[str, float]:
-        """D2 with its errors over the radii ``begin`` to ``end`` (inclusive)."""
-        D2, resampling = self.slope_and_error(slice(begin, end + 1))
-        cuts = np.linspace(begin, end, 4).astype(int)
-        thirds = [self.slope_and_error(slice(a, b + 1))[0] for a, b in pairwise(cuts)]
-        half_range = (max(thirds) - min(thirds)) / 2
-        return {
-            "D2": D2,
-            "D2_error": float(np.hypot(resampling, half_range)),
-            "D2_error_resampling": resampling,
-            "D2_error_range": half_range,
-            "radius_low": float(self.radius[begin]),
-            "radius_high": float(self.radius[end]),
-            "decades": float((self.ln_r[end] - self.ln_r[begin]) / np.log(10)),
-        }
-
-
-def _is_finite_set(curves: _Curves, n_points: int) -> bool:
-    """Whether C is flat over two decades, or over the last one, at a level of heaps of ten points or more."""
-    # The radii end where the size of the set is reached: above it C is flat for any set.
-    C = curves.whole[curves.radius <= 1.0]
-    for decades, last in ((1, 1), (2, C.size)):
-        step = round(decades * np.log2(10.0) * curves.half)
-        below, above = C[:-step][:last], C[step:][:last]
-        flat = above <= below * 10.0 ** (0.02 * decades)
-        if np.any(flat & (below * n_points >= 10.0)):
-            return True
-    return False
-
-
-def _scaling_range(
-    curves: _Curves, tolerance: float, least_decades: float, largest_sum: float
-) -> tuple[int, int] | None:
-    """First and last radius of the widest range whose local slopes agree, or None."""
-    usable = curves.usable & (curves.whole <= largest_sum)
-    h, x, y = curves.half, curves.ln_r, curves.ln_whole
-    best, width = None, least_decades * np.log(10.0) * (1 - 1e-12)
-    for i in np.flatnonzero(usable):
-        stop = i + int(np.argmin(np.r_[usable[i:], False]))  # first radius after i that may not be used
-        if stop - i <= 2 * h or x[stop - 1] - x[i] < width:
-            continue
-        j = np.arange(
-            i + 2 * h, stop
-        )  # candidates for the last radius; the windows inside have centres i+h..j-h
-        r, ln_C = x[i:stop] - x[i], y[i:stop] - y[i]
-        m = np.arange(1, stop - i + 1)
-        Sx, Sy, Sxx, Sxy = (np.cumsum(v) for v in (r, ln_C, r * r, r * ln_C))
-        D = ((m * Sxy - Sx * Sy)[2 * h :]) / ((m * Sxx - Sx * Sx)[2 * h :])
-        slope, error = curves.slope[i + h : stop - h], curves.error[i + h : stop - h]
-        highest = np.maximum.accumulate(slope - 2 * error)
-        lowest = np.minimum.accumulate(slope + 2 * error)
-        # A slope with a large error agrees with anything, so that errors above the tolerance end the range.
-        clear = np.maximum.accumulate(error) <= tolerance * D
-        agree = (D > 0) & clear & (highest - D <= tolerance * D) & (D - lowest <= tolerance * D)
-        agree &= x[j] - x[i] >= width
-        if agree.any():
-            last = int(j[np.flatnonzero(agree)[-1]])
-            if best is None or x[last] - x[i] > width * (1 + 1e-9):
-                best, width = (int(i), last), x[last] - x[i]
-    return best
 
 
 def _checked(
@@ -424,7 +255,7 @@ def _dataset(answer: dict[str, Any], status: int, used: NDArray[np.int64], size:
         used.astype(np.int8),
         _flags("coordinate varies", ("no", "yes")),
     )
-    curves: _Curves | None = answer.get("curves")
+    curves: Curves | None = answer.get("curves")
     if curves is not None:
         attributes = {"units": "1", "long_name": "scaled distance"}
         result = result.assign_coords(radius=("radius", curves.radius * size, attributes))

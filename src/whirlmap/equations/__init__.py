@@ -19,5 +19,3 @@ from whirlmap.equations.quantities import Parameter as Parameter
 from whirlmap.equations.quantities import State as State
 from whirlmap.equations.quantities import states as states
 from whirlmap.equations.quantities import t as t
-from whirlmap.equations.variational import divergence as divergence
-from whirlmap.equations.variational import jacobian as jacobian

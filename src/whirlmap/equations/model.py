@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sympy import Expr, Symbol, sympify
 
-from whirlmap.equations.pieces import Table, tabulated
+from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError, nearest
 
@@ -175,10 +175,6 @@ class Model:
         for expression in everything:
             used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
-
-    def tabulated(self) -> bool:
-        """Whether an equation reads a table."""
-        return any(sympify(e).has(tabulated) for e in self.equations.values())
 
 
 Named = TypeVar("Named", State, Parameter)

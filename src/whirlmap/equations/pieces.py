@@ -26,38 +26,51 @@ def when(condition: Any, value: Any, otherwise: Any = 0) -> Expr:
 
 @dataclass(frozen=True)
 class Table:
-    """Smooth functions of one or two coordinates in [0, 1], tabulated for each value of one parameter.
+    """Smooth functions of one or two coordinates, tabulated for each value of one parameter.
 
     Attributes
     ----------
     name : str
         Unique name, used in the generated source.
+    coordinates : tuple of str
+        Names of the coordinates, one or two.
     outputs : tuple of str
         Names of the functions.
     exact : callable
-        ``exact(parameter, *coordinates) -> tuple of arrays``, one for each output; broadcasting. Coordinates may lie
-        outside of [0, 1] by rounding only.
-    cells : tuple of int
-        Cells along each coordinate; one or two entries.
+        ``exact(parameter, *coordinates) -> tuple of arrays``, one for each output; broadcasting. What the reference
+        kernel evaluates.
+    samples : callable
+        The same functions as the table is fitted to them: fast at 10^5 points, as accurate as the table has to be.
+    edges : callable
+        ``edges(parameter) -> tuple of arrays``: ascending edges of the cells along each coordinate. Beyond the first and
+        the last one the polynomial of the outermost cell goes on.
     degree : int
-        Degree of the polynomial in a cell, in each coordinate.
+        Degree of the polynomial in a cell; with two coordinates the total degree.
     """
 
     name: str
+    coordinates: tuple[str, ...]
     outputs: tuple[str, ...]
     exact: Callable[..., tuple[Array, ...]]
-    cells: tuple[int, ...]
+    samples: Callable[..., tuple[Array, ...]]
+    edges: Callable[[float], tuple[Array, ...]]
     degree: int
 
     def __post_init__(self) -> None:
         """Refuse what the kernels cannot lower."""
-        if len(self.cells) not in (1, 2):
-            raise ModelError(f"table {self.name!r} has {len(self.cells)} coordinates; one or two can be lowered")
+        if len(self.coordinates) not in (1, 2):
+            raise ModelError(f"table {self.name!r} has {len(self.coordinates)} coordinates; one or two can be lowered")
+
+    @property
+    def terms(self) -> int:
+        """Number of coefficients in a cell, all outputs together."""
+        n = self.degree + 1
+        return len(self.outputs) * (n if len(self.coordinates) == 1 else n * (n + 1) // 2)
 
     def __call__(self, parameter: Expr, *coordinates: Expr) -> tuple[Expr, ...]:
         """Write the table's functions into an expression, one for each output."""
-        if len(coordinates) != len(self.cells):
-            raise ModelError(f"table {self.name!r} takes {len(self.cells)} coordinates, not {len(coordinates)}")
+        if len(coordinates) != len(self.coordinates):
+            raise ModelError(f"table {self.name!r} takes {len(self.coordinates)} coordinates, not {len(coordinates)}")
         place = Symbol(self.name)
         none = (Integer(0),) * len(coordinates)
         return tuple(

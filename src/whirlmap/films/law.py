@@ -2,23 +2,28 @@
 
 Every law solves ``M w = q`` for the journal's velocity ``w``, seen from the frame that turns at half the journal's spin;
 ``q = kappa d/(2 Gamma)`` is the shaft's force in film units. All are written without dividing by the eccentricity where
-the film has a limit at the centre. Source: equation audit, sections 3.2 and 4; coordinates of the tables from `scaled`.
+the film has a limit at the centre. Source: equation audit, sections 3.2 and 4.
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sympy import Expr, Float, Integer, Rational, cbrt, pi, sqrt
+from sympy import Abs, Expr, Float, Integer, Rational, cbrt, pi, sqrt
 
 from whirlmap.equations import Table
-from whirlmap.films import scaled
-from whirlmap.films.tables import fixed_arc_smooth, positive_arc_smooth
+from whirlmap.films import scaled, tables
 
 #: Added to squares under a root, so that 0/0 at the very centre, or under no load, is the limit 0 that the film has there.
 CENTRE = Float("1e-100")
 
-FIXED_ARC = Table("fixed_arc", ("fD", "fH", "fB"), fixed_arc_smooth, cells=(64,), degree=5)
-POSITIVE_ARC = Table("positive_arc", ("F", "H"), positive_arc_smooth, cells=(64, 32), degree=5)
+FIXED_ARC = Table(
+    "fixed_arc", ("e2",), ("radial", "excess", "coupling"),
+    exact=tables.fixed_arc, samples=tables.fixed_arc, edges=tables.fixed_arc_edges, degree=7,
+)  # fmt: skip
+POSITIVE_ARC = Table(
+    "positive_arc", ("xi", "z"), ("ahead", "aside"),
+    exact=tables.positive_arc, samples=tables.positive_arc_samples, edges=tables.positive_arc_edges, degree=6,
+)  # fmt: skip
 
 Vector = tuple[Expr, Expr]
 Mobility = Callable[[Expr, Expr], tuple[Expr, Expr, Expr]]
@@ -70,6 +75,17 @@ def film_law(film: str, arc: str, *, plain: bool = False) -> FilmLaw:
     return FilmLaw(_fixed_arc(porous_mobility), porous_mobility, (FIXED_ARC,))
 
 
+def permeability_fault(values: Mapping[str, float]) -> str:
+    """Say what is wrong with ``psi`` for a film that is read from a table, as a model's check; empty where nothing is."""
+    psi = values["psi"]
+    if 0.0 < psi < scaled.SMALLEST:
+        return (
+            f"psi = {psi:g} is too small for the porous film: expected 0 (the plain film) or at least"
+            f" {scaled.SMALLEST:g}; in between psi^(1/3) drowns in the rounding of the gap"
+        )
+    return ""
+
+
 def printed_velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sigma: Expr) -> Vector:  # noqa: ARG001
     """Film with h^3 dropped, as printed: G = D = pi/(2 psi), B = 0; psi = 0 is the limit w = 0."""
     return 2 * psi / pi * qx, 2 * psi / pi * qy
@@ -84,17 +100,8 @@ def plain_mobility(e2: Expr, psi: Expr) -> tuple[Expr, Expr, Expr]:  # noqa: ARG
 
 def porous_mobility(e2: Expr, psi: Expr) -> tuple[Expr, Expr, Expr]:
     """Mobilities of the porous film with its half film fixed at 0..pi, from the table."""
-    k = cbrt(psi)
-    wall, centre = (_unfolded((1 - edge) / 2, k) ** Rational(1, 4) for edge in ((1 + scaled.BEYOND * k) ** 2, 0))
-    T = _unfolded((1 - e2) / 2, k)
-    root = sqrt(T)
-    fD, fH, fB = FIXED_ARC(psi, (sqrt(root) - wall) / (centre - wall))
-    return T**2 * root * fD, T * root * fH, T**2 * fB
-
-
-def _unfolded(gap: Expr, k: Expr) -> Expr:
-    centred = gap - k / 2
-    return centred + sqrt(centred**2 + Rational(3, 4) * k**2)
+    radial, excess, coupling = FIXED_ARC(psi, e2)
+    return radial, excess, coupling
 
 
 def _fixed_arc(mobility: Mobility) -> Callable[..., Vector]:
@@ -115,19 +122,14 @@ def _fixed_arc(mobility: Mobility) -> Callable[..., Vector]:
 
 def positive_arc_velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sigma: Expr) -> Vector:  # noqa: ARG001
     """Velocity under the half film of positive pressure, in the frame of the load (Booker's mobility), from the table."""
-    k = cbrt(psi)
-    size = sqrt(qx**2 + qy**2 + CENTRE)
-    cx, cy = qx / size, qy / size
-    xi, eta = ux * cx + uy * cy, uy * cx - ux * cy
-    R = 1 + Rational(3, 4) * k
-    far = 1 + scaled.BEYOND * k
-    near, behind = (_unfolded(1 - edge, k) ** Rational(1, 4) for edge in (far, -far))
-    T = _unfolded(1 - xi, k)
-    root = sqrt(T)
-    z = sqrt((eta**2 + CENTRE) / (R**2 - xi**2))
-    F, H = POSITIVE_ARC(psi, (sqrt(root) - near) / (behind - near), z * R / far)
-    ahead, aside = T**2 * root * F, -eta * T * root * H
-    return size * (ahead * cx - aside * cy), size * (ahead * cy + aside * cx)
+    load2 = qx**2 + qy**2 + CENTRE
+    along, across = qx * ux + qy * uy, qx * uy - qy * ux
+    R = 1 + Rational(3, 4) * cbrt(psi)
+    size = sqrt(load2)
+    z = Abs(across) / sqrt(R**2 * load2 - along**2)  # its slope jumps where what it is multiplied by is zero
+    ahead, aside = POSITIVE_ARC(psi, along / size, z)
+    turn = aside * across / size
+    return ahead * qx + turn * qy, ahead * qy - turn * qx
 
 
 def plain_fixed_force(ux: Expr, uy: Expr, wx: Expr, wy: Expr) -> Vector:

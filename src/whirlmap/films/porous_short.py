@@ -11,7 +11,7 @@ where M = [[G, B], [B, D]] in (e_r, e_t) is an integral over a half circle of th
 - ``fixed``: theta in [0, pi] for a positive spin, [pi, 2 pi] for a negative one, as in the paper;
 - ``positive``: the half circle on which the pressure of this w is positive, theta1 = atan2(w_r, -w_t).
 
-The fast lane tabulates `whirlmap.films.scaled`, which is built on this file.
+The fast lane reads `whirlmap.films.tables`, which is built on this file.
 """
 
 from collections.abc import Iterator
@@ -62,7 +62,7 @@ def film_integrals(eps: ArrayLike, psi: ArrayLike, theta1: ArrayLike = 0.0) -> t
     tests/films/test_porous_short.py.
     """
     eps_, psi_, theta1_ = np.broadcast_arrays(*(np.asarray(a, dtype=float) for a in (eps, psi, theta1)))
-    _check_range(eps_, psi_)
+    check_range(eps_, psi_)
     flat = [a.ravel() for a in (eps_, 1.0 - eps_, psi_, theta1_)]
     out = np.empty((3, eps_.size))
     for block in _blocks(eps_.size):
@@ -75,7 +75,8 @@ def _blocks(size: int) -> Iterator[slice]:
     return (slice(i, i + _BLOCK) for i in range(0, size, _BLOCK))
 
 
-def _check_range(eps: Floats, psi: Floats) -> None:
+def check_range(eps: Floats, psi: Floats) -> None:
+    """Raise a `RangeError` where no film is."""
     bad = ~((psi >= 0.0) & (eps >= 0.0) & (eps < 1.0 + 0.75 * np.cbrt(psi)) & np.isfinite(psi))
     if bad.any():
         at = np.flatnonzero(bad)[0]
@@ -231,7 +232,7 @@ def positive_arc_velocity(
     qx_, qy_ = (np.divide(q.ravel(), load, out=np.zeros_like(load), where=load > 0.0) for q in (qx, qy))
     q_r, q_t = qx_ * cos_phi + qy_ * sin_phi, qy_ * cos_phi - qx_ * sin_phi
     w_r, w_t = np.zeros_like(load), np.zeros_like(load)
-    _check_range(eps, flat_psi)
+    check_range(eps, flat_psi)
     for block in _blocks(load.size):
         at = np.flatnonzero(load[block] > 0.0) + block.start
         w_r[at], w_t[at] = unit_load_velocity(eps[at], 1.0 - eps[at], flat_psi[at], q_r[at], q_t[at])

@@ -1,135 +1,55 @@
-"""Coordinates in which the film's mobility is smooth up to the wall, for tables with one psi each.
+"""Where the film's mobility varies: coordinates for tables, and the positive arc interpolated in them.
 
 The mobility (velocity per load) of a thin film falls like powers of the gap, and for small psi turns within a
-few k = psi^(1/3) of the wall from those powers into a finite plateau. Both are taken out by one coordinate.
-Where the film is thinnest, h^3 + psi vanishes at h = -k and h = k exp(+-i pi/3), and the film integrals have
-branch points at the complex pair. With d the gap,
+few k = psi^(1/3) of the wall from those powers into a finite plateau. Where the film is thinnest, h^3 + psi
+vanishes at h = -k and h = k exp(+-i pi/3), and the film integrals have branch points at the complex pair. With
+d the gap,
 
 ``T = (d - k/2) + sqrt((d - k/2)^2 + 3 k^2/4)``
 
-is the Joukowski variable that unfolds that pair; T -> 2 d for d >> k, and T > 0 beyond the wall. Every
-function below is (power of T) x (smooth function of s = T^(1/4), of order one). The powers are those of the
-plain film near contact: T^(5/2) for radial and T^(3/2) for tangential motion (Booker 1965). The fourth root
-narrows the cells towards the wall without a logarithm. Tables are for psi = 0 or psi >= 1e-12; between, a
-double has no room for k.
+is the Joukowski variable that unfolds that pair; T -> 2 d for d >> k, and T > 0 beyond the wall. Since
+``dT/T = dd/|d - branch point|``, cells whose edges are equidistant in log T are all as wide as the mobility
+allows, whatever psi is. Tables are for psi = 0 or psi >= 1e-12; between, a double has no room for k.
+
+The positive arc has no formula and a solved point costs 30 microseconds; a table asks for 10^5 of them. So it
+is interpolated between 16128 points solved once per psi (0.5 s), as (power of T) x (smooth function of
+s = T^(1/4), of order one). The powers are those of the plain film near contact: T^(5/2) for radial and T^(3/2)
+for tangential motion (Booker 1965).
 
 All lengths in c; mobilities per load q = kappa d/(2 Gamma) as in `whirlmap.films.porous_short`.
 """
 
+from functools import lru_cache
+
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.films.porous_short import film_integrals, unit_load_velocity
+from whirlmap.films.porous_short import check_range, unit_load_velocity
 
 Floats = NDArray[np.float64]
 
 BEYOND = 0.3  # tables reach to eps = 1 + BEYOND k: a stage of an integrator may step over the wall
-_HAT = 0.75  # the wall seen by z lies at 1 + _HAT k, so that z < 1 on the whole table
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(96)  # B/eps and (G-D)/eps^2 are sharper than G, B, D
+SMALLEST = 1e-12  # permeability of a table, but for zero: below it k drowns in the rounding of the gap
+HAT = 0.75  # the wall seen by z lies at 1 + HAT k, so that z < 1 on the whole table
+_ORDER = 12  # points per panel and coordinate
+_NEAREST = 0.03  # psi = 0 reaches s = 0, where no film is left to solve: sample from T = 8e-7 and continue
 
 
-def _root(psi: float) -> float:
+def root_of(psi: float) -> float:
+    """Return k = psi^(1/3)."""
     return float(np.cbrt(psi))
 
 
-def _unfolded(gap: Floats, k: float) -> Floats:
+def unfolded(gap: Floats, k: float) -> Floats:
+    """T of a gap."""
     centred = gap - 0.5 * k
     return centred + np.sqrt(centred * centred + 0.75 * k * k)
 
 
-def _folded(T: Floats, k: float) -> Floats:
-    """Gap of T: the inverse of `_unfolded`."""
+def folded(T: Floats, k: float) -> Floats:
+    """Gap of T: the inverse of `unfolded`."""
     return 0.5 * T if k == 0.0 else 0.5 * (k + T - 0.75 * k * k / T)
-
-
-def fixed_arc_coordinates(e2: ArrayLike, psi: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """Coordinate and scale factors of the fixed half film.
-
-    ``w = T52 fD q + T32 fH (q.Ju) Ju - sigma T2 fB [(q.Ju) u + (q.u) Ju]/eps`` with
-
-    ``D/Delta = T52 fD``,   ``(G-D)/(Delta eps^2) = T32 fH``,   ``B/(Delta eps) = T2 fB``.
-
-    The radial mobility D/Delta is the smallest near the wall and stands alone: with G/Delta q + ... (q.u) u
-    instead it would be the difference of two terms 1/(1-eps) times larger.
-
-    Parameters
-    ----------
-    e2 : array_like
-        eps^2 [1], at most (1 + 0.3 k)^2; below 1 for psi = 0.
-    psi : float
-        Permeability parameter [1].
-
-    Returns
-    -------
-    s : array
-        Table coordinate T^(1/4) with d = (1 - eps^2)/2.
-    T52, T32, T2 : array
-        Scale factors T^(5/2), T^(3/2), T^2.
-    """
-    T = _unfolded(0.5 * (1.0 - np.asarray(e2, dtype=float)), _root(psi))
-    root = np.sqrt(T)
-    T32, T2 = T * root, T * T
-    return np.sqrt(root), T * T32, T32, T2
-
-
-def fixed_arc_range(psi: float) -> tuple[float, float]:
-    """Return the ends of the coordinate s: the wall (eps = 1 + 0.3 k) and the centre (eps = 0)."""
-    wall, *_ = fixed_arc_coordinates((1.0 + BEYOND * _root(psi)) ** 2, psi)
-    centre, *_ = fixed_arc_coordinates(0.0, psi)
-    return float(wall), float(centre)
-
-
-def fixed_arc_scaled(s: ArrayLike, psi: float) -> Floats:
-    """Scaled mobilities fD, fH, fB of the fixed half film.
-
-    Parameters
-    ----------
-    s : array_like, shape (...)
-        Table coordinate inside `fixed_arc_range`, above 0.
-    psi : float
-
-    Returns
-    -------
-    f : array, shape (3, ...)
-
-    Notes
-    -----
-    psi = 0 from the closed form [audit sec. 3.2]. Otherwise the rule of `film_integrals`, with B and G - D
-    integrated by parts so that no 0/0 is left at eps = 0, W = 1/(h^3 + psi):
-
-    ``B/eps = -3/2 int sin^3 h^2 W^2``,   ``(G-D)/eps^2 = 1/3 int sin^4 W^2 (18 h^4 W - 6 h)``.
-    """
-    s_ = np.asarray(s, dtype=float)
-    T = s_.ravel() ** 4
-    k = _root(psi)
-    e2 = np.maximum(1.0 - 2.0 * _folded(T, k), 0.0)  # rounding at the centre
-    if psi == 0.0:
-        P = np.pi**2 + (2.0 * np.pi**2 - 16.0) * e2
-        return np.multiply.outer([2.0 * np.pi, 6.0 * np.pi, -8.0], 1.0 / P).reshape(3, *s_.shape)
-    D, G_D, B_eps, Delta = _even_integrals(np.sqrt(e2), psi)
-    f = np.stack([D / T**2.5, G_D / T**1.5, B_eps / T**2]) / Delta
-    return f.reshape(3, *s_.shape)
-
-
-def _even_integrals(eps: Floats, psi: float) -> tuple[Floats, Floats, Floats, Floats]:
-    """D, (G - D)/eps^2, B/eps and Delta: the even functions of eps that the Cartesian form needs."""
-    G, B, D = film_integrals(eps, psi)
-    margin = _HAT * _root(psi)
-    wall = 1.0 + margin
-    eh = eps / wall
-    one_minus = (1.0 - eps + margin) / wall
-    x = 0.25 * np.pi * (_NODES + 1.0)  # chi/2
-    sin2, sine = np.sin(x) ** 2, np.sin(2.0 * x)
-    q = one_minus[:, None] + 2.0 * np.multiply.outer(eh, sin2)
-    level = ((1.0 - eps) * (1.0 + eps) + margin) / wall
-    N = level[:, None] + np.multiply.outer(margin * eh, 1.0 - 2.0 * sin2)
-    N3, seep = N * N * N, psi * (q * q * q)
-    den = N3 + seep
-    S = np.sqrt(one_minus * (1.0 + eh))
-    weights = 0.5 * np.pi * _WEIGHTS
-    B_eps = -1.5 * S**4 * ((N / den) ** 2 @ (weights * sine**3))
-    G_D = 2.0 * S**5 * ((N * (2.0 * N3 - seep) / den**3) @ (weights * sine**4))
-    return D, G_D, B_eps, G * D - B * B
 
 
 def positive_arc_coordinates(
@@ -160,9 +80,9 @@ def positive_arc_coordinates(
     odd powers of z. Analytic in z up to z = 1, for there the arc leaves out the thin film altogether.
     """
     xi_, eta2_ = np.asarray(xi, dtype=float), np.asarray(eta2, dtype=float)
-    k = _root(psi)
-    R = 1.0 + _HAT * k
-    T = _unfolded(1.0 - xi_, k)
+    k = root_of(psi)
+    R = 1.0 + HAT * k
+    T = unfolded(1.0 - xi_, k)
     root = np.sqrt(T)
     T32 = T * root
     return np.sqrt(root), np.sqrt(eta2_ / ((R - xi_) * (R + xi_))), T * T32, T32
@@ -170,48 +90,105 @@ def positive_arc_coordinates(
 
 def positive_arc_range(psi: float) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return the ends of the coordinates s (from the wall ahead of the load to the wall behind it) and z."""
-    k = _root(psi)
+    k = root_of(psi)
     far = 1.0 + BEYOND * k
-    near, behind = (float(_unfolded(np.asarray(1.0 - x), k) ** 0.25) for x in (far, -far))
-    return (near, behind), (0.0, far / (1.0 + _HAT * k))
+    near, behind = (float(unfolded(np.asarray(1.0 - x), k) ** 0.25) for x in (far, -far))
+    return (near, behind), (0.0, far / (1.0 + HAT * k))
 
 
-def positive_arc_scaled(s: ArrayLike, z: ArrayLike, psi: float) -> Floats:
-    """Scaled mobilities F, H of the positive-pressure half film.
+def positive_arc_solved(d: Floats, z: Floats, psi: float) -> tuple[Floats, Floats]:
+    """Mobility of the positive-pressure half film, solved.
 
     Parameters
     ----------
-    s, z : array_like, broadcasting
-        Inside `positive_arc_range`; s > 0, and 0 < z < 1 (H is a ratio, and psi = 0 ends at z = 1).
+    d, z : array, broadcasting
+        d = 1 - xi, and z as in `positive_arc_coordinates`; z below 1e-8 counts as 1e-8, for the second
+        mobility is a ratio whose limit is reached there.
     psi : float
 
     Returns
     -------
-    F, H : array, shape (2, ...)
+    ahead, aside : array
+        ``w = |q| [ahead qhat - eta aside J qhat]``.
 
     Raises
     ------
-    IntegrationError
-        Some point did not converge.
+    RangeError, IntegrationError
+        Some point lies where no film is, or did not converge.
 
     Notes
     -----
-    Solved with `unit_load_velocity`; the gap 1 - eps is formed from T and z, so that it keeps its digits.
+    Solved with `unit_load_velocity`; the gap 1 - eps is formed from d and z, so that it keeps its digits.
+    """
+    d_, z_ = np.broadcast_arrays(np.asarray(d, dtype=float), np.maximum(z, 1e-8))
+    shape = d_.shape
+    d_, z_ = d_.ravel(), z_.ravel()
+    margin = HAT * root_of(psi)
+    off_axis = d_ * (2.0 - d_)  # 1 - xi^2
+    beyond = margin * (2.0 + margin)  # R^2 - 1
+    xi, eta = 1.0 - d_, z_ * np.sqrt(off_axis + beyond)
+    eps = np.hypot(xi, eta)
+    gap = (off_axis * (1.0 - z_) * (1.0 + z_) - z_ * z_ * beyond) / (1.0 + eps)
+    psis = np.full_like(eps, psi)
+    check_range(eps, psis)
+    cos, sin = xi / eps, eta / eps  # of the angle from the load to u
+    w_r, w_t = unit_load_velocity(eps, gap, psis, cos, -sin)
+    M_xi, M_eta = w_r * cos - w_t * sin, w_r * sin + w_t * cos
+    return M_xi.reshape(shape), (-M_eta / eta).reshape(shape)
+
+
+def positive_arc_smooth(psi: float, s: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats]:
+    """Scaled mobilities F, H of the positive arc, interpolated on panels.
+
+    Parameters
+    ----------
+    psi : float
+    s, z : array, broadcasting
+        Inside `positive_arc_range`. The first call for a psi takes half a second.
+
+    Returns
+    -------
+    F, H : array
+        ``ahead = T^(5/2) F``, ``aside = T^(3/2) H``. Relative error at most 6e-8 (psi = 1e-8, at the wall),
+        3e-9 for psi >= 1e-4, 2e-8 in H for psi = 0 at 1 - eps < 1e-3; 1e-11 of the largest w.
     """
     s_, z_ = np.broadcast_arrays(np.asarray(s, dtype=float), np.asarray(z, dtype=float))
     shape = s_.shape
     s_, z_ = s_.ravel(), z_.ravel()
-    k = _root(psi)
-    margin = _HAT * k
-    T = s_**4
-    d = _folded(T, k)
-    xi = 1.0 - d
-    off_axis = d * (2.0 - d)  # 1 - xi^2
-    beyond = margin * (2.0 + margin)  # R^2 - 1
-    eta = z_ * np.sqrt(off_axis + beyond)
-    eps = np.hypot(xi, eta)
-    gap = (off_axis * (1.0 - z_) * (1.0 + z_) - z_ * z_ * beyond) / (1.0 + eps)
-    cos, sin = xi / eps, eta / eps  # of the angle from the load to u
-    w_r, w_t = unit_load_velocity(eps, gap, np.full_like(eps, psi), cos, -sin)
-    M_xi, M_eta = w_r * cos - w_t * sin, w_r * sin + w_t * cos
-    return np.stack([M_xi / T**2.5, -M_eta / (eta * T**1.5)]).reshape(2, *shape)
+    edges_s, edges_z, coefficients = _positive_panels(psi)
+    out = np.empty((2, s_.size))
+    for first in range(0, s_.size, 2048):
+        block = slice(first, first + 2048)
+        panel_s, basis_s = _chebyshev_basis(edges_s, s_[block])
+        panel_z, basis_z = _chebyshev_basis(edges_z, z_[block])
+        local = coefficients[panel_s, panel_z]
+        out[:, block] = np.einsum("na,nabf,nb->fn", basis_s, local, basis_z, optimize=True)
+    F, H = out.reshape(2, *shape)
+    return F, H
+
+
+@lru_cache(maxsize=8)
+def _positive_panels(psi: float) -> tuple[Floats, Floats, Floats]:
+    """Panel edges in s and z, and Chebyshev coefficients (panel_s, panel_z, order, order, 2) of F, H."""
+    (near, behind), (start, end) = positive_arc_range(psi)
+    edges_s = np.geomspace(max(near, _NEAREST), behind, 15)
+    edges_z = np.linspace(start, end, 9)
+    s, z = (_panel_points(edges) for edges in (edges_s, edges_z))
+    T = s[:, None] ** 4
+    ahead, aside = positive_arc_solved(folded(T, root_of(psi)), z, psi)
+    sampled = np.stack([ahead / T**2.5, aside / T**1.5]).reshape(2, 14, _ORDER, 8, _ORDER)
+    to_chebyshev = np.linalg.inv(chebyshev.chebvander(chebyshev.chebpts1(_ORDER), _ORDER - 1))
+    coefficients = np.einsum("ai,fpiqj,bj->pqabf", to_chebyshev, sampled, to_chebyshev, optimize=True)
+    return edges_s, edges_z, np.ascontiguousarray(coefficients)
+
+
+def _panel_points(edges: Floats) -> Floats:
+    nodes = 0.5 * (1.0 + chebyshev.chebpts1(_ORDER))
+    return (edges[:-1, None] + np.multiply.outer(np.diff(edges), nodes)).ravel()
+
+
+def _chebyshev_basis(edges: Floats, x: Floats) -> tuple[NDArray[np.intp], Floats]:
+    """Panel of each point and the Chebyshev polynomials there; the first panel continues towards the wall."""
+    panel = np.clip(np.searchsorted(edges, x, side="right") - 1, 0, edges.size - 2)
+    local = 2.0 * (x - edges[panel]) / np.diff(edges)[panel] - 1.0
+    return panel, np.asarray(chebyshev.chebvander(local, _ORDER - 1), dtype=np.float64)

@@ -19,13 +19,12 @@ def march(y, time, h, p, tables, offsets, steps, good):
     k = np.empty(STAGES * N * L)
     jac = np.empty(STAGES * ENTRIES * L)
     c = np.empty((2 * H + 1) * L)
-    scratch = np.empty(SCRATCH * L)
-    cells = np.zeros(READS * L, dtype=np.int64)
+    scratch = np.zeros(SCRATCH * L)
     flag = np.empty(L, dtype=np.int64)
     for l in range(L):
         good[l] = 1
     for _ in range(steps):
-        step(y, time, h, p, tables, offsets, x, z, k, jac, c, scratch, cells, count)
+        step(y, time, h, p, tables, offsets, x, z, k, jac, c, scratch, count)
         examine(x, p, flag)
         for l in range(L):
             good[l] *= flag[l]
@@ -38,8 +37,7 @@ def march(y, time, h, p, tables, offsets, steps, good):
 def evaluate(y, time, p, tables, offsets, dy, jac, o):
     """Evaluate rates, Jacobian entries (where compiled with tangents) and outputs, each flat over rows and lanes."""
     c = np.empty((2 * H + 1) * L)
-    scratch = np.empty(SCRATCH * L)
-    cells = np.zeros(READS * L, dtype=np.int64)
+    scratch = np.zeros(SCRATCH * L)
     phases(time, p, c)
-    rates(y, c, p, tables, offsets, scratch, cells, dy, jac)
+    rates(y, c, p, tables, offsets, scratch, dy, jac)
     observed(y, p, o)

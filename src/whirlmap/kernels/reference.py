@@ -21,18 +21,19 @@ def reference_rates(model: Model, *, forced: bool = True) -> Callable[[ArrayLike
     """Return ``rates(time, x, values)`` of a model.
 
     ``x`` has shape (state,) or (state, point), ``values`` (parameter,) or (parameter, point); the result is as ``x``.
-    Nothing of the lowering is used, so that this is a check of it. Without ``forced`` every harmonic of time is zero.
+    Nothing of the lowering is used, so that this is a check of it. Without ``forced`` every harmonic of time is zero, and
+    tables are replaced by what they are fitted to: equilibria are searched with it, at many points.
     """
 
     def formula() -> Formula:
-        expressions = [_with_exact(sympify(model.equations[s])) for s in model.states]
+        expressions = [_with_functions(sympify(model.equations[s])) for s in model.states]
         if not forced:
             expressions = [e.replace(lambda a: isinstance(a, cos | sin) and a.has(t), lambda _: 0) for e in expressions]
         # Shared subexpressions only where speed matters: the oracle itself repeats every term as it stands in the model.
         return Formula([t, model.states, model.parameters], expressions, share=not forced)
 
     role = "rates" if forced else "rates with all forcing off"
-    compiled = numpy_function(model, role, formula, _exact_functions(model))
+    compiled = numpy_function(model, role, formula, _table_functions(model, exact=forced))
 
     def rates(time: ArrayLike, x: ArrayLike, values: ArrayLike) -> Array:
         x = np.asarray(x, dtype=float)
@@ -47,10 +48,10 @@ def reference_outputs(model: Model) -> Callable[[Array, Array], Array]:
     """Return ``outputs(x, values)`` of a model: (state, point), (parameter, point) -> (output, point)."""
 
     def formula() -> Formula:
-        expressions = [_with_exact(sympify(o.expression)) for o in model.outputs.values()]
+        expressions = [_with_functions(sympify(o.expression)) for o in model.outputs.values()]
         return Formula([model.states, model.parameters], expressions)
 
-    compiled = numpy_function(model, "outputs", formula, _exact_functions(model))
+    compiled = numpy_function(model, "outputs", formula, _table_functions(model, exact=True))
 
     def outputs(x: Array, values: Array) -> Array:
         rows = [np.broadcast_to(np.asarray(row, dtype=float), x.shape[1:]) for row in compiled(list(x), list(values))]
@@ -59,7 +60,7 @@ def reference_outputs(model: Model) -> Callable[[Array, Array], Array]:
     return outputs
 
 
-def _with_exact(expression: Expr) -> Expr:
+def _with_functions(expression: Expr) -> Expr:
     def replace(e: tabulated) -> Expr:
         if any(e.orders):
             raise ModelError("derivatives of a table have no exact function here; difference the rates instead")
@@ -68,33 +69,33 @@ def _with_exact(expression: Expr) -> Expr:
     return expression.replace(lambda e: isinstance(e, tabulated), replace)
 
 
-def _exact_functions(model: Model) -> dict[str, Callable[..., Array]]:
-    """Exact functions of a model's tables, by the names that `_with_exact` calls them."""
+def _table_functions(model: Model, *, exact: bool) -> dict[str, Callable[..., Array]]:
+    """Functions of a model's tables, by the names that `_with_functions` calls them: exact, or what they are fitted to."""
     functions: dict[str, Callable[..., Array]] = {}
     for table in model.tables:
-        exact = _exact_once(table)
-        functions |= {f"{table.name}_{i}": _output(exact, i) for i in range(len(table.outputs))}
+        once = _once(table, table.exact if exact else table.samples)
+        functions |= {f"{table.name}_{i}": _output(once, i) for i in range(len(table.outputs))}
     return functions
 
 
-def _exact_once(table: Table) -> Callable[..., tuple[Array, ...]]:
-    """A table's exact functions; the last few arguments are remembered, for every output asks for the same ones."""
+def _once(table: Table, functions: Callable[..., tuple[Array, ...]]) -> Callable[..., tuple[Array, ...]]:
+    """A table's functions; the last few arguments are remembered, for every output asks for the same ones."""
     known: dict[tuple, tuple[Array, ...]] = {}
 
-    def exact(parameter: ArrayLike, *coordinates: ArrayLike) -> tuple[Array, ...]:
+    def evaluate(parameter: ArrayLike, *coordinates: ArrayLike) -> tuple[Array, ...]:
         values = np.asarray(parameter, dtype=float)
         if values.ndim and np.ptp(values) > 0:
-            raise ModelError(f"table {table.name!r} is exact at one value of its parameter at a time")
+            raise ModelError(f"table {table.name!r} is evaluated at one value of its parameter at a time")
         places = [np.asarray(c, dtype=float) for c in coordinates]
         key = (float(values.flat[0]), *((c.shape, c.tobytes()) for c in places))
         if key not in known:
             if len(known) > 7:
                 known.clear()
-            known[key] = table.exact(key[0], *places)
+            known[key] = functions(key[0], *places)
         return known[key]
 
-    return exact
+    return evaluate
 
 
-def _output(exact: Callable[..., tuple[Array, ...]], index: int) -> Callable[..., Array]:
-    return lambda parameter, *coordinates: exact(parameter, *coordinates)[index]
+def _output(functions: Callable[..., tuple[Array, ...]], index: int) -> Callable[..., Array]:
+    return lambda parameter, *coordinates: functions(parameter, *coordinates)[index]

@@ -14,12 +14,13 @@ from sympy import Expr, Symbol, sympify
 
 from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import Table, tabulated
+from whirlmap.equations.pieces import tabulated
 from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import jacobian_code
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, Read, Straight, code, local_name, straight
 from whirlmap.kernels.methods import Method
+from whirlmap.kernels.places import Places
 
 #: Lanes of one kernel call: the batch that LLVM vectorises. 32 measured fastest of 8, 16, 32 and 64 for 20 states.
 LANES = 32
@@ -34,7 +35,7 @@ import numpy as np
 from numba import njit
 
 L, N, M, H, STAGES, NODES, ENTRIES = {lanes}, {states}, {outputs}, {harmonics}, {stages}, {nodes}, {entries}
-SCRATCH, READS = {scratch}, {reads}
+SCRATCH = {scratch}
 BOUND = {bound!r}
 STAGE_TIMES = {times!r}
 kernel = njit(nogil=True, cache=True, error_model="numpy", fastmath={{{fast}}})
@@ -124,10 +125,11 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
     nodes = tuple(sorted({float(c) for c in method.c}))
     writer = _Writer(model, hoisted, kind)
     parts = [
-        writer.function("rates(y, c, p, tables, offsets, scratch, cells, dy, jac)", rates,
+        writer.function("rates(y, c, p, tables, offsets, scratch, dy, jac)", rates,
                         [*(f"dy[{i * LANES} + l]" for i in range(model.dimension)),
                          *(f"jac[{i * LANES} + l]" for i in range(len(slots)))]),
         writer.tangent(entries, slots),
+        _template("reading") if model.tables else "",
         writer.function("observed(y, p, o)", observed, [f"o[{i * LANES} + l]" for i in range(len(model.outputs))]),
         writer.examine(gaps),
         writer.phases(frequencies) if kind == "free" else "",
@@ -138,7 +140,7 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
         version=__version__, model=model.name, method=method.name, lanes=LANES, states=model.dimension,
         outputs=len(model.outputs), harmonics=len(model.harmonics), stages=method.stages, nodes=len(nodes),
         entries=max(len(slots), 1), scratch=writer.scratch,
-        reads=writer.reads, bound=float(model.bound), times=nodes, fast=", ".join(repr(f) for f in FAST_MATH),
+        bound=float(model.bound), times=nodes, fast=", ".join(repr(f) for f in FAST_MATH),
     )  # fmt: skip
     return KernelSource(
         text="\n\n".join(p for p in [head, *parts] if p),
@@ -174,8 +176,8 @@ class _Writer:
 
     def __init__(self, model: Model, hoisted: Hoisted, kind: str) -> None:
         self.model, self.hoisted, self.kind = model, hoisted, kind
-        self.tables = {table.name: (i, table) for i, table in enumerate(model.tables)}
-        self.scratch, self.reads = 1, 1
+        self.places = Places(model.tables, LANES)
+        self.scratch = 1
 
     def loads(self, names: set[str]) -> list[str]:
         """Statements that read the named inputs of one lane."""
@@ -201,32 +203,36 @@ class _Writer:
     def function(self, signature: str, lines: Straight, targets: list[str]) -> str:
         """Write a kernel function that stores the results of straight-line code.
 
-        Reading a table goes through an index, and LLVM vectorises no loop that both stores and reads through one. So
-        code with tables becomes three loops: what the coordinates need, the table readings, and the rest; what crosses
-        from one to the next is kept in ``scratch`` and ``cells``.
+        Reading a table through an index costs more than the polynomial that it serves, and LLVM vectorises no loop that
+        also stores. So ``scratch`` holds, for each lane, the record of the cell that it is in: its edges, its centre and
+        its coefficients. The first loop computes the coordinates and counts the lanes that have left their cells, whose
+        new records are then fetched, one by one; this is rare, for motion is slow compared with stages. The last loop
+        evaluates the polynomials and everything else. What crosses from one to the other is kept in ``scratch`` too.
         """
         out = ["@inner", f"def {signature}:"]
         results = [(target, code(result)) for target, result in zip(targets, lines.results, strict=True)]
         reads = [step for step in lines.steps if isinstance(step, Read)]
         before, after = _split(lines)
-        rows = _Rows()
+        loads: list[str] = []
         if reads:
+            places = [self.places.of(read) for read in reads]
+            rows = _Rows(self.places.rows)
             loop = [f"{symbol.name} = {code(e)}" for symbol, e in before]
-            for number, read in enumerate(reads):
-                index, table = self.tables[read.table]
-                loop += find_cell(table, read, f"offsets[{index * LANES} + l]", number, rows)
+            for place, read in zip(places, reads, strict=True):
+                loop += place.examine(read)
+                loads += place.polynomials(read)
             crossing = [s for s, _ in before if s.name in _used(after, lines.results)]
             loop += [f"{rows.at(s.name)} = {s.name}" for s in crossing]
+            loads = [*(f"{s.name} = {rows.at(s.name)}" for s in crossing), *loads]
+            out += [f"    moved{place.number} = 0" for place in places]
             out += self.loop(loop, _used(before, [c for r in reads for c in r.coordinates]))
-            for number, read in enumerate(reads):
-                out += self.loop(read_table(self.tables[read.table][1], read, number, rows), set())
-            loads = [f"{s.name} = {rows.at(s.name)}" for s in crossing]
-            loads += [f"{o[2].name} = {rows.at(o[2].name)}" for read in reads for o in read.outputs]
+            for place in places:
+                out += place.fetch()
+            self.scratch = max(self.scratch, rows.count)
         else:
-            loads, after = [], [*before, *after]
+            after = [*before, *after]
         body = [*loads, *(f"{symbol.name} = {code(e)}" for symbol, e in after)]
         out += self.loop([*body, *(f"{t} = {r}" for t, r in results)], _used(after, lines.results))
-        self.scratch, self.reads = max(self.scratch, len(rows.names)), max(self.reads, len(reads))
         return "\n".join(out)
 
     def loop(self, statements: list[str], names: set[str]) -> list[str]:
@@ -277,7 +283,7 @@ class _Writer:
         locked = self.kind == "locked"
         head = "waves, starts, counters, " if locked else ""
         time = "" if locked else "time, "
-        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, z, k, jac, c, scratch, cells, count):"]
+        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, z, k, jac, c, scratch, count):"]
         out += [] if locked else ["    stage_time = np.empty(L)"]
         out += ["    for stage in range(STAGES):"]
         for i in range(method.stages):
@@ -290,7 +296,7 @@ class _Writer:
             out += ["        for l in range(L):", "            stage_time[l] = time[l] + STAGE_TIMES[node] * h[l]",
                     "        phases(stage_time, p, c)"]  # fmt: skip
         out += ["        slopes = jac[stage * ENTRIES * L : (stage + 1) * ENTRIES * L]",
-                "        rates(z, c, p, tables, offsets, scratch, cells, k[stage * N * L : (stage + 1) * N * L], slopes)",
+                "        rates(z, c, p, tables, offsets, scratch, k[stage * N * L : (stage + 1) * N * L], slopes)",
                 *_combine("x", "y", method.b, 4),
                 "    for v in range(1, count + 1):",
                 "        before, after = y[v * N * L : (v + 1) * N * L], x[v * N * L : (v + 1) * N * L]",
@@ -311,16 +317,22 @@ def _combine(result: str, start: str, weights: tuple, indent: int) -> list[str]:
 
 
 class _Rows:
-    """Rows of the scratch array, given out by name."""
+    """Rows of the scratch array from the given one on, given out by name."""
 
-    def __init__(self) -> None:
+    def __init__(self, first: int) -> None:
+        self.first = first
         self.names: list[str] = []
+
+    @property
+    def count(self) -> int:
+        """Rows in use, with those before the first."""
+        return self.first + len(self.names)
 
     def at(self, name: str) -> str:
         """Source of the entry of a named row in lane l."""
         if name not in self.names:
             self.names.append(name)
-        return f"scratch[{self.names.index(name) * LANES} + l]"
+        return f"scratch[{(self.first + self.names.index(name)) * LANES} + l]"
 
 
 def _split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:
@@ -339,52 +351,3 @@ def _split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbo
 def _used(steps: list[tuple[Symbol, Expr]], results: Iterable[Expr]) -> set[str]:
     """Names that assignments and results read."""
     return {s.name for e in (*(e for _, e in steps), *results) for s in e.free_symbols}
-
-
-def find_cell(table: Table, read: Read, offset: str, number: int, rows: _Rows) -> list[str]:
-    """Write the search of a table's cell, branch-free; a coordinate outside of [0, 1] gets the outermost cell."""
-    out = []
-    for axis, (cells, z) in enumerate(zip(table.cells, read.coordinates, strict=True)):
-        out += [f"r = {z.name} * {float(cells)!r}",
-                f"m = r if r < {cells - 0.5!r} else {cells - 0.5!r}",
-                f"i{axis} = int(m if m > 0.0 else 0.0)",
-                f"{rows.at(f'd{number}_{axis}')} = r - i{axis}"]  # fmt: skip
-    cell = "i0" if len(table.cells) == 1 else f"(i0 * {table.cells[1]} + i1)"
-    size = (table.degree + 1) ** len(table.cells) * len(table.outputs)
-    return [*out, f"cells[{number * LANES} + l] = {offset} + {cell} * {size}"]
-
-
-def read_table(table: Table, read: Read, number: int, rows: _Rows) -> list[str]:
-    """Write the reading of a table: a polynomial in its cell (Horner) for each output and derivative.
-
-    Outside of [0, 1] the outermost cell's polynomial goes on; NaN stays NaN. With two coordinates the polynomials in the
-    second are shared by the value and the derivatives.
-    """
-    terms = table.degree + 1
-    size = terms ** len(table.cells)
-    out = [f"b = cells[{number * LANES} + l]"]
-    out += [f"d{axis} = {rows.at(f'd{number}_{axis}')}" for axis in range(len(table.cells))]
-    made: set[tuple[int, int]] = set()
-    for output, orders, symbol in read.outputs:
-        scale = "".join(f" * {float(n)!r}" for n, order in zip(table.cells, orders, strict=True) if order)
-        base = output * size
-        if len(table.cells) == 1:
-            inner = [f"tables[b + {base + k}]" for k in range(terms)]
-        else:
-            inner = [f"g{output}_{orders[1]}_{k}" for k in range(terms)]
-            if (output, orders[1]) not in made:
-                made.add((output, orders[1]))
-                for k, row in enumerate(inner):
-                    entries = [f"tables[b + {base + k * terms + j}]" for j in range(terms)]
-                    out.append(f"{row} = {_horner(entries, 'd1', orders[1])}")
-        out.append(f"{rows.at(symbol.name)} = ({_horner(inner, 'd0', orders[0])}){scale}")
-    return out
-
-
-def _horner(coefficients: list[str], x: str, order: int) -> str:
-    """Polynomial, or its first derivative, in Horner's form."""
-    terms = [c if order == 0 or k == 1 else f"{float(k)!r} * {c}" for k, c in enumerate(coefficients)][order:]
-    out = terms[-1]
-    for term in reversed(terms[:-1]):
-        out = f"({out}) * {x} + {term}"
-    return out

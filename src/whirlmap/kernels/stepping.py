@@ -90,8 +90,7 @@ def advance(
     k = np.empty(STAGES * N * L)
     jac = np.empty(STAGES * ENTRIES * L)
     c = np.empty(2 * H + 1)
-    scratch = np.empty(SCRATCH * L)
-    cells = np.zeros(READS * L, dtype=np.int64)
+    scratch = np.zeros(SCRATCH * L)
     o = np.empty((M + 1) * L)
     good = np.empty(L, dtype=np.int64)
     running = 0
@@ -112,7 +111,7 @@ def advance(
                     running += 1
         if running == 0 and waiting == 0:
             break
-        step(y, h, p, tables, offsets, waves, starts, counters, x, z, k, jac, c, scratch, cells, count)
+        step(y, h, p, tables, offsets, waves, starts, counters, x, z, k, jac, c, scratch, count)
         examine(x, p, good)
         bad = 0
         for l in range(L):

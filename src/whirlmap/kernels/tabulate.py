@@ -1,37 +1,68 @@
-"""Fill a table: in every cell, the polynomial through Chebyshev-Lobatto points, in powers of the local coordinate."""
+"""Fill a table: in every cell a polynomial, in powers of the distance from the cell's centre.
+
+With one coordinate it is the polynomial through Chebyshev-Lobatto points, so that neighbouring cells join. With two it is
+the Chebyshev series of what such points give, cut off at the total degree: as accurate as the whole tensor product with
+half of its terms, but neighbours join only to the table's accuracy.
+"""
 
 from functools import lru_cache
 
 import numpy as np
+from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from whirlmap.equations.pieces import Table
 
 Array = NDArray[np.float64]
 
+#: Numbers that a cell's record begins with for each coordinate: lower edge, upper edge, centre.
+EDGES = 3
 
-def _points(degree: int) -> tuple[Array, Array]:
-    """Lobatto points of [0, 1], and the matrix that turns values there into powers of the coordinate."""
-    points = (1 - np.cos(np.pi * np.arange(degree + 1) / degree)) / 2
-    return points, np.asarray(np.linalg.inv(np.vander(points, increasing=True)), dtype=float)
+
+def _points(degree: int) -> tuple[Array, Array, Array]:
+    """Lobatto points of [-1, 1], the matrix from values there to Chebyshev coefficients, and that on to powers."""
+    points = chebyshev.chebpts2(degree + 1)
+    powers = np.zeros((degree + 1, degree + 1))
+    for k in range(degree + 1):
+        powers[: k + 1, k] = chebyshev.cheb2poly(np.eye(degree + 1)[k, : k + 1])
+    return points, np.asarray(np.linalg.inv(chebyshev.chebvander(points, degree)), dtype=float), powers
 
 
 @lru_cache(maxsize=64)
 def entries(table: Table, parameter: float) -> Array:
-    """Entries of a table at one value of its parameter, flat over (cell, output, power...).
+    """Entries of a table at one value of its parameter.
 
-    Neighbouring cells share their boundary points, so the polynomials join continuously.
+    Returns
+    -------
+    array
+        Flat: the number of cells along each coordinate; their inner edges; and for each cell, the last coordinate
+        fastest, its record: `EDGES` numbers for each coordinate, and for each output the coefficients of the powers.
+        The outermost edges in the records are infinite.
     """
-    points, powers = _points(table.degree)
-    axes = [(np.arange(n)[:, None] + points) / n for n in table.cells]
-    if len(axes) == 1:
-        values = np.stack(table.exact(parameter, axes[0]))  # (output, cell, point)
-        flat = np.einsum("ocp,kp->cok", values, powers)
+    n = table.degree + 1
+    points, series, powers = _points(table.degree)
+    edges = table.edges(parameter)
+    centres = [(e[1:] + e[:-1]) / 2 for e in edges]
+    halves = [np.diff(e) / 2 for e in edges]
+    places = [c[:, None] + np.multiply.outer(h, points) for c, h in zip(centres, halves, strict=True)]
+    scaled = [powers / h[:, None, None] ** np.arange(n)[:, None] for h in halves]  # (cell, power, order)
+    if len(edges) == 1:
+        values = np.stack(table.samples(parameter, places[0]))  # (output, cell, point)
+        coefficients = np.einsum("ocp,sp,cks->cok", values, series, scaled[0], optimize=True)
     else:
-        first, second = axes
-        values = np.stack(table.exact(parameter, first[:, None, :, None], second[None, :, None, :]))
-        flat = np.einsum("oijab,ka,lb->ijokl", values, powers, powers)
-    out: Array = np.ascontiguousarray(flat).ravel()
+        values = np.stack(table.samples(parameter, places[0][:, None, :, None], places[1][None, :, None, :]))
+        sums = np.einsum("oijab,sa,tb->ijost", values, series, series, optimize=True)
+        kept = np.add.outer(np.arange(n), np.arange(n)) < n
+        coefficients = np.einsum("ijost,iks,jlt->ijokl", sums * kept, *scaled, optimize=True)[..., kept]
+    cells = tuple(c.size for c in centres)
+    bounds = []
+    for axis, e in enumerate(edges):
+        rows = np.stack([np.append(-np.inf, e[1:-1]), np.append(e[1:-1], np.inf), centres[axis]], axis=-1)
+        shape = [1] * len(cells)
+        shape[axis] = cells[axis]
+        bounds.append(np.broadcast_to(rows.reshape(*shape, EDGES), (*cells, EDGES)))
+    records = np.concatenate([*bounds, coefficients.reshape(*cells, -1)], axis=-1)
+    out = np.concatenate([np.array(cells, dtype=float), *(e[1:-1] for e in edges), records.ravel()])
     out.setflags(write=False)
     return out
 

@@ -20,7 +20,7 @@ default arc. Journals are kept in Cartesian coordinates: the paper's polar form 
 from collections.abc import Mapping
 
 from whirlmap.equations import Family, Model, Output, Parameter, Stop, cos, sign, sin, sqrt, states, t
-from whirlmap.films.law import FilmLaw, film_law
+from whirlmap.films.law import FilmLaw, film_law, permeability_fault
 
 LENGTH = "1"  # lengths are in units of the clearance c
 u1x, u1y = states("u1x u1y", LENGTH, "journal 1 relative to its bearing, over c")
@@ -193,7 +193,10 @@ def declare(*, edition: str, film: str, arc: str, contact: str, plain: bool = Fa
         bound=1e6,
         tables=law.tables,
         plain={psi: lambda: declare(**switches, plain=True)} if law.tables and arc == "fixed" else {},
-        checks=(spin_suits_arc,) if arc == "fixed" and film == "porous" else (),
+        checks=(
+            *((spin_suits_arc,) if arc == "fixed" and film == "porous" else ()),
+            *((permeability_fault,) if film == "porous" else ()),
+        ),
         switches=switches,
         clocks={"mesh": r_m, "pinion": r_p, "gear": r_g},
         swing=(yp, yg, y1, y2),
