@@ -38,7 +38,7 @@ ENOUGH = (0.02, 0.002)
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
 #: Least steps per T of the recorded time series.
-RECORD_STEPS = 32
+RECORD_STEPS = 96
 
 
 def diagnose(
@@ -136,6 +136,7 @@ def _label_data(ensemble: Ensemble, r: Returns, found: NDArray[np.bool_]) -> dic
         "period_common": variable((), r.multiple[0], "1", "smallest return in common periods, 0 where none"),
         "return_distance": variable((), r.distance[0], "1", "return distance over the range of each state"),
         "start_found": variable((), int(found[0]), "1", "whether the default start exists"),
+        "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
     }
     pp = (r.extremes["maximum"] - r.extremes["minimum"])[:, 0]
     data["peak_to_peak"] = variable("quantity", pp, "1", "peak-to-peak over the record")
@@ -210,7 +211,7 @@ def _record(
     system: System, part: Ensemble, record: int, data: dict[str, Any], coords: dict[str, Any], votes: dict[str, Any]
 ) -> None:
     """Time series of the first run, its spectrum and lines."""
-    first = part.subset(np.array([0]), steps=int(part.point_steps[0]) * -(-RECORD_STEPS // int(part.point_steps[0])))
+    first = part.subset(np.array([0]), steps=max(int(part.point_steps[0]), RECORD_STEPS))
     common = first.common_multiple
     kept = -(-record // common) * common
     total = kept * first.steps

@@ -125,6 +125,7 @@ def lyapunov_spectrum(
             "running": variable(("period", "exponent"), running, "1/time", "mean exponent up to each common period"),
             "run_exponent": variable(("run", "exponent"), means.T, "1/time", "exponent of each run"),
             "status": status_variable("run", ensemble.status),
+            "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
             "phase_exponent": phase,
         },
         coords={"period": np.arange(1, periods + 1), "exponent": np.arange(1, count + 1), "run": np.arange(starts)},

@@ -22,6 +22,10 @@ PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
 """Meaning of ``status`` of ``period_in_T`` by value."""
 
 
+#: Differences smaller than this fraction of the one a whole orbit before have shrunk.
+SHRINKS = 0.99
+
+
 def return_multiple(
     section: ArrayLike,
     *,
@@ -155,6 +159,37 @@ def distance_to_limit(
     ratio = np.where(known, late / np.where(early > 0, early, 1.0), 0.0)
     left = np.where(ratio < 1, late * ratio / np.where(ratio < 1, 1 - ratio, 1.0), np.inf)
     return np.where(late <= 1e-9, late, left)
+
+
+def shrinking(
+    section: Array,
+    multiple: NDArray[np.int64],
+    *,
+    scale: ArrayLike | None = None,
+    cyclic: Mapping[int, float] | None = None,
+    floor: float = 1e-6,
+) -> NDArray[np.bool_]:
+    """Whether a shorter return is still on its way, shape (lane,): then the multiple found is not yet the smallest.
+
+    A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
+    after one. On an orbit of m common periods differences over fewer repeat after m; here the last one is compared with that.
+    Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
+    """
+    period = _periods(cyclic, section.shape[1])
+    size = _scales(section, scale, period, floor, np.ones(section.shape[2], dtype=bool))
+    out = np.zeros(section.shape[2], dtype=bool)
+    for m in np.unique(multiple):
+        lanes = np.flatnonzero(multiple == m)
+        x, s = section[:, :, lanes], size[:, lanes]
+
+        def change(at: int, d: int, x: Array = x, s: Array = s) -> Array:
+            largest: Array = (_difference((x[at] - x[at - d])[None], period)[0] / s).max(axis=0, initial=0.0)
+            return largest
+
+        for d in range(1, int(m)):
+            if m % d == 0:
+                out[lanes] |= change(-1, d) < SHRINKS * change(-1 - int(m), d)
+    return out
 
 
 def period_in_T(

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError, nearest
-from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
+from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.loading import pieces
@@ -152,22 +152,15 @@ def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[
     origin = provenance(
         pieces(system),
         method=ensemble.method.name,
-        steps_per_period=_steps_text(ensemble),
+        steps_per_period=ensemble.steps if ensemble.accuracy is None else "chosen for each point by the accuracy: see steps",
         citations=(ensemble.method.source,),
     )
     cyclic = {s.name: s.cyclic for s in system.model.states if s.cyclic is not None}
     if ensemble.accuracy is not None:
         settings = {"accuracy": ensemble.accuracy, **settings}
-    doubts = [v for v in Verdict if v != Verdict.met and (ensemble.step_verdict == v).any()]
-    if doubts:
-        counts = {v: int((ensemble.step_verdict == v).sum()) for v in doubts}
-        settings["accuracy_not_met"] = "; ".join(f"{counts[v]} of {ensemble.points} points: {v.advice}" for v in doubts)
+        if doubts := doubtful(ensemble.step_verdict):
+            settings["accuracy_not_met"] = doubts
     return {**origin, **settings, **({"cyclic": json.dumps(cyclic)} if cyclic else {})}
-
-
-def _steps_text(ensemble: Ensemble) -> int | str:
-    low, high = int(ensemble.point_steps.min()), int(ensemble.point_steps.max())
-    return low if low == high else f"{low} to {high}, chosen for each point"
 
 
 def cyclic_states(system: System) -> dict[int, float]:

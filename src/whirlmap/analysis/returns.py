@@ -78,7 +78,7 @@ def settle_and_record(
     common = ensemble.common_multiple
     kept = common * max(-(-settling.keep // common), 2)
     multiple = np.where(ensemble.running, settled.multiple, 0)
-    fine = ensemble.subset(np.arange(ensemble.points), steps=_at_least(ensemble.point_steps, EXTREMES_STEPS))
+    fine = ensemble.subset(np.arange(ensemble.points), steps=np.maximum(ensemble.point_steps, EXTREMES_STEPS))
     section = ensemble.advance(kept, save_periods=1, progress=progress).saved
     extremes = _extremes(fine, multiple, kept, progress)
     multiple = np.where(ensemble.running, multiple, 0)
@@ -86,12 +86,6 @@ def settle_and_record(
     period = _periods_in_T(section, multiple, settled.scale, common, settling, cyclic) if forced else multiple.copy()
     period = np.where(ensemble.running, period, 0)
     return Returns(section, _labels(ensemble, multiple), period, multiple, settled.distance, settled.waited, extremes)
-
-
-def _at_least(steps: Integers, least: int) -> Integers:
-    """Smallest whole multiples of the steps that are not below the least."""
-    out: Integers = steps * -(-least // steps)
-    return out
 
 
 def _extremes(

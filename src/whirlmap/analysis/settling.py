@@ -6,7 +6,8 @@ is looked at on its own, by its own history:
 1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever the number of
    points has doubled, the longer window is searched too, for returns up to `Settling.most`.
 2. A return counts once what is left of the transient is small as well: where successive differences shrink by a factor r
-   from one return to the next, the distance to the limit is the last difference times r / (1 - r).
+   from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
+   return is still on its way.
 3. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
@@ -18,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.periodicity import distance_to_limit, return_multiple
+from whirlmap.analysis.periodicity import distance_to_limit, return_multiple, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.source import LANES
@@ -179,8 +180,9 @@ class _Pool:
         multiple = found["multiple"].values
         s.distance[points] = found["distance"].values
         returned = np.flatnonzero(multiple > 0)
-        left = distance_to_limit(x[:, :, returned], multiple[returned], scale=scale[:, returned], cyclic=self.cyclic)
-        near = left <= tolerance
+        these = {"scale": scale[:, returned], "cyclic": self.cyclic}
+        near = distance_to_limit(x[:, :, returned], multiple[returned], **these) <= tolerance
+        near &= ~shrinking(x[:, :, returned], multiple[returned], **these)
         s.multiple[points[returned[near]]] = multiple[returned[near]]
 
 

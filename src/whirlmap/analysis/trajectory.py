@@ -25,18 +25,16 @@ def outputs_of(model: Model, values: Array, x: Array) -> Array:
     return reference_outputs(model)(x, values.reshape(-1, *(1,) * (x.ndim - 1)))
 
 
-#: Least samples per T of a time series whose steps are chosen by accuracy.
-SAMPLES = 64
+#: Least steps per T of a time series whose steps are chosen by accuracy: a smooth picture needs more than an orbit.
+SAMPLES = 100
 
 
 def series_steps(
     system: System, *, steps: int | None = None, accuracy: float | None = None, method: str | None = None
 ) -> int:
     """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture."""
-    if steps is not None and accuracy is None:
-        return steps
     chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0].steps
-    return chosen * -(-SAMPLES // chosen)
+    return chosen if steps is not None else max(SAMPLES, chosen)
 
 
 def simulate(
@@ -60,8 +58,7 @@ def simulate(
     every : int
         Steps between recorded samples.
     steps, accuracy, method, workers
-        As in `make_ensemble`. Where steps are chosen by accuracy, whole multiples of them are taken that give at least
-        `SAMPLES` samples per T.
+        As in `make_ensemble`; but `SAMPLES` steps per T are taken where the accuracy asks for fewer.
 
     Returns
     -------
@@ -151,6 +148,7 @@ def section(
         points, times = _crossings(ensemble, periods, progress)
         data["crossing_time"] = variable(("run", "period"), times, "time", "time of the crossing")
     data |= {
+        "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
         "section": variable(("run", "period", "state"), points, "1", "section point", unit_of_each=_units(system.model)),
         "status": status_variable("run", ensemble.status),
     }

@@ -22,6 +22,8 @@ Integers = NDArray[np.int64]
 #: Steps per T that are tried, all of them even.
 LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 
+#: Steps within which a divergence is not believed.
+FEW = 8
 #: Where the error falls by less than this from a rung to the one at least twice as high, the method has lost its order.
 STALLED = 4.0
 #: The rung from which on a lost order is believed: below it the steps may only be too long for any order to show.
@@ -45,6 +47,12 @@ class Verdict(IntEnum):
             Verdict.stiff: "the highest rung of the ladder is not enough: the system is too stiff here for an explicit"
             " method; try more steps by hand, less stiffness, or a lower accuracy",
         }[self]
+
+
+def doubtful(verdicts: NDArray[np.int8]) -> str:
+    """Say how many points do not meet the accuracy, and what to try; empty where all do."""
+    counts = {v: int((verdicts == v).sum()) for v in Verdict if v != Verdict.met}
+    return "; ".join(f"{count} of {verdicts.size} points: {v.advice}" for v, count in counts.items() if count)
 
 
 @dataclass(frozen=True)
@@ -85,8 +93,9 @@ def choose_steps(
 
     Notes
     -----
-    A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends by itself (in
-    contact, or diverging) on two rungs running, at times that differ by less than the accuracy of one T, takes the first.
+    A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
+    rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, likewise,
+    where the times are within a step.
 
     Raises
     ------
@@ -132,6 +141,7 @@ def _stalled(history: Array, i: int) -> NDArray[np.bool_]:
 class _Trial:
     """One common period of some points with some steps."""
 
+    steps: int
     sections: Array
     status: NDArray[np.int8]
     end: Array
@@ -148,10 +158,10 @@ class _Trial:
         begin = ensemble.turns[members]
         part.turns = begin.copy()
         sections = part.advance(part.common_multiple, save_periods=1, progress=progress).saved
-        return cls(sections, part.status, part.end_time / part.period - begin)
+        return cls(steps, sections, part.status, part.end_time / part.period - begin)
 
     def keep(self, which: NDArray[np.bool_]) -> "_Trial":
-        return _Trial(self.sections[:, :, which], self.status[which], self.end[which])
+        return _Trial(self.steps, self.sections[:, :, which], self.status[which], self.end[which])
 
     def difference(self, finer: "_Trial") -> Array:
         """Largest scaled difference of every point; infinite where only one of the two ended, or either failed."""
@@ -161,6 +171,10 @@ class _Trial:
         scale = np.maximum(1.0, np.where(seen, np.abs(finer.sections), 0.0).max(axis=0, initial=0.0))
         out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / scale).max(axis=0)
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
-        same = (self.status == finer.status) & (self.status != Status.unresolved)
-        apart = np.where(self.status == Status.diverged, 0.0, np.abs(self.end - finer.end))
-        return np.where(ended, np.where(same, np.maximum(out, apart), np.inf), out)
+        apart = np.abs(self.end - finer.end)
+        contact = (self.status == Status.contact) & (finer.status == Status.contact)
+        # The end of a divergence is known to a step only; one within a few steps may be the method's own.
+        diverged = (self.status == Status.diverged) & (finer.status == Status.diverged)
+        diverged &= (apart <= 1 / self.steps) & (self.end >= FEW / self.steps)
+        out = np.where(contact, np.maximum(out, apart), out)
+        return np.where(ended & ~contact & ~diverged, np.inf, out)

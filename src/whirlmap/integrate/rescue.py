@@ -123,7 +123,8 @@ class Rescue:
         return self._stops("reachable", lanes, np.zeros((self.model.dimension, LANES))) > 0
 
     def _stops(self, field: Literal["gap", "reachable"], lanes: NDArray[np.intp], x: Array) -> Array:
-        rows = stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
+        with np.errstate(over="ignore", invalid="ignore"):  # a state that has run away has no gap worth knowing
+            rows = stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
         return np.array([np.broadcast_to(np.asarray(r, dtype=float), (LANES,)) for r in rows]).reshape(-1, LANES)
 
 

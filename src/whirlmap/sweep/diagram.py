@@ -13,7 +13,7 @@ from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attribute
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import Verdict
+from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
@@ -102,7 +102,10 @@ def bifurcation_diagram(
         "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
         "tolerance": settling.tolerance, "common_multiple": ensemble.common_multiple, "lyapunov_periods": lyapunov,
     }  # fmt: skip
-    return with_attributes(ds, run_attributes(system, ensemble, **facts))
+    attributes = run_attributes(system, ensemble, **facts)
+    if doubts := doubtful(ds["step_verdict"].values):
+        attributes["accuracy_not_met"] = doubts
+    return with_attributes(ds, attributes)
 
 
 @dataclass(frozen=True)

@@ -19,6 +19,7 @@ from whirlmap.analysis.points import parameter_values
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import series_steps, simulate
 from whirlmap.errors import RangeError
+from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
@@ -36,7 +37,10 @@ CHAIN = 16
 STRETCHES = 16
 
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
-NOT_REACHED = {"status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0}
+NOT_REACHED = {
+    "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
+    "steps": 0, "step_verdict": 0,
+}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -166,7 +170,9 @@ def _joined(
                 sweeps[1][name].attrs = attributes
         ds = _concat(sweeps, "direction")
     first = next(parts[0] for parts in finished.values() if parts)  # it began where the user said
-    ds.attrs = {**first.attrs, "follow": follow or "none"}
+    ds.attrs = {k: v for k, v in first.attrs.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
+    if doubts := doubtful(ds["step_verdict"].values):
+        ds.attrs["accuracy_not_met"] = doubts
     return ds
 
 

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -28,6 +29,8 @@ S_ORBIT = 3.27
 S_RANGE = (0.3, 4.0)
 #: Speeds that a claim names by themselves, always among those computed.
 S_NAMED = (1.60, 1.61, 1.62)
+#: Fourth-order Runge-Kutta, as in the paper, which does not say its steps.
+PAPERS_METHOD: Any = {"method": "rk4", "steps": 100}
 #: Coordinates of Figures 6 and 7, with the figure's number.
 ORBITS = {"yp": 6, "y2": 7}
 
@@ -138,7 +141,7 @@ def gather(
     def diagram(psi: float) -> xr.Dataset:
         ds = bifurcation_diagram(
             system.replace(psi=psi), "s", at, settling=quality.settling, lyapunov=quality.exponent_periods,
-            workers=1, progress=progress,
+            workers=1, progress=progress, **PAPERS_METHOD,
         )  # fmt: skip
         attributes = {"units": "1", "long_name": "speed ratio of the paper"}
         return ds.assign_coords(paper_s=("s", ds["s"].values * edition.scale, attributes))
@@ -146,7 +149,7 @@ def gather(
     def orbit(psi: float) -> xr.Dataset:
         return diagnose(
             here.replace(psi=psi), settling=quality.orbit_settling, exponent_count=1, points=quality.points,
-            max_periods=quality.most_periods, workers=1, progress=progress,
+            max_periods=quality.most_periods, workers=1, progress=progress, **PAPERS_METHOD,
         )  # fmt: skip
 
     # A thread for each permeability: while one solves for start states in Python, another is in its kernels.

@@ -1,0 +1,88 @@
+"""Every method satisfies its order conditions, and shows its order on a run."""
+
+from functools import cache
+from math import log2
+
+import numpy as np
+import pytest
+
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.system import System
+from whirlmap.kernels.methods import METHODS
+from whirlmap.models import family
+
+
+@cache
+def trees(order):
+    """All rooted trees with that many vertices, each the sorted tuple of its root's branches."""
+    if order == 1:
+        return ((),)
+    found = set()
+
+    def grow(left, largest, branches):
+        if left == 0:
+            found.add(tuple(sorted(branches)))
+        for size in range(min(left, largest), 0, -1):
+            for tree in trees(size):
+                grow(left - size, size, (*branches, tree))
+
+    grow(order - 1, order - 1, ())
+    return tuple(sorted(found))
+
+
+def vertices(tree):
+    return 1 + sum(vertices(branch) for branch in tree)
+
+
+def density(tree):
+    product = vertices(tree)
+    for branch in tree:
+        product *= density(branch)
+    return product
+
+
+def residuals(method, order):
+    """Residuals b . Phi(t) - 1/gamma(t) of all trees of one order (Butcher's conditions)."""
+    a = np.zeros((method.stages, method.stages))
+    for i, row in enumerate(method.a):
+        a[i, : len(row)] = [float(x) for x in row]
+    b = np.array([float(x) for x in method.b])
+
+    def weights(tree):
+        out = np.ones(method.stages)
+        for branch in tree:
+            out = out * (a @ weights(branch))
+        return out
+
+    return np.array([b @ weights(tree) - 1 / density(tree) for tree in trees(order)])
+
+
+def test_trees_are_counted_right():
+    assert [len(trees(n)) for n in range(1, 9)] == [1, 1, 2, 4, 9, 20, 48, 115]
+
+
+@pytest.mark.parametrize("name", METHODS)
+def test_order_conditions(name):
+    method = METHODS[name]
+    for order in range(1, method.order + 1):
+        assert np.abs(residuals(method, order)).max() < 1e-13, order  # rounding of coefficients up to 43
+    assert np.abs(residuals(method, method.order + 1)).max() > 1e-8  # and not one order more
+    for row, c in zip(method.a, method.c, strict=True):
+        assert abs(sum(float(x) for x in row) - float(c)) < 1e-14
+
+
+@pytest.mark.parametrize(("name", "coarse"), [("rk4", 128), ("tsit5", 128), ("dop853", 20)])
+def test_observed_order(name, coarse):
+    """Duffing's oscillator over two periods, against the eighth order with many steps."""
+    system = System(family("duffing").model(), {"delta": 0.1, "alpha": -1, "beta": 1, "gamma": 0.3, "omega": 1.2})
+    x = np.array([[0.7], [0.3]])
+
+    def end(steps, method=METHODS[name]):
+        e = Ensemble(system.model, system.vector[:, None], x, orders=system.orders, steps=steps, method=method)
+        e.advance(2)
+        return e.x[:, 0]
+
+    exact = end(200, METHODS["dop853"])
+    errors = [np.abs(end(n) - exact).max() for n in (coarse, 2 * coarse)]
+    assert 1e-13 < errors[1] < errors[0] < 1e-2  # neither rounding nor too coarse to have an order
+    assert log2(errors[0] / errors[1]) == pytest.approx(METHODS[name].order, abs=0.55)
