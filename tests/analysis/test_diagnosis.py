@@ -2,11 +2,10 @@
 
 import json
 
-import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis import kaplan_yorke, verdict_json
+from whirlmap.analysis.diagnosis import verdict_json
 
 
 @pytest.mark.parametrize(
@@ -43,9 +42,3 @@ def test_a_diverging_run_says_so():
     verdict = verdict_json(whirlmap.diagnose(whirlmap.load("duffing", delta=-2.0, alpha=1.0, beta=0.0)))
     assert verdict["regime"] == verdict["status"] == "diverged"
     assert verdict["end_time"] > 0
-
-
-def test_kaplan_yorke_of_known_spectra():
-    assert kaplan_yorke(np.array([0.9056, 0.0, -14.5723])) == pytest.approx(2.06215, abs=1e-4)
-    assert kaplan_yorke(np.array([-1.0, -2.0])) == 0.0
-    assert kaplan_yorke(np.array([1.0, 0.5])) is None

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.analysis.dimension import correlation_dimension
+from whirlmap.analysis.kaplan_yorke import kaplan_yorke
 from whirlmap.analysis.lyapunov import BLOCKS, exponents, mean_and_error
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
 from whirlmap.analysis.returns import Returns, Settling, settle_and_record
@@ -257,19 +258,6 @@ def _decide(r: Returns, votes: dict[str, Any]) -> tuple[Regime, float]:
     if label == Regime.periodic and votes.get("lyapunov", {}).get("vote") == "positive":
         return Regime.undecided, confidence
     return label, confidence
-
-
-def kaplan_yorke(spectrum: Array) -> float | None:
-    """Kaplan-Yorke dimension of a spectrum, largest first; None where its sum never falls below zero."""
-    total = np.cumsum(spectrum)
-    if total.size == 0 or not np.isfinite(total).all():
-        return None
-    if total[0] < 0:
-        return 0.0
-    if total[-1] >= 0:
-        return None
-    j = int(np.flatnonzero(total >= 0)[-1])
-    return float(j + 1 + total[j] / abs(spectrum[j + 1]))
 
 
 def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
