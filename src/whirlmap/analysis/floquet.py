@@ -1,0 +1,155 @@
+"""Floquet multipliers of a periodic orbit, down to the smallest, from the tangent dynamics of the compiled kernel."""
+
+from math import ceil
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.analysis.points import default_steps
+from whirlmap.errors import RangeError
+from whirlmap.integrate.system import System
+from whirlmap.kernels.lanes import lane_kernel, padded
+from whirlmap.kernels.methods import RK4
+from whirlmap.kernels.source import LANES
+
+Array = NDArray[np.float64]
+
+#: Segments of the orbit per T, at least: within one of them no direction may shrink by more than doubles hold.
+SEGMENTS = 4
+#: Most passes round the orbit until its invariant subspaces stand still, and how still that is.
+PASSES, STILL = 60, 1e-7
+
+
+def floquet_multipliers(
+    system: System, x: ArrayLike, duration: float, *, time: float = 0.0, steps: int | None = None
+) -> xr.Dataset:
+    """Multipliers of small disturbances over one round of a periodic orbit.
+
+    Parameters
+    ----------
+    x : array, shape (state,)
+        A point of the orbit at ``time``; a section point of a forced system is one at phase zero.
+    duration : float
+        Length of the orbit [model's time]: n common periods, or the time between returns of an unforced orbit.
+    steps : int, optional
+        Steps of RK4 per T; four times as many as analyses take where absent.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``multiplier``, largest modulus first: ``log_modulus``, ``argument`` [rad], ``real`` and ``imaginary``.
+        ``trivial``, index of the multiplier of an unforced orbit's own time direction (the one nearest 1; -1 for a
+        forced system, which has none), with ``trivial_error`` its distance from 1; ``stable``, whether all others lie
+        inside the unit circle; ``closure``, how far the orbit misses its start, over its size (cyclic states apart).
+
+    Raises
+    ------
+    RangeError
+        Shapes, a duration that is not positive, or a run that left the model's limits.
+
+    Notes
+    -----
+    The orbit is cut into segments, whose transition matrices come from the kernel, one segment in each lane. Their
+    product is never formed: its smallest multipliers would drown in the rounding of the largest. Orthonormal frames are
+    carried round the orbit (QR) until the subspaces they span return to themselves; the multipliers are the
+    eigenvalues of the diagonal blocks, each a product of triangular blocks with its own scale [lust2001]. Each is good to
+    rounding relative to itself, as long as no direction shrinks by more than about 1e-12 within one segment.
+    Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
+    An unstable orbit must be given precisely: an error of its start grows along it.
+    """
+    start = np.asarray(x, dtype=np.float64)
+    n = system.model.dimension
+    if start.shape != (n,) or not np.isfinite(start).all() or not 0 < duration < np.inf:
+        raise RangeError(f"x has shape {start.shape}, duration is {duration}: ({n},) and a positive time are needed.")
+    turns = duration / system.period
+    segments = LANES * ceil(max(SEGMENTS * turns, 1) / LANES)
+    each = ceil((steps or 4 * default_steps(system)) * turns / segments)
+    times = time + duration * np.arange(segments + 1) / segments
+    orbit = np.empty((n, segments + 1))
+    orbit[:, 0] = start
+    h = duration / segments / each
+    for k in range(segments):
+        orbit[:, k + 1] = _march(system, orbit[:, k : k + 1], times[k : k + 1], h, each, tangents=False)[:, 0]
+    identity = np.repeat(np.eye(n).reshape(n * n, 1), segments, axis=1)
+    ended = _march(system, np.concatenate([orbit[:, :-1], identity]), times[:-1], h, each, tangents=True)
+    matrices = ended[n:].reshape(n, n, segments).transpose(2, 1, 0)  # rows of `ended` are vector by vector
+    log_modulus, argument = _eigenvalues_of_product(matrices)
+    order = np.lexsort((-argument, -log_modulus))
+    log_modulus, argument = log_modulus[order], argument[order]
+    value = np.exp(log_modulus + 1j * argument)
+    trivial = -1 if system.model.forced else int(np.abs(value - 1).argmin())
+    others = np.delete(log_modulus, trivial) if trivial >= 0 else log_modulus
+    plain = [s.cyclic is None for s in system.model.states]
+    size = np.maximum(np.ptp(orbit[plain], axis=1), 1e-12)
+    units = {"units": "1"}
+    ds = xr.Dataset(
+        {
+            "log_modulus": ("multiplier", log_modulus, {**units, "long_name": "logarithm of the multiplier's modulus"}),
+            "argument": ("multiplier", argument, {"units": "rad", "long_name": "argument of the multiplier"}),
+            "real": ("multiplier", value.real, {**units, "long_name": "real part of the multiplier"}),
+            "imaginary": ("multiplier", value.imag, {**units, "long_name": "imaginary part of the multiplier"}),
+            "trivial": ((), trivial, {**units, "long_name": "index of the time direction's multiplier, -1: none"}),
+            "trivial_error": (
+                (), float(abs(value[trivial] - 1)) if trivial >= 0 else np.nan, {**units, "long_name": "its distance from 1"},
+            ),
+            "stable": ((), np.int8((others < 0).all()), {**units, "long_name": "whether all others shrink"}),
+            "closure": (
+                (), float(np.max(np.abs(orbit[plain, -1] - orbit[plain, 0]) / size)) if any(plain) else np.nan,
+                {**units, "long_name": "distance by which the orbit misses its start, over its size"},
+            ),
+        }
+    )  # fmt: skip
+    ds.attrs = {"duration": duration, "segments": segments, "steps_per_segment": each, "algorithm": "lust2001"}
+    return ds
+
+
+def _march(system: System, y: Array, time: Array, h: float, steps: int, *, tangents: bool) -> Array:
+    """Run columns of ``y`` from their own times; refuse a run that leaves the model's limits."""
+    kernel = lane_kernel(system.plain_model(), RK4, tangents=tangents, kind="free")
+    lanes, count = padded(y), y.shape[1]
+    clocks = padded(time)
+    inputs = kernel.inputs(np.repeat(system.vector[:, None], lanes.shape[1], axis=1))
+    out = np.empty_like(lanes)
+    for first in range(0, lanes.shape[1], LANES):
+        block = slice(first, first + LANES)
+        p, tables, offsets = inputs.block(block)
+        flat, good = np.ascontiguousarray(lanes[:, block]).ravel(), np.zeros(LANES, dtype=np.int64)
+        kernel.module.march(
+            flat, np.ascontiguousarray(clocks[block]), np.full(LANES, h), p.ravel(), tables, offsets.ravel(), steps, good
+        )
+        if not good[: max(count - first, 0)].all():
+            raise RangeError(f"the orbit of {system.model.name} leaves the model's limits: it is no periodic orbit")
+        out[:, block] = flat.reshape(-1, LANES)
+    return out[:, :count]
+
+
+def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:
+    """Logarithms of moduli, and arguments, of the eigenvalues of matrices[-1] @ ... @ matrices[0]."""
+    n = matrices.shape[1]
+    frame = np.linalg.qr(np.random.default_rng(5).normal(size=(n, n)))[0]
+    before, edges = None, [0, n]
+    for _ in range(PASSES):
+        first = frame
+        triangles = np.empty_like(matrices)
+        for k, matrix in enumerate(matrices):
+            frame, triangles[k] = np.linalg.qr(matrix @ frame)
+        turned = first.T @ frame
+        edges = [0, *(i for i in range(1, n) if np.abs(turned[i:, :i]).max() < STILL), n]
+        if edges == before and max(np.diff(edges)) <= 2:
+            break
+        before = edges
+    logs, angles = [], []
+    for a, b in zip(edges[:-1], edges[1:], strict=True):
+        block, scale = np.eye(b - a), 0.0
+        for triangle in triangles:
+            block = triangle[a:b, a:b] @ block
+            size = np.abs(block).max()
+            if size == 0.0:
+                break
+            block, scale = block / size, scale + np.log(size)
+        values = np.linalg.eigvals(turned[a:b, a:b] @ block)
+        with np.errstate(divide="ignore"):
+            logs.append(np.log(np.abs(values)) + scale)
+        angles.append(np.angle(values))
+    return np.concatenate(logs), np.concatenate(angles)
