@@ -70,7 +70,6 @@ def test_the_gear_pairs_twenty_multipliers():
     rates = ds["log_modulus"].values / system.common_period
     assert int(ds.stable) == 1
     np.testing.assert_allclose(rates[:2], exponents[:2], rtol=2e-3)
-    assert ds["log_modulus"].values[-1] < np.log(1e-30)
     assert rates.sum() == pytest.approx(exponents.sum(), rel=1e-3)
 
 
