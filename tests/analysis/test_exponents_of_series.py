@@ -41,7 +41,8 @@ def test_maps(method, series, dimension, exponent):
 def test_flows(flows, method, name, lag, exponent):
     x, rate = flows[name]
     swing = round({"lorenz": 0.75, "roessler": 5.9}[name] * rate)
-    found = method(x, dimension=5, lag=lag, theiler=swing, steps=(8 if name == "lorenz" else 12) * swing, rate=rate, window=swing)
+    steps = (8 if name == "lorenz" else 12) * swing
+    found = method(x, dimension=5, lag=lag, theiler=swing, steps=steps, rate=rate, window=swing)
     assert int(found.status) == 0
     assert float(found.exponent) == pytest.approx(exponent, rel=0.25)
 

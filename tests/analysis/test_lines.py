@@ -51,3 +51,17 @@ def test_lines_of_a_series_get_names_and_shares():
     found = named_shares(spectral_lines(spectrum), GEAR, step=float(spectrum["frequency_step"]))
     assert [f["name"] for f in found] == ["mesh", "pinion", "2 mesh - pinion"]
     np.testing.assert_allclose([f["share"] for f in found], np.array([4, 1, 0.25]) / 5.25, rtol=1e-3)
+
+
+def test_a_frequency_of_its_own_becomes_a_base():
+    """Forcing 1 and an incommensurate 0.381966: sums are named with f1."""
+    f = (3 - np.sqrt(5)) / 2
+    t = np.arange(8192) / 16
+    x = 2 * np.sin(2 * np.pi * t) + np.sin(2 * np.pi * f * t) + 0.3 * np.sin(2 * np.pi * (1 + f) * t)
+    x += 0.2 * np.sin(2 * np.pi * (1 - f) * t)
+    spectrum = power_spectrum(x, rate=16)
+    step = float(spectrum["frequency_step"])
+    found = named_shares(spectral_lines(spectrum), {"forcing": 1.0}, step=step)
+    assert [n["name"] for n in found] == ["forcing", "f1", "forcing + f1", "forcing - f1"]
+    alone = named_shares(spectral_lines(spectrum), {}, step=step)
+    assert [n["name"] for n in alone] == ["f1", "f2", "f1 + f2", "f1 - f2"]

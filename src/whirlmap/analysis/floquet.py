@@ -1,5 +1,6 @@
 """Floquet multipliers of a periodic orbit, down to the smallest, from the tangent dynamics of the compiled kernel."""
 
+from itertools import pairwise
 from math import ceil
 
 import numpy as np
@@ -91,7 +92,8 @@ def floquet_multipliers(
             "imaginary": ("multiplier", value.imag, {**units, "long_name": "imaginary part of the multiplier"}),
             "trivial": ((), trivial, {**units, "long_name": "index of the time direction's multiplier, -1: none"}),
             "trivial_error": (
-                (), float(abs(value[trivial] - 1)) if trivial >= 0 else np.nan, {**units, "long_name": "its distance from 1"},
+                (), float(abs(value[trivial] - 1)) if trivial >= 0 else np.nan,
+                {**units, "long_name": "its distance from 1"},
             ),
             "stable": ((), np.int8((others < 0).all()), {**units, "long_name": "whether all others shrink"}),
             "closure": (
@@ -140,7 +142,7 @@ def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:
             break
         before = edges
     logs, angles = [], []
-    for a, b in zip(edges[:-1], edges[1:], strict=True):
+    for a, b in pairwise(edges):
         block, scale = np.eye(b - a), 0.0
         for triangle in triangles:
             block = triangle[a:b, a:b] @ block

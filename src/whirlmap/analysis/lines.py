@@ -77,7 +77,8 @@ def name_lines(
     names, sizes = list(known), np.array(list(known.values()))
     if tolerance >= sizes.min() / (2 * parts):
         raise RangeError(
-            f"tolerance = {tolerance:g} is too coarse for 1/{parts} of the lowest order {sizes.min():g}: take a longer record."
+            f"tolerance = {tolerance:g} is too coarse for 1/{parts} of the lowest order {sizes.min():g}:"
+            " take a longer record."
         )
     combinations = [c for c in product(range(-most, most + 1), repeat=len(names)) if 0 < sum(map(abs, c)) <= most]
     combinations.sort(key=lambda c: (sum(map(abs, c)), sum(k != 0 for k in c), [-abs(k) for k in c], [-k for k in c]))
@@ -99,14 +100,16 @@ def name_lines(
 def named_shares(
     lines: xr.Dataset, orders: Mapping[str, Fraction | float], *, step: float, most: int = 6, top: int = 12
 ) -> list[dict[str, object]]:
-    """Strongest lines of a spectrum with their names and shares of the lines' power.
+    """Strongest lines of a spectrum with their names and shares of the power.
 
     Parameters
     ----------
     lines : xr.Dataset
         From `spectral_lines`, of one series.
+    orders : mapping of str to number
+        May be empty: then the strongest line is ``f1``, and the strongest that its multiples do not name ``f2``.
     step : float
-        Frequency step of its spectrum, half of which is the tolerance.
+        Frequency step of its spectrum, a fifth of which is the tolerance: ten times what a lone line is off.
     top : int
         Lines given.
 
@@ -114,10 +117,22 @@ def named_shares(
     -------
     list of dict
         ``frequency``, ``share`` (of the power of the series), ``name`` (None where nothing fits).
+
+    Notes
+    -----
+    At most two frequencies that no order explains become bases of their own, the strongest first: quasi-periodic motion
+    has one besides its forcing. Fractions of one order go to 1/8 only, lest they fit by chance.
     """
     frequency, power = lines["line_frequency"].values[:top], lines["line_power"].values
     whole = float(np.nansum(power)) / max(float(lines["line_fraction"]), 1e-300)
-    named = name_lines(frequency, orders, tolerance=step / 2, most=most) if orders else []
+    bases = dict(orders)
+    named: list[LineName] = []
+    for extra in ("f1", "f2", ""):
+        named = name_lines(frequency, bases, tolerance=step / 5, most=most, parts=8) if bases else []
+        unnamed = [n.frequency for n in named if not n.name] if named else list(frequency[:1])
+        if not extra or not unnamed or unnamed[0] < 16 * step / 5:
+            break
+        bases[extra] = unnamed[0]
     return [
         {"frequency": float(f), "share": float(power[k]) / whole, "name": (named[k].name or None) if named else None}
         for k, f in enumerate(frequency)

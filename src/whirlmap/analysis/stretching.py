@@ -70,7 +70,8 @@ def exponent_of(
                     break
                 slope = _slope(mean[a : b + 1])
                 grown = slope * (b - a)
-                if b - a > least_steps and grown > best and high <= (1 + tolerance) * slope and low >= (1 - tolerance) * slope:
+                straight = high <= (1 + tolerance) * slope and low >= (1 - tolerance) * slope
+                if b - a > least_steps and grown > best and straight:
                     best, ends, status = grown, (a, b), "ok"
         if status == "ok":
             a, b = ends
@@ -97,7 +98,8 @@ def exponent_of(
     )
     ds["divergence"] = ("step", mean, {"units": "1", "long_name": "mean logarithm of the distance of neighbours"})
     ds["status"] = ((), np.int8(STATUS.index(status)), {"units": "1", "long_name": "status of the exponent", **flags})
-    ds.attrs = {"window": window, "tolerance": tolerance, "least_growth": least_growth, "rate": rate, "least_steps": least_steps}
+    ds.attrs = {"window": window, "tolerance": tolerance, "least_growth": least_growth, "rate": rate}
+    ds.attrs["least_steps"] = least_steps
     return ds
 
 

@@ -126,7 +126,7 @@ def zero_one_test(
     return ds
 
 
-def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.5) -> tuple[Array, NDArray[np.int64]]:
+def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.9) -> tuple[Array, NDArray[np.int64]]:
     """Take off the cycle that a series hops around, where there is one.
 
     Parameters
