@@ -88,9 +88,10 @@ def diagnose(
     look = _Look(system, count, max_periods, steps, method, workers, progress)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
     run = look.exponents(ensemble, open_motion=not _all_return(returns))
-    if run is not None and not _all_return(returns) and run.value[0] < -3 * run.error[0]:
+    slowest = run.contraction(forced=system.model.forced) if run is not None else None
+    if slowest is not None and not _all_return(returns):
         common = ensemble.common_multiple * float(ensemble.period[0])
-        extra = min(int(np.log(SHRINK) / (run.value[0] * common)) + 1, LONGEST)
+        extra = min(int(np.log(SHRINK) / (slowest * common)) + 1, LONGEST)
         later = replace(settling, transient=extra)
         returns = settle_and_record(ensemble, later, cyclic=cyclic_states(system), progress=progress)
     data = _label_data(ensemble, returns, found)

@@ -15,6 +15,8 @@ Array = NDArray[np.float64]
 OBSERVABLES = 3
 #: A coordinate whose spread is below this part of its magnitude stands still.
 STILL = 1e-10
+#: What is left of an observable without its cycle, over the whole, below which it is not judged.
+REST = 1e-5
 #: Fewer section points say nothing.
 LEAST = 256
 
@@ -59,26 +61,24 @@ def section_evidence(
     Notes
     -----
     Coordinates are divided by their spread; the cycle that the motion hops around is taken off (`remove_cycle`), so
-    that chaos in narrow bands is seen, and digits are relative to what is left.
+    that chaos in narrow bands is seen, and digits are relative to what is left. An observable that turns slowly
+    (oversampled) silences the 0-1 test.
     """
     count = section.shape[2]
     growth, low, high, digits = (np.full(count, np.nan) for _ in range(4))
     if section.shape[0] >= LEAST:
-        watched, of = [], []
-        for k in range(count):
-            columns = observables(section[:, :, k], cyclic)
-            if columns is not None:
-                watched.append(columns)
-                of.append(k)
-        if watched:
-            rest, _ = remove_cycle(np.concatenate(watched, axis=1))
+        for k in range(count):  # each point by itself, so that its bits do not depend on its neighbours
+            watched = observables(section[:, :, k], cyclic)
+            if watched is None:
+                continue
+            rest, _ = remove_cycle(watched)
+            # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
+            if (rest.std(axis=0) < REST * watched.std(axis=0)).any():
+                continue
             found = zero_one_test(rest, angles=angles)
-            shape = (len(of), OBSERVABLES)
-            slow = found["status"].values == STATUS.index("oversampled")
-            for out, name in ((growth, "K"), (low, "K_low"), (high, "K_high")):
-                K = np.where(slow, np.nan, found[name].values).reshape(shape)
-                out[of] = np.median(K, axis=1)  # one observable that turns slowly silences the test
-            digits[of] = np.median(converged_digits(rest).reshape(shape), axis=1)
+            if not (found["status"].values == STATUS.index("oversampled")).any():
+                growth[k], low[k], high[k] = (float(np.median(found[name])) for name in ("K", "K_low", "K_high"))
+            digits[k] = np.median(converged_digits(rest))
     return SectionEvidence(growth, low, high, digits, section.shape[0])
 
 

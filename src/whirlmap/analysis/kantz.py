@@ -20,7 +20,7 @@ def kantz_exponent(
     rate: float = 1.0,
     radii: int = 5,
     least_neighbours: int = 5,
-    references: int = 2000,
+    references: int = 1000,
     window: int = 3,
     tolerance: float = 0.15,
     least_growth: float = 1.2,
@@ -43,7 +43,8 @@ def kantz_exponent(
     Returns
     -------
     xr.Dataset
-        As `stretching.exponent_of`, of the radius whose range grows by most; ``exponent_error`` also holds half the
+        As `stretching.exponent_of`, of the radius whose range grows by most, if most of the radii have one;
+        ``exponent_error`` also holds half the
         spread of the exponent between radii with a range. ``radius``, and ``radius_exponent(radius_tried)``, NaN
         where that radius has no range.
 
@@ -86,7 +87,7 @@ def kantz_exponent(
         ds["exponent_error"] = (
             (), float(np.hypot(ds["exponent_error"], np.ptp(each[good]) / 2)), ds["exponent_error"].attrs
         )  # fmt: skip
-    if good.sum() == 1:  # one radius out of several is no scaling
+    if good.sum() <= radii // 2:  # what only some radii show is no scaling
         for name in ("exponent", "exponent_error", "growth"):
             ds[name] = ((), np.nan, ds[name].attrs)
         ds["status"] = ((), np.int8(STATUS.index("no-scaling-range")), ds["status"].attrs)

@@ -98,7 +98,7 @@ def name_lines(
 
 
 def named_shares(
-    lines: xr.Dataset, orders: Mapping[str, Fraction | float], *, step: float, most: int = 6, top: int = 12
+    lines: xr.Dataset, orders: Mapping[str, Fraction | float], *, step: float, top: int = 12
 ) -> list[dict[str, object]]:
     """Strongest lines of a spectrum with their names and shares of the power.
 
@@ -128,6 +128,7 @@ def named_shares(
     bases = dict(orders)
     named: list[LineName] = []
     for extra in ("f1", "f2", ""):
+        most = 6 if len(bases) > 2 else 10  # with three bases as many combinations would fit by chance
         named = name_lines(frequency, bases, tolerance=step / 5, most=most, parts=8) if bases else []
         unnamed = [n.frequency for n in named if not n.name] if named else list(frequency[:1])
         if not extra or not unnamed or unnamed[0] < 16 * step / 5:

@@ -49,6 +49,18 @@ class TangentRun:
     periods: int
     stopped: str
 
+    def contraction(self, *, forced: bool) -> float | None:
+        """Rate at which the motion contracts to a cycle; None where it does not, or that was not measured.
+
+        An unforced cycle's first exponent is the zero of its time direction: the second one says how it contracts.
+        """
+        k = 0 if forced else 1
+        if k >= self.value.size or not self.value[k] < -3 * self.error[k]:
+            return None
+        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1]):
+            return None
+        return float(self.value[k])
+
 
 def run_with_section(
     ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None

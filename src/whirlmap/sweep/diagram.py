@@ -76,8 +76,8 @@ def bifurcation_diagram(
     -------
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
-        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``, ``end_time`` (parameter); ``minimum``, ``maximum``,
-        ``mean``, ``rms`` (parameter, quantity) of states and outputs over all steps of the record.
+        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``, ``end_time`` (parameter);
+        ``minimum``, ``maximum``, ``mean``, ``rms`` (parameter, quantity) of states and outputs over all steps of the record.
 
     Notes
     -----
