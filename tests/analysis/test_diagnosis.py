@@ -42,6 +42,7 @@ def test_a_torus_is_quasi_periodic_with_its_winding():
     assert abs(verdict["lyapunov"][0]) < 0.002
     birkhoff = verdict["indicators"]["birkhoff"]
     assert birkhoff["vote"] == "torus" and not birkhoff["locked"] and birkhoff["winding_error"] < 1e-8
+    assert verdict["correlation_dimension"] == pytest.approx(1.0, abs=0.1)
     names = [line["name"] for line in verdict["indicators"]["spectrum"]["named"]]
     assert names[:2] == ["f1", "forcing"]
     assert sum(name is not None for name in names) >= 8

@@ -119,8 +119,9 @@ def diagnose(
         spectrum = record_series(system, part, record, data, coords, turns_per_T(system))
         if spectrum is not None:
             votes["spectrum"] = spectrum
+        torus = run.section[:, :, int(np.flatnonzero(run.alive)[0])] if label == Regime.quasi_periodic else None
         dimension = section_and_dimension(
-            part, 2 * LANES if periodic else points, data, measure=not periodic, progress=progress
+            part, 2 * LANES if periodic else points, data, measure=not periodic, torus=torus, progress=progress
         )
         if dimension is not None:
             votes["dimension"] = dimension

@@ -44,9 +44,8 @@ def kantz_exponent(
     -------
     xr.Dataset
         As `stretching.exponent_of`, of the radius whose range grows by most, if most of the radii have one;
-        ``exponent_error`` also holds half the
-        spread of the exponent between radii with a range. ``radius``, and ``radius_exponent(radius_tried)``, NaN
-        where that radius has no range.
+        ``exponent_error`` also holds half the spread of the exponent between radii with a range. ``radius``, and
+        ``radius_exponent(radius_tried)``, NaN where that radius has no range.
 
     Raises
     ------

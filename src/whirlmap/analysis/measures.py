@@ -141,9 +141,14 @@ def _named(lines: xr.Dataset, orders: dict[str, float], step: float) -> list[Dat
 
 
 def section_and_dimension(
-    part: Ensemble, points: int, data: Data, *, measure: bool, progress: Callable[[int], None] | None
-) -> Data | None:
-    """Section points of all runs into ``data``, once per common period; the correlation dimension where wanted."""
+    part: Ensemble, points: int, data: Data, *, measure: bool, torus: Array | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Data | None:  # fmt: skip
+    """Section points of all runs into ``data``, once per common period; the correlation dimension where wanted.
+
+    The runs of a swarm decorrelate in chaos, and are one sample; on a torus they stay side by side, so that there the
+    points of one long run, ``torus`` of shape (time, state), give the dimension.
+    """
     common = part.common_multiple
     each = max(-(-points // part.points), 8)
     saved = part.advance(each * common, save_every=common * part.steps, progress=progress).saved
@@ -154,6 +159,8 @@ def section_and_dimension(
         return None
     flat = good.reshape(-1, good.shape[2])
     runs = np.repeat(np.arange(good.shape[0]), good.shape[1])
+    if torus is not None:
+        flat, runs = torus, np.zeros(len(torus), dtype=np.int64)
     d = correlation_dimension(flat, theiler=10, trajectories=runs)
     status = str(d["status"].attrs["flag_meanings"]).split()[int(d["status"])]
     for name, v in d.data_vars.items():
