@@ -45,7 +45,7 @@ class SectionEvidence:
 
 
 def section_evidence(
-    section: Array, *, cyclic: Mapping[int, float] | None = None, angles: int = 50
+    section: Array, *, cyclic: Mapping[int, float] | None = None, angles: int = 40
 ) -> SectionEvidence:
     """0-1 test and weighted Birkhoff average of many operating points.
 

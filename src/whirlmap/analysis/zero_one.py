@@ -19,22 +19,30 @@ STATUS = ("ok", "oversampled", "constant", "not-finite")
 OVERSAMPLED = 0.1
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _displacements(series: Array, angles: Array, longest: int, out: Array) -> None:
-    """Mean square displacement of the walk of each angle, ``out`` of shape (angle, longest)."""
+#: Lags at which the displacement is taken, evenly spaced: more do not change its correlation with them.
+LAGS = 25
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: Array) -> None:
+    """Mean square displacement of the walk of each angle, ``out`` of shape (angle, lag)."""
     n = series.size
     p, q = np.empty(n), np.empty(n)
-    used = n - longest
+    used = n - lags[-1]
     for a in range(angles.size):
+        turn_x, turn_y = np.cos(angles[a]), np.sin(angles[a])
         x = y = 0.0
+        c, s = turn_x, turn_y
         for i in range(n):
-            x += series[i] * np.cos((i + 1) * angles[a])
-            y += series[i] * np.sin((i + 1) * angles[a])
+            x += series[i] * c
+            y += series[i] * s
             p[i], q[i] = x, y
-        for k in range(longest):
+            c, s = c * turn_x - s * turn_y, c * turn_y + s * turn_x
+        for k in range(lags.size):
+            lag = lags[k]
             total = 0.0
             for i in range(used):
-                total += (p[i + k + 1] - p[i]) ** 2 + (q[i + k + 1] - q[i]) ** 2
+                total += (p[i + lag] - p[i]) ** 2 + (q[i + lag] - q[i]) ** 2
             out[a, k] = total / used
 
 
@@ -74,7 +82,7 @@ def zero_one_test(
     1. The mean is taken off, and the series divided by its standard deviation. The oscillating term of the
        displacement, (mean)^2 (1 - cos nc) / (1 - cos c), by which [gottwald2009] modify it, is then zero.
     2. p(n) = sum phi_j cos jc, q(n) = sum phi_j sin jc; D(n) = mean of (p(j+n) - p(j))^2 + (q(j+n) - q(j))^2 over
-       the same number of j for all n up to ``longest``.
+       the same number of j, at 25 n up to ``longest``.
     3. To D(n), ``damping`` times sin(sqrt(2) n) is added [gottwald2005], here in units of the variance.
     4. K_c is the correlation of D(n) with n; K is the median over c, because single angles are resonant
        [gottwald2009].
@@ -93,11 +101,12 @@ def zero_one_test(
         )
     c = np.random.default_rng(seed).uniform(np.pi / 5, 4 * np.pi / 5, angles)
     reach = max(int(longest * x.shape[0]), 10)
-    n = np.arange(1, reach + 1, dtype=float)
+    lags = np.unique(np.linspace(1, reach, min(reach, LAGS)).astype(np.int64))
+    n = lags.astype(float)
     wobble = damping * np.sin(np.sqrt(2.0) * n)
     status = np.zeros(x.shape[1], np.int8)
     K = np.full((x.shape[1], angles), np.nan)
-    displacement = np.empty((angles, reach))
+    displacement = np.empty((angles, lags.size))
     for lane in range(x.shape[1]):
         column = x[:, lane]
         if not np.isfinite(column).all():
@@ -110,7 +119,7 @@ def zero_one_test(
         walk = np.ascontiguousarray((column - column.mean()) / deviation)
         if np.mean(np.diff(walk) ** 2) < OVERSAMPLED:
             status[lane] = STATUS.index("oversampled")
-        _displacements(walk, c, reach, displacement)
+        _displacements(walk, c, lags, displacement)
         K[lane] = _correlation(n, displacement + wobble)
     K_low, middle, K_high = np.percentile(K, (25, 50, 75), axis=1)
     flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
