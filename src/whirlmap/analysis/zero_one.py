@@ -172,7 +172,7 @@ def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.9)
 
 def _phase_means(x: Array, m: int) -> Array:
     """Mean of every m-th sample, repeated over the series."""
-    means = np.stack([x[k::m].mean(axis=0) for k in range(m)])
+    means = x[: x.shape[0] // m * m].reshape(-1, m, x.shape[1]).mean(axis=0)
     return means[np.arange(x.shape[0]) % m]
 
 
