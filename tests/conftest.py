@@ -1,6 +1,7 @@
-"""What several test folders share: the independent machine of `independent/newton.py`, importable by name."""
+"""What several test folders share, importable by name: `independent/newton.py` and the maps of `analysis/maps.py`."""
 
 import sys
 from pathlib import Path
 
-sys.path.insert(0, str(Path(__file__).parent / "independent"))
+for _folder in ("independent", "analysis"):
+    sys.path.insert(0, str(Path(__file__).parent / _folder))

@@ -11,8 +11,10 @@ from whirlmap.version import __version__ as __version__
 if TYPE_CHECKING:
     from whirlmap.analysis.diagnosis import diagnose as diagnose
     from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
+    from whirlmap.analysis.floquet import floquet_multipliers as floquet_multipliers
     from whirlmap.analysis.lyapunov import lyapunov_spectrum as lyapunov_spectrum
-    from whirlmap.analysis.returns import Settling as Settling
+    from whirlmap.analysis.series import diagnose_series as diagnose_series
+    from whirlmap.analysis.settling import Settling as Settling
     from whirlmap.analysis.spectrum import full_spectrum as full_spectrum
     from whirlmap.analysis.spectrum import power_spectrum as power_spectrum
     from whirlmap.analysis.trajectory import section as section
@@ -28,6 +30,8 @@ _HOMES = {
     "correlation_dimension": "whirlmap.analysis.dimension",
     "lyapunov_spectrum": "whirlmap.analysis.lyapunov",
     "Settling": "whirlmap.analysis.returns",
+    "diagnose_series": "whirlmap.analysis.series",
+    "floquet_multipliers": "whirlmap.analysis.floquet",
     "full_spectrum": "whirlmap.analysis.spectrum",
     "power_spectrum": "whirlmap.analysis.spectrum",
     "section": "whirlmap.analysis.trajectory",

@@ -2,11 +2,10 @@
 
 import json
 
-import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis import kaplan_yorke, verdict_json
+from whirlmap.analysis.diagnosis import verdict_json
 
 
 @pytest.mark.parametrize(
@@ -21,15 +20,44 @@ def test_duffing_ladder(gamma, period):
     assert verdict["correlation_dimension"] is None
 
 
-def test_chaos_is_undecided_with_its_evidence():
-    """No label chaotic yet: the positive exponent and the dimension stand beside `undecided`."""
+def test_chaos_is_chaotic_with_its_evidence():
+    """Positive exponent, 0-1 test and slow averages agree, and the dimensions are those of the section."""
     verdict = verdict_json(whirlmap.diagnose(whirlmap.load("duffing")))
-    assert verdict["regime"] == "undecided"
+    assert verdict["regime"] == "chaotic"
     assert verdict["period"] is None
-    assert verdict["indicators"]["lyapunov"]["vote"] == "positive"
+    says = {name: vote["vote"] for name, vote in verdict["indicators"].items()}
+    assert (says["lyapunov"], says["zero_one"], says["birkhoff"]) == ("positive", "chaotic", "chaotic")
+    assert says["spectrum"] == "broadband"
+    assert verdict["confidence"] > 0.8
     assert 1.0 < verdict["kaplan_yorke"] < 1.5
+    assert 0 < verdict["kaplan_yorke_error"] < 0.02
     assert verdict["correlation_dimension"] == pytest.approx(verdict["kaplan_yorke"], abs=0.35)
     json.dumps(verdict, allow_nan=False)
+
+
+def test_a_torus_is_quasi_periodic_with_its_winding():
+    """Van der Pol beside its entrainment: a zero exponent, converged averages, and sums of two frequencies."""
+    verdict = verdict_json(whirlmap.diagnose(whirlmap.load("van_der_pol")))
+    assert verdict["regime"] == "quasi-periodic"
+    assert abs(verdict["lyapunov"][0]) < 0.002
+    birkhoff = verdict["indicators"]["birkhoff"]
+    assert birkhoff["vote"] == "torus" and not birkhoff["locked"] and birkhoff["winding_error"] < 1e-8
+    assert verdict["correlation_dimension"] == pytest.approx(1.0, abs=0.1)
+    names = [line["name"] for line in verdict["indicators"]["spectrum"]["named"]]
+    assert names[:2] == ["f1", "forcing"]
+    assert sum(name is not None for name in names) >= 8
+
+
+def test_an_entrained_oscillator_is_periodic():
+    verdict = verdict_json(whirlmap.diagnose(whirlmap.load("van_der_pol", omega=0.93)))
+    assert (verdict["regime"], verdict["period"], verdict["confidence"]) == ("periodic", 1, 1.0)
+    assert verdict["indicators"]["floquet"]["vote"] == "stable"
+
+
+def test_a_slow_approach_is_given_its_time():
+    """Duffing close above its first doubling (0.26558): contraction of 1e-3 per T does not return in 128 T."""
+    verdict = verdict_json(whirlmap.diagnose(whirlmap.load("duffing", gamma=0.2658)))
+    assert (verdict["regime"], verdict["period"]) == ("periodic", 2)
 
 
 def test_an_unforced_cycle_counts_returns_to_its_section():
@@ -37,15 +65,11 @@ def test_an_unforced_cycle_counts_returns_to_its_section():
     verdict = verdict_json(whirlmap.diagnose(whirlmap.load("roessler", c=3.0)))
     assert (verdict["regime"], verdict["period"]) == ("periodic", 2)
     assert verdict["phase_exponent"] is None
+    assert verdict["confidence"] == 1.0
+    assert verdict["indicators"]["floquet"]["trivial_error"] < 1e-6
 
 
 def test_a_diverging_run_says_so():
     verdict = verdict_json(whirlmap.diagnose(whirlmap.load("duffing", delta=-2.0, alpha=1.0, beta=0.0)))
     assert verdict["regime"] == verdict["status"] == "diverged"
     assert verdict["end_time"] > 0
-
-
-def test_kaplan_yorke_of_known_spectra():
-    assert kaplan_yorke(np.array([0.9056, 0.0, -14.5723])) == pytest.approx(2.06215, abs=1e-4)
-    assert kaplan_yorke(np.array([-1.0, -2.0])) == 0.0
-    assert kaplan_yorke(np.array([1.0, 0.5])) is None

@@ -20,9 +20,31 @@ def ladder():
 
 def test_the_ladder_of_duffing(ladder):
     assert ladder["period_T"].values.tolist() == [1, 2, 4, 5, 0, 2]
-    assert ladder["regime"].values[4] == Regime.undecided
+    assert ladder["regime"].values.tolist() == [Regime.periodic] * 4 + [Regime.chaotic, Regime.periodic]
+    assert (ladder["confidence"].values > 0.6).all()
     assert ladder["lyapunov"].values[4] > 3 * ladder["lyapunov_error"].values[4] > 0
     assert np.isnan(ladder["lyapunov"].values[[0, 1, 2, 3, 5]]).all()
+
+
+def test_open_points_are_labelled_only_with_evidence():
+    """Without exponents a point that does not return stays undecided; a torus needs its winding."""
+    system, at = whirlmap.load("van_der_pol"), np.array([0.93, 1.387, 2.1])
+    bare = bifurcation_diagram(system, "omega", at)
+    assert bare["regime"].values.tolist() == [Regime.periodic, Regime.undecided, Regime.undecided]
+    ds = bifurcation_diagram(system, "omega", at, lyapunov=1024)
+    assert ds["regime"].values.tolist() == [Regime.periodic, Regime.quasi_periodic, Regime.quasi_periodic]
+    assert np.isfinite(ds["winding"].values).tolist() == [False, True, True]
+    alone = bifurcation_diagram(system, "omega", at[1:2], lyapunov=1024)
+    for name in ("lyapunov", "winding", "confidence"):
+        assert alone[name].values[0] == ds[name].values[1]
+
+
+def test_points_that_contract_slowly_are_given_their_time():
+    """Pendulum near g = 1.2677: contracts by 7 % a period and does not return in the first windows."""
+    system, at = whirlmap.load("pendulum"), np.linspace(0.9, 1.5, 32)[[19, 27, 29]]
+    ds = bifurcation_diagram(system, "g", at, lyapunov=512)
+    assert (ds["regime"].values == Regime.periodic).all()
+    assert (ds["period_T"].values > 0).all() and np.isfinite(ds["section"].values).all()
 
 
 def test_a_point_alone_has_the_same_bits(ladder):

@@ -1,14 +1,16 @@
 """Everything there is to know about one operating point, from one set of runs.
 
 1. A swarm of start states settles; each is tested for a return (`returns`).
-2. Tangent vectors run along until the error of the largest exponent is small enough.
-3. Where the motion does not return, section points of the whole swarm, once per common period, give the correlation
-   dimension, and a time series gives the spectral lines.
-4. The label is periodic(n), contact or diverged where all evidence agrees; else `undecided`, with the numbers.
+2. Tangent vectors run along until the error of the largest exponent is small enough (`tangent_run`). Where nothing
+   returned though the motion contracts, it is given the time that this takes, and tested once more.
+3. Periodic motion gets its Floquet multipliers; other motion the 0-1 test, Birkhoff averages and rotation number of its
+   section points, their recurrence, and the correlation dimension. A time series gives the spectral lines.
+4. `regime` combines the votes; where start states or indicators disagree the label is `undecided`, with the numbers.
 """
 
 import json
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -16,13 +18,13 @@ import xarray as xr
 from numpy.typing import NDArray
 from sympy import sympify
 
-from whirlmap.analysis.dimension import correlation_dimension
-from whirlmap.analysis.lyapunov import BLOCKS, exponents, mean_and_error
+from whirlmap.analysis.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
+from whirlmap.analysis.lyapunov import BLOCKS
+from whirlmap.analysis.measures import judge_section, multipliers, number, record_series, section_and_dimension
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import Settling
-from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
-from whirlmap.analysis.trajectory import outputs_of
+from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
@@ -33,12 +35,10 @@ from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
 
-#: Relative and absolute error of the largest exponent at which its run stops.
-ENOUGH = (0.02, 0.002)
-#: T in the first stretch of its run; the run doubles until the error is small enough.
-FIRST_STRETCH = 512
-#: Least steps per T of the recorded time series.
-RECORD_STEPS = 96
+#: Section points, in common periods, that the indicators of open motion are given.
+SECTION = 2048
+#: A motion that contracts is given the time to shrink by this, and at most so many common periods, to return.
+SHRINK, LONGEST = 1e-9, 50_000
 
 
 def diagnose(
@@ -90,24 +90,51 @@ def diagnose(
         system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True,
         one_kernel=True,
     )  # fmt: skip
+    look = _Look(system, count, max_periods, progress)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
+    run = look.exponents(ensemble, open_motion=not _all_return(returns))
+    slowest = run.contraction(forced=system.model.forced) if run is not None else None
+    if slowest is not None and not _all_return(returns):
+        common = ensemble.common_multiple * float(ensemble.period[0])
+        extra = min(int(np.log(SHRINK) / (slowest * common)) + 1, LONGEST)
+        later = replace(settling, transient=extra)
+        returns = settle_and_record(ensemble, later, cyclic=cyclic_states(system), progress=progress)
     data = _label_data(ensemble, returns, found)
     votes: dict[str, Any] = {"return": _return_vote(returns)}
-    alive = np.flatnonzero(ensemble.running)
     coords: dict[str, Any] = {
         "state": names_coordinate("state", system.states, "state"),
         "output": names_coordinate("output", list(system.model.outputs), "output"),
         "quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output"),
     }
-    if alive.size:
+    alive = np.flatnonzero(ensemble.running)
+    label, confidence = Regime.undecided, 0.0
+    if alive.size and run is not None:
         part = ensemble.subset(alive)
-        votes["lyapunov"] = _exponents(system, part, count, max_periods, progress, data)
-        _record(system, part, record, data, coords, votes)
-        open_motion = votes["return"]["vote"] != "periodic"
-        _section(part, points if open_motion else 2 * LANES, data, votes, measure=open_motion, progress=progress)
-    label, confidence = _decide(returns, votes)
+        votes["lyapunov"] = _exponent_data(system, run, data)
+        periodic = _all_return(returns)
+        if periodic:
+            votes["floquet"] = multipliers(system, part, int(returns.multiple[0]), int(returns.period[0]), data)
+        else:
+            exponent = float(run.value[0]), float(run.error[0])
+            duration = run.periods * ensemble.common_multiple * float(ensemble.period[0])
+            label, confidence, more = judge_section(
+                run.alive, run.section, exponent, duration, cyclic_states(system)
+            )
+            votes |= more
+        spectrum = record_series(system, part, record, data, coords, turns_per_T(system))
+        if spectrum is not None:
+            votes["spectrum"] = spectrum
+        torus = run.section[:, :, int(np.flatnonzero(run.alive)[0])] if label == Regime.quasi_periodic else None
+        dimension = section_and_dimension(
+            part, 2 * LANES if periodic else points, data, measure=not periodic, torus=torus, progress=progress
+        )
+        if dimension is not None:
+            votes["dimension"] = dimension
+    label, confidence = _decide(returns, votes, label, confidence, forced=system.model.forced)
     data["regime"] = regime_variable((), label)
-    data["confidence"] = variable((), confidence, "1", "fraction of the start states that carry the label")
+    data["confidence"] = variable(
+        (), confidence, "1", "share of the start states, times that of the indicators asked, that speak for the label"
+    )
     ds = xr.Dataset(data, coords=coords)
     facts = {
         "indicators": json.dumps(votes), "common_multiple": ensemble.common_multiple,
@@ -115,6 +142,34 @@ def diagnose(
         "clocks": json.dumps(turns_per_T(system)),
     }  # fmt: skip
     return with_attributes(ds, run_attributes(system, ensemble, **facts))
+
+
+@dataclass(frozen=True)
+class _Look:
+    """What the exponents' run of one operating point needs."""
+
+    system: System
+    count: int
+    most: int
+    progress: Callable[[int], None] | None
+
+    def exponents(self, ensemble: Ensemble, *, open_motion: bool) -> TangentRun | None:
+        """Exponents of the runs that go on, from their present states; None where all have ended."""
+        alive = np.flatnonzero(ensemble.running)
+        if not alive.size:
+            return None
+        repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
+        tangent, _ = make_ensemble(
+            self.system, repeat, starts=ensemble.x[:, alive], steps=ensemble.point_steps[alive],
+            method=ensemble.method.name, tangents=self.count, workers=ensemble.workers,
+        )  # fmt: skip
+        least = SECTION if open_motion else BLOCKS
+        return exponents_to_error(tangent, least=least, most=self.most, progress=self.progress)
+
+
+def _all_return(r: Returns) -> bool:
+    """Whether all start states came to the same periodic motion."""
+    return bool((r.regime == Regime.periodic).all() and (r.period == r.period[0]).all())
 
 
 def turns_per_T(system: System) -> dict[str, float]:
@@ -150,133 +205,43 @@ def _return_vote(r: Returns) -> dict[str, Any]:
     vote = Regime(int(r.regime[0])).label if same else "undecided"
     return {
         "vote": vote, "period": int(r.period[0]) or None, "period_common": int(r.multiple[0]) or None,
-        "distance": _number(r.distance[0]), "starts_agree": same,
+        "distance": number(r.distance[0]), "starts_agree": same,
     }  # fmt: skip
 
 
-def _exponents(
-    system: System, part: Ensemble, count: int, most: int, progress: Callable[[int], None] | None, data: dict[str, Any],
-) -> dict[str, Any]:  # fmt: skip
-    repeat = {system.parameters[0]: np.full(part.points, system.vector[0])}
-    tangent, _ = make_ensemble(
-        system, repeat, starts=part.x, steps=part.point_steps, method=part.method.name, tangents=count, workers=part.workers
-    )  # fmt: skip
-    pieces: list[Array] = []
-    done, stretch = 0, min(max(FIRST_STRETCH // part.common_multiple, BLOCKS), most)
-    while True:
-        pieces.append(exponents(tangent, stretch, align=16 if not pieces else 0, progress=progress))
-        done += stretch
-        rates = np.concatenate(pieces)
-        good = tangent.running
-        value, error = _swarm_mean(rates[:, :, good])
-        if not good.any() or error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1]):
-            reason = "error small enough"
-            break
-        if done >= most:
-            reason = f"stopped at {done} common periods"
-            break
-        stretch = min(done, most - done)
-    order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
-    value, error = value[order], error[order]
-    running = np.cumsum(rates[:, order][:, :, good].mean(axis=2), axis=0) / np.arange(1, done + 1)[:, None]
+def _exponent_data(system: System, run: TangentRun, data: dict[str, Any]) -> dict[str, Any]:
     per_time = "1/time"
-    data["lyapunov"] = variable("exponent", value, per_time, "Lyapunov exponent, largest first")
-    data["lyapunov_error"] = variable("exponent", error, per_time, "one standard error of the exponent")
-    data["running"] = variable(("block", "exponent"), running, per_time, "mean exponent up to each common period")
+    data["lyapunov"] = variable("exponent", run.value, per_time, "Lyapunov exponent, largest first")
+    data["lyapunov_error"] = variable("exponent", run.error, per_time, "one standard error of the exponent")
+    data["running"] = variable(("block", "exponent"), run.running, per_time, "mean exponent up to each common period")
     data["phase_exponent"] = variable(
         (), 0.0 if system.model.forced else np.nan, per_time, "exponent of the forcing's phase, left out of the list"
     )
-    vote = "positive" if value[0] > 3 * error[0] else "negative" if value[0] < -3 * error[0] else "zero"
-    return {"vote": vote, "value": _number(value[0]), "error": _number(error[0]), "periods": done, "stopped": reason}
+    value, error = float(run.value[0]), float(run.error[0])
+    vote = "positive" if value > 3 * error else "negative" if value < -3 * error else "zero"
+    return {
+        "vote": vote, "value": number(value), "error": number(error), "periods": run.periods, "stopped": run.stopped,
+    }  # fmt: skip
 
 
-def _swarm_mean(rates: Array) -> tuple[Array, Array]:
-    """Mean over runs, and its error.
-
-    The error is the largest of the scatter between runs, the block error within them, and a quarter of the difference
-    between the halves of the record, which shows tangent vectors that still turn into place.
-    """
-    if rates.shape[2] == 0:
-        return np.full(rates.shape[1], np.nan), np.full(rates.shape[1], np.nan)
-    means, errors = mean_and_error(rates)
-    runs = means.shape[1]
-    within = np.sqrt((errors**2).sum(axis=1)) / runs
-    between = means.std(axis=1, ddof=1) / np.sqrt(runs) if runs > 1 else within
-    half = rates.shape[0] // 2
-    drift = np.abs(rates[:half].mean(axis=(0, 2)) - rates[half:].mean(axis=(0, 2))) / 4
-    return means.mean(axis=1), np.maximum(np.maximum(within, between), drift)
-
-
-def _record(
-    system: System, part: Ensemble, record: int, data: dict[str, Any], coords: dict[str, Any], votes: dict[str, Any]
-) -> None:
-    """Time series of the first run, its spectrum and lines."""
-    first = part.subset(np.array([0]), steps=max(int(part.point_steps[0]), RECORD_STEPS))
-    common = first.common_multiple
-    kept = -(-record // common) * common
-    total = kept * first.steps
-    every = max(first.steps // 32, 1)
-    while total % every:
-        every -= 1
-    x = first.advance(kept, save_every=every).saved[:, :, 0]
-    turn = np.arange(1, x.shape[0] + 1) * every / first.steps
-    coords["time"] = variable("time", turn * float(first.period[0]), "time", "time since the record began")
-    coords["turn"] = variable("time", turn, "T", "time since the record began, in periods T")
-    data["x"] = variable(("time", "state"), x, "1", "state")
-    data["outputs"] = variable(("time", "output"), outputs_of(system.model, system.vector, x.T).T, "1", "output")
-    if first.running[0] and system.model.swing:
-        row = system.states.index(system.model.swing[0].name)
-        spectrum = power_spectrum(x[:, row], rate=first.steps / every, unit="T")
-        lines = spectral_lines(spectrum)
-        votes["spectrum"] = {
-            "state": system.states[row], "lines": int(lines["count"]),
-            "broadband_fraction": _number(lines["broadband_fraction"]), "vote": None,
-        }  # fmt: skip
-
-
-def _section(
-    part: Ensemble, points: int, data: dict[str, Any], votes: dict[str, Any], *, measure: bool,
-    progress: Callable[[int], None] | None,
-) -> None:  # fmt: skip
-    common = part.common_multiple
-    each = max(-(-points // part.points), 8)
-    saved = part.advance(each * common, save_periods=common, progress=progress).saved
-    section = np.moveaxis(saved, 2, 0)
-    data["section"] = variable(("run", "period", "state"), section, "1", "section point, once per common period")
-    good = section[part.running]
-    if not measure or not good.size:
-        return
-    flat = good.reshape(-1, good.shape[2])
-    runs = np.repeat(np.arange(good.shape[0]), good.shape[1])
-    d = correlation_dimension(flat, theiler=10, trajectories=runs)
-    status = str(d["status"].attrs["flag_meanings"]).split()[int(d["status"])]
-    votes["dimension"] = {"vote": status, "value": _number(d["D2"]), "error": _number(d["D2_error"])}
-    for name, v in d.data_vars.items():
-        data[f"dimension_{name}"] = v
-    data |= {str(name): c.variable for name, c in d.coords.items() if name not in data}
-
-
-def _decide(r: Returns, votes: dict[str, Any]) -> tuple[Regime, float]:
-    label = Regime(int(r.regime[0]))
-    confidence = float(np.mean((r.regime == r.regime[0]) & (r.period == r.period[0])))
+def _decide(
+    r: Returns, votes: dict[str, Any], label: Regime, confidence: float, *, forced: bool
+) -> tuple[Regime, float]:
+    """Label from the returns of all start states and, where none returned, from what the section said."""
+    first = Regime(int(r.regime[0]))
+    share = float(np.mean((r.regime == r.regime[0]) & (r.period == r.period[0])))
     if not votes["return"]["starts_agree"]:
-        return Regime.undecided, confidence
-    if label == Regime.periodic and votes.get("lyapunov", {}).get("vote") == "positive":
-        return Regime.undecided, confidence
-    return label, confidence
-
-
-def kaplan_yorke(spectrum: Array) -> float | None:
-    """Kaplan-Yorke dimension of a spectrum, largest first; None where its sum never falls below zero."""
-    total = np.cumsum(spectrum)
-    if total.size == 0 or not np.isfinite(total).all():
-        return None
-    if total[0] < 0:
-        return 0.0
-    if total[-1] >= 0:
-        return None
-    j = int(np.flatnonzero(total >= 0)[-1])
-    return float(j + 1 + total[j] / abs(spectrum[j + 1]))
+        return Regime.undecided, 0.0
+    if first in (Regime.contact, Regime.diverged):
+        return first, share
+    if first == Regime.periodic:
+        against = (votes["lyapunov"]["vote"] == "positive", votes["floquet"]["vote"] == "unstable")
+        if any(against):
+            return Regime.undecided, 0.0
+        expected = "negative" if forced else "zero"  # the time direction of an unforced cycle
+        asked = [votes["lyapunov"]["vote"] == expected, votes["floquet"]["vote"] == "stable"]
+        return first, share * (1 + sum(asked)) / (1 + len(asked))
+    return label, share * confidence
 
 
 def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
@@ -286,11 +251,11 @@ def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
     common_time = ds.attrs["period_T_time"] * ds.attrs["common_multiple"]
     n = int(ds["period_T"])
     amplitude = {
-        str(q): {"peak_to_peak": _number(ds["peak_to_peak"].sel(quantity=q)), "rms": _number(ds["rms"].sel(quantity=q))}
+        str(q): {"peak_to_peak": number(ds["peak_to_peak"].sel(quantity=q)), "rms": number(ds["rms"].sel(quantity=q))}
         for q in ds["quantity"].values
     }
     eccentricity = {
-        str(q): _number(ds["maximum"].sel(quantity=q)) for q in ds["quantity"].values if str(q).startswith("eps")
+        str(q): number(ds["maximum"].sel(quantity=q)) for q in ds["quantity"].values if str(q).startswith("eps")
     }
     dimension = votes.get("dimension", {})
     periodic = Regime(int(ds["regime"])) == Regime.periodic
@@ -299,12 +264,13 @@ def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
         "period": n if periodic else None,
         "period_common": int(ds["period_common"]) if periodic else None,
         "period_turns": {k: abs(v) * n for k, v in json.loads(ds.attrs["clocks"]).items()} if periodic else None,
-        "confidence": _number(ds["confidence"]),
-        "lyapunov": [_number(v) for v in exponent],
-        "lyapunov_error": [_number(v) for v in ds["lyapunov_error"].values] if "lyapunov" in ds else [],
-        "lyapunov_per_common_period": [_number(v * common_time) for v in exponent],
-        "phase_exponent": _number(ds["phase_exponent"]) if "phase_exponent" in ds else None,
+        "confidence": number(ds["confidence"]),
+        "lyapunov": [number(v) for v in exponent],
+        "lyapunov_error": [number(v) for v in ds["lyapunov_error"].values] if "lyapunov" in ds else [],
+        "lyapunov_per_common_period": [number(v * common_time) for v in exponent],
+        "phase_exponent": number(ds["phase_exponent"]) if "phase_exponent" in ds else None,
         "kaplan_yorke": kaplan_yorke(exponent),
+        "kaplan_yorke_error": kaplan_yorke_error(exponent, ds["lyapunov_error"].values) if exponent.size else None,
         "correlation_dimension": dimension.get("value"),
         "correlation_dimension_error": dimension.get("error"),
         "indicators": votes,
@@ -312,10 +278,5 @@ def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
         "max_eccentricity": eccentricity,
         "min_film": {k: None if v is None else 1 - v for k, v in eccentricity.items()},
         "status": Status(int(ds["status"])).name,
-        "end_time": _number(ds["end_time"]),
+        "end_time": number(ds["end_time"]),
     }
-
-
-def _number(value: Any) -> float | None:
-    number = float(value)
-    return number if np.isfinite(number) else None

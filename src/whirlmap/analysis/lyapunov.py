@@ -51,8 +51,10 @@ def mean_and_error(rates: Array) -> tuple[Array, Array]:
     n = rates.shape[0] // BLOCKS
     if n == 0:
         raise RangeError(f"an error needs at least {BLOCKS} periods, not {rates.shape[0]}")
-    blocks = rates[: n * BLOCKS].reshape(BLOCKS, n, *rates.shape[1:]).mean(axis=1)
-    return rates.mean(axis=0), blocks.std(axis=0, ddof=1) / np.sqrt(BLOCKS)
+    # Each series in one piece: sums down the columns of a table would round by how many columns there are.
+    series = np.ascontiguousarray(np.moveaxis(rates, 0, -1))
+    blocks = series[..., : n * BLOCKS].reshape(*series.shape[:-1], BLOCKS, n).mean(axis=-1)
+    return series.mean(axis=-1), blocks.std(axis=-1, ddof=1) / np.sqrt(BLOCKS)
 
 
 def lyapunov_spectrum(

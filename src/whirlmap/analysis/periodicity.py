@@ -172,7 +172,7 @@ def shrinking(
     """Whether a shorter return is still on its way, shape (lane,): then the multiple found is not yet the smallest.
 
     A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
-    after one. On an orbit of m common periods differences over fewer repeat after m; here the last one is compared with that.
+    after one. On an orbit of m common periods differences over fewer repeat after m: the last one is compared with that.
     Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
     """
     period = _periods(cyclic, section.shape[1])

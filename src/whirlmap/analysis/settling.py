@@ -15,6 +15,7 @@ Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -180,7 +181,7 @@ class _Pool:
         multiple = found["multiple"].values
         s.distance[points] = found["distance"].values
         returned = np.flatnonzero(multiple > 0)
-        these = {"scale": scale[:, returned], "cyclic": self.cyclic}
+        these: Any = {"scale": scale[:, returned], "cyclic": self.cyclic}
         near = distance_to_limit(x[:, :, returned], multiple[returned], **these) <= tolerance
         near &= ~shrinking(x[:, :, returned], multiple[returned], **these)
         s.multiple[points[returned[near]]] = multiple[returned[near]]

@@ -1,5 +1,6 @@
 """``whirlmap diagnose``: everything about one operating point, and what its regime is."""
 
+from pathlib import Path
 from typing import Annotated, Any
 
 import typer
@@ -7,16 +8,27 @@ import typer
 from whirlmap.cli import options, pictures, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.errors import InputError, RangeError
+
+SERIES = "Measured signal"
 
 EXAMPLES = (
     "whirlmap diagnose duffing --set gamma=0.29",
     "whirlmap diagnose gear-psfd/intended --set s=3.27 --set psi=1e-4 --json",
     'whirlmap diagnose gear-psfd/machine --set "speed=1500 rpm" --out sheet.png',
+    "whirlmap diagnose --series run7.csv --column y --rate 25600 --out run7.png",
 )
 
 
 def diagnose(
-    case: options.CaseName,
+    case: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="CASE",
+            help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml."
+            " Left out with --series.",
+        ),
+    ] = None,
     changes: options.Changes = None,
     start: options.Start = None,
     transient: options.Transient = 100,
@@ -43,6 +55,25 @@ def diagnose(
             help="Section points of the correlation dimension, where the motion does not return.",
         ),
     ] = 5000,
+    series: Annotated[
+        Path | None,
+        typer.Option(
+            "--series", metavar="FILE", rich_help_panel=SERIES,
+            help="Diagnose a recorded signal instead of a case: a CSV file, values separated by commas, semicolons,"
+            " tabs or blanks.",
+        ),
+    ] = None,
+    column: Annotated[
+        str | None,
+        typer.Option(
+            "--column", metavar="NAME", rich_help_panel=SERIES,
+            help="Column of the signal, by its name or its number from 1.",
+        ),
+    ] = None,
+    rate: Annotated[
+        float | None,
+        typer.Option("--rate", metavar="X", rich_help_panel=SERIES, help="Samples per second."),
+    ] = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,
@@ -56,8 +87,19 @@ def diagnose(
 
     Many start states settle, and each is tested for a return. Lyapunov exponents and, where the motion does
     not return, its correlation dimension and spectrum are the evidence; where it does not agree, the motion
-    is undecided.
+    is undecided. A recorded signal has no equations: delay embedding, exponents of neighbours, dimension, 0-1
+    test and spectrum are its evidence.
     """
+    if series is not None:
+        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents, "--steps": steps}
+        _diagnose_series(series, column, rate, given, out, force=force, json=json)
+        return
+    for name, value in (("--column", column), ("--rate", rate)):
+        if value is not None:
+            raise InputError(f"{name}: found it without --series FILE, which it belongs to")
+    if case is None:
+        raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
+                         "  try: whirlmap diagnose --help")  # fmt: skip
     destination = claim(out, "diagnose", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.diagnosis import diagnose as measure
@@ -80,6 +122,36 @@ def diagnose(
         typer.echo(f"{system.case}: {headline(verdict)}")
         _print(verdict)
         report.print_written(files)
+
+
+def _diagnose_series(
+    file: Path, column: str | None, rate: float | None, given: dict[str, Any], out: Path | None, *, force: bool, json: bool
+) -> None:
+    for name, value in given.items():
+        if value:
+            raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
+    if rate is None:
+        raise InputError("--rate: missing beside --series; samples per second, as in --rate 25600")
+    destination = claim(out, "diagnose", force=force)
+    from whirlmap.analysis.series import diagnose_series, series_json
+    from whirlmap.results.signals import read_column
+
+    values = read_column(file, column)
+    try:
+        ds = diagnose_series(values, rate=rate)
+    except RangeError as fault:
+        raise RangeError(f"{file}: {fault}") from None
+    verdict = series_json(ds)
+    files = destination.write(ds, lambda made: pictures.series(made, file.name))
+    if json:
+        report.print_json({**verdict, "file": str(file), "column": column, "files": files})
+        return
+    typer.echo(f"{file.name}: {verdict['regime']}")
+    for sentence in str(verdict["verdict"]).split(". "):
+        typer.echo(f"  {sentence.rstrip('.')}.")
+    rows = [(name, _evidence(vote)) for name, vote in verdict["indicators"].items()]
+    report.show(report.table("Evidence", ("indicator", "says"), rows))
+    report.print_written(files)
 
 
 def headline(verdict: dict[str, Any]) -> str:
@@ -124,10 +196,19 @@ def _print(verdict: dict[str, Any]) -> None:
 
 
 def _evidence(vote: dict[str, Any]) -> str:
+    vote = dict(vote)
+    lines = vote.pop("named", None)
     shown = [str(vote["vote"])] if vote.get("vote") is not None else []
     shown += [
         f"{key.replace('_', ' ')} {report.number(v) if isinstance(v, float) else v}"
         for key, v in vote.items()
         if key != "vote" and v is not None
     ]
+    if lines:
+        shown.append("lines at " + ", ".join(_line(line) for line in lines[:5]))
     return ", ".join(shown)
+
+
+def _line(line: dict[str, Any]) -> str:
+    """Name of a line, else its frequency, and its share of the power."""
+    return f"{line['name'] or format(line['frequency'], '.5g')} ({100 * line['share']:.2g} %)"

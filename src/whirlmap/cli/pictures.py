@@ -57,6 +57,13 @@ def diagnosis(system: "System", ds: "xr.Dataset") -> "Figure":
     return diagnosis_figure(ds, state, velocity=partner_of(system, state), title=system.case)
 
 
+def series(ds: "xr.Dataset", name: str) -> "Figure":
+    """Draw the sheet of a recorded signal."""
+    from whirlmap.plot.series import series_figure
+
+    return series_figure(ds, title=name)
+
+
 def diagram(system: "System", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
     """Bifurcation diagrams of some states over their regimes."""
     from whirlmap.plot.figures import diagram_figure

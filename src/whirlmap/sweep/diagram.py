@@ -8,10 +8,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.lyapunov import exponents, mean_and_error
+from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
+from whirlmap.analysis.regime import regime
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble
@@ -21,6 +23,10 @@ from whirlmap.results.schema import names_coordinate, regime_variable, status_va
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
+
+#: A motion that contracts is given the time to shrink by this before it is tested once more, but no more than so many
+#: times the length of its exponent's run.
+SHRINK, PATIENCE = 1e-9, 4
 
 
 @dataclass(frozen=True)
@@ -32,6 +38,8 @@ class _Measured:
     end_time: Array
     exponent: Array
     exponent_error: Array
+    confidence: Array
+    winding: Array
     start_found: NDArray[np.bool_]
     steps: NDArray[np.int64]
     step_error: Array
@@ -66,14 +74,16 @@ def bifurcation_diagram(
     settling : Settling, optional
         Transient, windows and tolerance.
     lyapunov : int
-        Common periods over which the largest exponent of every point that is not periodic is measured; zero: none.
+        Common periods over which every point that is not periodic has its largest exponent measured, and its section
+        recorded; zero: none. From 256 on the points are also labelled quasi-periodic or chaotic where the evidence
+        decides (`regime`), with 1000 and more rarely undecided.
 
     Returns
     -------
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
-        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``end_time`` (parameter); ``minimum``, ``maximum``,
-        ``mean``, ``rms`` (parameter, quantity) of states and outputs over all steps of the record.
+        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``, ``end_time`` (parameter);
+        ``minimum``, ``maximum``, ``mean``, ``rms`` (parameter, quantity) of states and outputs over all steps of the record.
 
     Notes
     -----
@@ -129,7 +139,8 @@ class _Run:
             method=self.method, workers=self.workers,
         )  # fmt: skip
         returns = settle_and_record(ensemble, self.settling, cyclic=cyclic_states(self.system), progress=self.progress)
-        exponent, error = np.full(points.size, np.nan), np.full(points.size, np.nan)
+        exponent, error, winding = (np.full(points.size, np.nan) for _ in range(3))
+        confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
         open_points = np.flatnonzero(returns.regime == Regime.undecided)
         open_points = open_points[ensemble.running[open_points]]
         if self.lyapunov and open_points.size:
@@ -137,13 +148,48 @@ class _Run:
                 self.system, {self.parameter: points[open_points]}, starts=ensemble.x[:, open_points],
                 steps=ensemble.point_steps[open_points], method=ensemble.method.name, tangents=1, workers=self.workers,
             )  # fmt: skip
-            rates = exponents(tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=self.progress)
+            rates, section = run_with_section(
+                tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=self.progress
+            )
             mean, spread = mean_and_error(rates[:, 0])
             exponent[open_points], error[open_points] = mean, spread
-        e = ensemble
+            judged = regime(
+                tangent.status, np.zeros(open_points.size, dtype=np.int64), exponent=mean, exponent_error=spread,
+                duration=self.lyapunov * tangent.common_multiple * tangent.period, section=section,
+                cyclic=cyclic_states(self.system),
+            )  # fmt: skip
+            label = returns.regime.copy()
+            # A point that reaches contact only now has no time of contact: it stays undecided.
+            label[open_points] = np.where(tangent.running, judged["regime"].values, Regime.undecided)
+            confidence[open_points] = np.where(tangent.running, judged["confidence"].values, 0.0)
+            winding[open_points] = judged["winding"].values
+            returns = replace(returns, regime=label)
+            contracts = open_points[(label[open_points] == Regime.undecided) & (mean < -3 * spread)]
+            returns = self._given_time(ensemble, returns, contracts, exponent)
+            confidence[returns.regime == Regime.periodic] = 1.0
         return _Measured(
-            returns, e.status, e.end_time, exponent, error, found, e.point_steps, e.step_error, e.step_verdict
+            returns, ensemble.status, ensemble.end_time, exponent, error, confidence, winding, found, ensemble.point_steps,
+            ensemble.step_error, ensemble.step_verdict,
         ), ensemble  # fmt: skip
+
+    def _given_time(self, ensemble: Ensemble, returns: Returns, points: NDArray[np.intp], exponent: Array) -> Returns:
+        """Test points once more whose motion contracts but has not returned, after the time that this takes."""
+        if not points.size:
+            return returns
+        part = ensemble.subset(points)
+        common = part.common_multiple * part.period
+        extra = min(int(np.max(np.log(SHRINK) / (exponent[points] * common))) + 1, PATIENCE * self.lyapunov)
+        later = replace(self.settling, transient=extra)
+        again = settle_and_record(part, later, cyclic=cyclic_states(self.system), progress=self.progress)
+        ensemble.absorb(part, points)
+        joined = {}
+        for name in ("section", "regime", "period", "multiple", "distance", "waited"):
+            joined[name] = getattr(returns, name).copy()
+            joined[name][..., points] = getattr(again, name)
+        extremes = {k: v.copy() for k, v in returns.extremes.items()}
+        for k, v in again.extremes.items():
+            extremes[k][..., points] = v
+        return replace(returns, **joined, extremes=extremes)
 
     def chain(self, points: Array, *, downwards: bool) -> tuple[_Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""
@@ -169,7 +215,8 @@ def _joined(parts: list[_Measured]) -> _Measured:
     rest = {
         name: np.concatenate([getattr(p, name) for p in parts])
         for name in (
-            "status", "end_time", "exponent", "exponent_error", "start_found", "steps", "step_error", "step_verdict"
+            "status", "end_time", "exponent", "exponent_error", "confidence", "winding", "start_found", "steps",
+            "step_error", "step_verdict",
         )
     }  # fmt: skip
     return _Measured(returns, **rest)
@@ -191,6 +238,8 @@ def _dataset(system: System, parameter: str, points: Array, m: _Measured) -> xr.
         "return_distance": variable(parameter, r.distance, "1", "return distance over the range of each state"),
         "lyapunov": variable(parameter, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
         "lyapunov_error": variable(parameter, m.exponent_error, "1/time", "one standard error of it, from block means"),
+        "confidence": variable(parameter, m.confidence, "1", "share of the indicators asked that speak for the regime"),
+        "winding": variable(parameter, m.winding, "1", "rotation number of the section of points that do not return"),
         "end_time": variable(parameter, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(parameter, m.start_found.astype(np.int8), "1", "whether the default start exists"),
         "settled_after": variable(parameter, r.waited, "1", "common periods run before the record"),

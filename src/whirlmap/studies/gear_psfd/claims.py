@@ -68,17 +68,18 @@ Judgement = tuple[Word, str]
 
 
 def kinds(ds: xr.Dataset) -> dict[str, Mask]:
-    """Which points of a diagram return with the forcing, return otherwise, are chaotic, undecided, or ended."""
+    """Which points of a diagram return with the forcing or otherwise, are open (of three kinds), or ended."""
     regime, period = ds["regime"].values, ds["period_T"].values
     forced = ds.attrs["common_multiple"]
     returns = regime == Regime.periodic
     open_motion = regime == Regime.undecided
-    chaotic = open_motion & (ds["lyapunov"].values > 3 * ds["lyapunov_error"].values)
+    grows = open_motion & (ds["lyapunov"].values > 3 * ds["lyapunov_error"].values)
     return {
         "with the forcing": returns & (period == forced),
         "periodic otherwise": returns & (period != forced),
-        "chaotic": chaotic,
-        "undecided": open_motion & ~chaotic,
+        "quasi-periodic": regime == Regime.quasi_periodic,
+        "chaotic": (regime == Regime.chaotic) | grows,
+        "undecided": open_motion & ~grows,
         "contact": regime == Regime.contact,
         "diverged": regime == Regime.diverged,
     }
@@ -116,7 +117,7 @@ def nonperiodic(e: Evidence, _claim: Claim) -> Judgement:
     ds = e.diagrams[0.0]
     k = kinds(ds)
     everywhere = np.ones(ds.sizes["s"], dtype=bool)
-    share = _share(k["chaotic"] | k["undecided"], everywhere)
+    share = _share(k["quasi-periodic"] | k["chaotic"] | k["undecided"], everywhere)
     if (k["contact"] | k["diverged"]).all():
         return "cannot be evaluated", counts(ds, everywhere)
     return by_share(share), f"{share:.0%} of the speeds do not return; {counts(ds, everywhere)}"
@@ -251,7 +252,8 @@ def regularises(e: Evidence, _claim: Claim) -> Judgement:
     shares, parts = [], []
     for psi, ds in e.diagrams.items():
         k = kinds(ds)
-        open_share, ended = float((k["chaotic"] | k["undecided"]).mean()), float((k["contact"] | k["diverged"]).mean())
+        open_share = float((k["quasi-periodic"] | k["chaotic"] | k["undecided"]).mean())
+        ended = float((k["contact"] | k["diverged"]).mean())
         shares.append(open_share + ended)
         parts.append(f"psi = {psi:g}: {open_share:.0%} non-periodic, {ended:.0%} contact or diverged")
     if all(s == 1.0 for s in shares):

@@ -1,0 +1,166 @@
+"""Floquet multipliers of a periodic orbit, down to the smallest, from the tangent dynamics of the compiled kernel."""
+
+from itertools import pairwise
+from math import ceil
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.errors import RangeError
+from whirlmap.integrate.system import System
+from whirlmap.kernels.lanes import Waves, lane_kernel
+from whirlmap.kernels.methods import DOP853
+from whirlmap.kernels.source import LANES
+
+Array = NDArray[np.float64]
+
+#: Segments of the orbit per T: within one of them no direction may shrink by more than doubles hold.
+SEGMENTS = 4
+#: Least steps of the eighth-order method per T.
+STEPS = 64
+#: Most passes round the orbit until its invariant subspaces stand still, and how still that is.
+PASSES, STILL = 60, 1e-7
+
+
+def floquet_multipliers(
+    system: System, x: ArrayLike, duration: float, *, steps: int = STEPS
+) -> xr.Dataset:
+    """Multipliers of small disturbances over one round of a periodic orbit.
+
+    Parameters
+    ----------
+    x : array, shape (state,)
+        A point of the orbit; of a forced system at phase zero, as its section points are.
+    duration : float
+        Length of the orbit [model's time]: a whole number of T, or the time between returns of an unforced orbit.
+    steps : int
+        Steps of DOP853 per T, rounded up to a whole number in each segment.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``multiplier``, largest modulus first: ``log_modulus``, ``argument`` [rad], ``real`` and ``imaginary``.
+        ``trivial``, index of the multiplier of an unforced orbit's own time direction (the one nearest 1; -1 for a
+        forced system, which has none), with ``trivial_error`` its distance from 1; ``stable``, whether all others lie
+        inside the unit circle; ``closure``, how far the orbit misses its start, over its size (cyclic states apart).
+
+    Raises
+    ------
+    RangeError
+        Shapes, a duration that is not positive (or of a forced system not a whole number of T), or a run that left the
+        model's limits.
+
+    Notes
+    -----
+    The orbit is cut into segments, whose transition matrices come from the kernel, one column in each lane. Their
+    product is never formed: its smallest multipliers would drown in the rounding of the largest. Orthonormal frames are
+    carried round the orbit (QR) until the subspaces they span return to themselves; the multipliers are the
+    eigenvalues of the diagonal blocks, each a product of triangular blocks with its own scale [lust2001]. Each is good to
+    rounding relative to itself, as long as no direction shrinks by more than about 1e-12 within one segment.
+    Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
+    An unstable orbit must be given precisely: an error of its start grows along it.
+    """
+    start = np.asarray(x, dtype=np.float64)
+    n = system.model.dimension
+    if start.shape != (n,) or not np.isfinite(start).all() or not 0 < duration < np.inf:
+        raise RangeError(f"x has shape {start.shape}, duration is {duration}: ({n},) and a positive time are needed.")
+    turns = duration / system.period
+    if system.model.forced and abs(turns - round(turns)) > 1e-9:
+        raise RangeError(f"duration is {turns:g} T: an orbit of a forced system lasts a whole number of T")
+    segments = SEGMENTS * ceil(round(turns, 9))
+    each = ceil(steps / SEGMENTS)
+    orbit = np.empty((n, segments + 1))
+    orbit[:, 0] = start
+    h = duration / segments / each
+    matrices = np.empty((segments, n, n))
+    for k in range(segments):
+        orbit[:, k + 1], matrices[k] = _transition(system, orbit[:, k], k * each, h, each)
+    log_modulus, argument = _eigenvalues_of_product(matrices)
+    order = np.lexsort((-argument, -log_modulus))
+    log_modulus, argument = log_modulus[order], argument[order]
+    value = np.exp(log_modulus + 1j * argument)
+    trivial = -1 if system.model.forced else int(np.abs(value - 1).argmin())
+    others = np.delete(log_modulus, trivial) if trivial >= 0 else log_modulus
+    plain = [s.cyclic is None for s in system.model.states]
+    size = np.maximum(np.ptp(orbit[plain], axis=1), 1e-12)
+    units = {"units": "1"}
+    ds = xr.Dataset(
+        {
+            "log_modulus": ("multiplier", log_modulus, {**units, "long_name": "logarithm of the multiplier's modulus"}),
+            "argument": ("multiplier", argument, {"units": "rad", "long_name": "argument of the multiplier"}),
+            "real": ("multiplier", value.real, {**units, "long_name": "real part of the multiplier"}),
+            "imaginary": ("multiplier", value.imag, {**units, "long_name": "imaginary part of the multiplier"}),
+            "trivial": ((), trivial, {**units, "long_name": "index of the time direction's multiplier, -1: none"}),
+            "trivial_error": (
+                (), float(abs(value[trivial] - 1)) if trivial >= 0 else np.nan,
+                {**units, "long_name": "its distance from 1"},
+            ),
+            "stable": ((), np.int8((others < 0).all()), {**units, "long_name": "whether all others shrink"}),
+            "closure": (
+                (), float(np.max(np.abs(orbit[plain, -1] - orbit[plain, 0]) / size)) if any(plain) else np.nan,
+                {**units, "long_name": "distance by which the orbit misses its start, over its size"},
+            ),
+        }
+    )  # fmt: skip
+    ds.attrs = {"duration": duration, "segments": segments, "steps_per_segment": each, "algorithm": "lust2001"}
+    return ds
+
+
+def _transition(system: System, x: Array, begin: int, h: float, steps: int) -> tuple[Array, Array]:
+    """End of a run of some steps, and its transition matrix; ``begin`` counts steps from phase zero."""
+    kernel = lane_kernel(system.plain_model(), DOP853, tangents=True, kind="locked")
+    n = x.size
+    waves = Waves.of(system.orders or (), SEGMENTS * steps, kernel.source.nodes)
+    values = np.repeat(system.vector[:, None], LANES, axis=1)
+    p, tables, offsets = kernel.inputs(values).lanes(np.arange(LANES))
+    end, matrix = np.empty(n), np.empty((n, n))
+    for first in range(0, n, LANES):
+        columns = np.arange(first, min(first + LANES, n))
+        y = np.zeros((2 * n, LANES))
+        y[:n] = x[:, None]
+        y[n + columns, columns - first] = 1.0
+        flat, failed = y.ravel(), np.full(LANES, -1, dtype=np.int64)
+        counters = np.array([begin % length for length in waves.lengths], dtype=np.int64)
+        kernel.module.advance(
+            flat, np.full(n * LANES, h), p.ravel(), tables, offsets.ravel(), waves.table, waves.starts, waves.lengths,
+            counters, steps, np.zeros(LANES, dtype=np.int64), np.ones(LANES, dtype=np.int64), failed, steps + 1,
+            np.zeros((0, n * LANES)), steps + 1, np.zeros((1, LANES)), np.zeros(0),
+        )  # fmt: skip
+        if (failed >= 0).any():
+            raise RangeError(f"the orbit of {system.model.name} leaves the model's limits: it is no periodic orbit")
+        y = flat.reshape(2 * n, LANES)
+        end[:] = y[:n, 0]
+        matrix[:, columns] = y[n:, : columns.size]
+    return end, matrix
+
+
+def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:
+    """Logarithms of moduli, and arguments, of the eigenvalues of matrices[-1] @ ... @ matrices[0]."""
+    n = matrices.shape[1]
+    frame = np.linalg.qr(np.random.default_rng(5).normal(size=(n, n)))[0]
+    before, edges = None, [0, n]
+    for _ in range(PASSES):
+        first = frame
+        triangles = np.empty_like(matrices)
+        for k, matrix in enumerate(matrices):
+            frame, triangles[k] = np.linalg.qr(matrix @ frame)
+        turned = first.T @ frame
+        edges = [0, *(i for i in range(1, n) if np.abs(turned[i:, :i]).max() < STILL), n]
+        if edges == before and max(np.diff(edges)) <= 2:
+            break
+        before = edges
+    logs, angles = [], []
+    for a, b in pairwise(edges):
+        block, scale = np.eye(b - a), 0.0
+        for triangle in triangles:
+            block = triangle[a:b, a:b] @ block
+            size = np.abs(block).max()
+            if size == 0.0:
+                break
+            block, scale = block / size, scale + np.log(size)
+        values = np.linalg.eigvals(turned[a:b, a:b] @ block)
+        with np.errstate(divide="ignore"):
+            logs.append(np.log(np.abs(values)) + scale)
+        angles.append(np.angle(values))
+    return np.concatenate(logs), np.concatenate(angles)

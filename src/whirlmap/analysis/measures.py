@@ -1,0 +1,221 @@
+"""Measures of one settled swarm: its record, spectrum, section, dimension, multipliers, and the votes they give."""
+
+from collections.abc import Callable
+from math import ceil
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.dimension import correlation_dimension
+from whirlmap.analysis.evidence import moving_coordinates
+from whirlmap.analysis.floquet import STEPS, floquet_multipliers
+from whirlmap.analysis.lines import named_shares
+from whirlmap.analysis.recurrence import recurrence
+from whirlmap.analysis.regime import INDICATORS, Vote, regime
+from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
+from whirlmap.analysis.trajectory import outputs_of
+from whirlmap.analysis.winding import locking_ratio
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.system import System
+from whirlmap.results.regime import Regime
+from whirlmap.results.schema import variable
+
+Array = NDArray[np.float64]
+Data = dict[str, Any]
+
+#: Least steps per T of the recorded time series.
+RECORD_STEPS = 96
+#: Runs of the swarm whose section points are judged, each by itself.
+JUDGED = 8
+#: T of the longest orbit whose Floquet multipliers are computed.
+LONGEST_ORBIT = 128
+#: Section points of one run whose recurrence is counted.
+RECURRENT = 1500
+#: Share of the power outside of lines below which a spectrum is one of lines, and above which it is broadband.
+ALL_LINES, BROAD = 1e-4, 0.05
+
+
+def judge_section(
+    running: NDArray[np.bool_], section: Array, exponent: tuple[float, float], duration: float, cyclic: dict[int, float]
+) -> tuple[Regime, float, Data]:
+    """Label open motion from the section points of several runs.
+
+    Parameters
+    ----------
+    running : array of bool, shape (run,)
+    section : array, shape (time, state, run)
+    exponent : tuple
+        Largest exponent and its error, over all runs.
+
+    Returns
+    -------
+    regime : Regime
+        That of at least three quarters of the runs judged.
+    confidence : float
+        Share of the indicators that speak for it, over all runs judged.
+    votes : dict
+        Of the 0-1 test, the Birkhoff averages and recurrence; medians over runs.
+    """
+    some = np.flatnonzero(running)[:JUDGED]
+    ds = regime(
+        np.zeros(some.size, dtype=np.int8), np.zeros(some.size, dtype=np.int64), exponent=exponent[0],
+        exponent_error=exponent[1], duration=duration, section=section[:, :, some], cyclic=cyclic,
+    )  # fmt: skip
+    labels = ds["regime"].values
+    commonest = int(np.bincount(labels).argmax())
+    agree = labels == commonest
+    label = Regime(commonest) if agree.mean() >= 0.75 else Regime.undecided
+    confidence = float((ds["confidence"].values * agree).mean())
+    says = {
+        name: Vote(int(np.bincount(row).argmax())).name for name, row in zip(INDICATORS, ds["vote"].values, strict=True)
+    }
+    numbers = {n: _median(ds[n].values) for n in ("zero_one", "zero_one_low", "digits", "winding", "winding_error")}
+    votes: Data = {
+        "zero_one": {
+            "vote": says["zero_one"], "value": numbers["zero_one"], "lower_quartile": numbers["zero_one_low"],
+            "points": section.shape[0],
+        },
+        "birkhoff": {"vote": says["birkhoff"], "digits": numbers["digits"]},
+    }  # fmt: skip
+    turned = numbers["winding"]
+    error = numbers["winding_error"]
+    if turned is not None and error is not None:
+        votes["birkhoff"] |= {"winding": turned, "winding_error": error}
+        if error * 64**2 < 1:
+            locking = locking_ratio(turned, error)
+            votes["birkhoff"] |= {"ratio": str(locking.ratio), "locked": locking.locked}
+    columns = moving_coordinates(section[-RECURRENT:, :, some[0]], cyclic) if some.size else None
+    if columns is not None and len(columns) >= 100:
+        r = recurrence(columns)
+        votes["recurrence"] = {
+            "vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"]),
+            "radius": float(r["radius"]),
+        }  # fmt: skip
+    return label, confidence, votes
+
+
+def record_series(
+    system: System, part: Ensemble, least: int, data: Data, coords: Data, orders: dict[str, float]
+) -> Data | None:
+    """Time series of the first run into ``data``; the vote of its spectrum, where it ran to its end."""
+    first = part.subset(np.array([0]), steps=max(int(part.point_steps[0]), RECORD_STEPS))
+    common = first.common_multiple
+    kept = -(-least // common) * common
+    total = kept * first.steps
+    every = max(first.steps // 32, 1)
+    while total % every:
+        every -= 1
+    x = first.advance(kept, save_every=every).saved[:, :, 0]
+    turn = np.arange(1, x.shape[0] + 1) * every / first.steps
+    coords["time"] = variable("time", turn * float(first.period[0]), "time", "time since the record began")
+    coords["turn"] = variable("time", turn, "T", "time since the record began, in periods T")
+    data["x"] = variable(("time", "state"), x, "1", "state")
+    data["outputs"] = variable(("time", "output"), outputs_of(system.model, system.vector, x.T).T, "1", "output")
+    if not (first.running[0] and system.model.swing):
+        return None
+    swing = system.model.swing[0]
+    series = x[:, system.states.index(swing.name)]
+    if swing.cyclic is not None:
+        series = np.sin(2 * np.pi * series / swing.cyclic)
+    if np.ptp(series) <= 1e-12 * np.abs(series).max(initial=0.0):
+        return None
+    spectrum = power_spectrum(series, rate=first.steps / every, unit="T")
+    lines = spectral_lines(spectrum)
+    broad = float(lines["broadband_fraction"])
+    step = float(spectrum["frequency_step"])
+    return {
+        "vote": "lines" if broad < ALL_LINES else "broadband" if broad > BROAD else "none",
+        "state": swing.name, "lines": int(lines["count"]), "broadband_fraction": broad, "resolution": step,
+        "named": _named(lines, orders, step),
+    }  # fmt: skip
+
+
+def _named(lines: xr.Dataset, orders: dict[str, float], step: float) -> list[Data]:
+    """Names of the strongest lines; without names where the record is too short to tell orders apart."""
+    try:
+        return named_shares(lines, orders, step=step)
+    except RangeError:
+        return named_shares(lines, {}, step=step)
+
+
+def section_and_dimension(
+    part: Ensemble, points: int, data: Data, *, measure: bool, torus: Array | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Data | None:  # fmt: skip
+    """Section points of all runs into ``data``, once per common period; the correlation dimension where wanted.
+
+    The runs of a swarm decorrelate in chaos, and are one sample; on a torus they stay side by side, so that there the
+    points of one long run, ``torus`` of shape (time, state), give the dimension.
+    """
+    common = part.common_multiple
+    each = max(-(-points // part.points), 8)
+    saved = part.advance(each * common, save_periods=common, progress=progress).saved
+    section = np.moveaxis(saved, 2, 0)
+    data["section"] = variable(("run", "period", "state"), section, "1", "section point, once per common period")
+    good = section[part.running]
+    if not measure or not good.size:
+        return None
+    flat = good.reshape(-1, good.shape[2])
+    runs = np.repeat(np.arange(good.shape[0]), good.shape[1])
+    if torus is not None:
+        flat, runs = torus, np.zeros(len(torus), dtype=np.int64)
+    d = correlation_dimension(flat, theiler=10, trajectories=runs)
+    status = str(d["status"].attrs["flag_meanings"]).split()[int(d["status"])]
+    for name, v in d.data_vars.items():
+        data[f"dimension_{name}"] = v
+    data |= {str(name): c.variable for name, c in d.coords.items() if name not in data}
+    return {"vote": status, "value": number(d["D2"]), "error": number(d["D2_error"])}
+
+
+def multipliers(system: System, part: Ensemble, multiple: int, period: int, data: Data) -> Data:
+    """Floquet multipliers of the first run's periodic orbit into ``data``, and their vote."""
+    if period > LONGEST_ORBIT:
+        return {"vote": "none", "reason": f"the orbit is longer than {LONGEST_ORBIT} T"}
+    x, duration = part.x[:, 0], period * float(part.period[0])
+    if not system.model.forced:
+        found = _closed_orbit(part.subset(np.array([0])), multiple)
+        if found is None:
+            return {"vote": "none", "reason": "the section is not crossed"}
+        x, duration = found
+    try:
+        ds = floquet_multipliers(system, x, duration, steps=max(STEPS, int(part.point_steps[0])))
+    except RangeError as fault:
+        return {"vote": "none", "reason": str(fault)}
+    for name in ("log_modulus", "argument"):
+        v = ds[name].variable
+        data[f"floquet_{name}"] = variable("multiplier", v.values, str(v.attrs["units"]), str(v.attrs["long_name"]))
+    trivial = int(ds["trivial"])
+    others = np.delete(ds["log_modulus"].values, trivial) if trivial >= 0 else ds["log_modulus"].values
+    largest = float(np.exp(others[0])) if others.size else 0.0
+    return {
+        "vote": "stable" if bool(ds["stable"]) else "unstable", "largest": largest,
+        "smallest_log10": number(others[-1] / np.log(10)) if others.size else None,
+        "trivial_error": number(ds["trivial_error"]), "closure": number(ds["closure"]),
+    }  # fmt: skip
+
+
+def _closed_orbit(one: Ensemble, multiple: int) -> tuple[Array, float] | None:
+    """A section point of an unforced orbit, and the time to its return ``multiple`` crossings later."""
+    length = 2 * ceil(multiple) + 2
+    begin = one.x.copy()
+    steps = np.concatenate([begin[None], one.advance(length, save_every=1).saved])
+    points, times = crossings(one.model, one.values, steps, one.period / one.steps)
+    if times.shape[0] <= multiple or not np.isfinite(times[multiple, 0]):
+        return None
+    return points[0, :, 0], float(times[multiple, 0] - times[0, 0])
+
+
+def number(value: Any) -> float | None:
+    """Plain float, or None where it is not finite."""
+    plain = float(value)
+    return plain if np.isfinite(plain) else None
+
+
+def _median(values: Array) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if finite.size else None
+

@@ -1,0 +1,102 @@
+"""Recurrence rate and determinism: how often states come back, and whether they then stay together."""
+
+import numba
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.errors import RangeError
+
+Array = NDArray[np.float64]
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _close(x: Array, i: int, j: int, square: float) -> bool:
+    total = 0.0
+    for k in range(x.shape[1]):
+        total += (x[i, k] - x[j, k]) ** 2
+    return total <= square
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy")
+def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, int, int, int]:
+    """Recurrent pairs, those on diagonal lines of at least ``least``, the number of such lines, the longest."""
+    n = x.shape[0]
+    square = radius * radius
+    recurrent = on_lines = lines = longest = 0
+    for lag in range(theiler, n):
+        run = 0
+        for i in range(n - lag):
+            if _close(x, i, i + lag, square):
+                run += 1
+                recurrent += 1
+            if run > 0 and (i == n - lag - 1 or not _close(x, i, i + lag, square)):
+                if run >= least:
+                    on_lines += run
+                    lines += 1
+                longest = max(longest, run)
+                run = 0
+    return recurrent, on_lines, lines, longest
+
+
+def recurrence(
+    points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
+) -> xr.Dataset:
+    """Recurrence rate, determinism and diagonal lines of a trajectory.
+
+    Parameters
+    ----------
+    points : array, shape (time,) or (time, coordinate)
+        Successive section points, or an embedded series. Coordinates that matter alike must be of one size.
+    radius : float, optional
+        Two points are recurrent within it; where absent the one that gives ``rate``.
+    rate : float
+        Share of recurrent pairs wanted where no radius is given, in (0, 0.5).
+    theiler : int
+        Pairs less than this number of samples apart are left out.
+    least : int
+        Shortest line that counts.
+
+    Returns
+    -------
+    xr.Dataset
+        ``recurrence_rate``, share of recurrent pairs; ``determinism``, share of these on lines of at least ``least``
+        samples; ``mean_line`` and ``longest_line`` [samples]; ``radius``.
+
+    Raises
+    ------
+    RangeError
+        Fewer than 50 points, numbers that are not finite, or options out of range.
+
+    Notes
+    -----
+    [eckmann1987], [marwan2007]. Independent values with rate p have determinism 1 - (1 - p)^2 (``least`` = 2): only what
+    exceeds that is structure. Periodic and quasi-periodic motion show 1, deterministic chaos little less, so that
+    determinism tells noise from dynamics but not chaos from a torus. The radius that gives a rate is the quantile of
+    the distances of at most 2000 evenly spaced points. Time grows as points squared.
+    """
+    x = np.asarray(points, dtype=np.float64)
+    x = np.ascontiguousarray(x[:, None] if x.ndim == 1 else x)
+    if x.ndim != 2 or x.shape[0] < 50 or not np.isfinite(x).all():
+        raise RangeError(f"points has shape {x.shape}: at least 50 points with finite coordinates are needed.")
+    if not (1 <= theiler < x.shape[0] // 2 and least >= 2 and 0 < rate < 0.5) or (radius is not None and not radius > 0):
+        raise RangeError(
+            f"theiler = {theiler}, least = {least}, rate = {rate}, radius = {radius}: theiler from 1 to half the points, "
+            "least from 2, rate in (0, 0.5), radius positive."
+        )
+    if radius is None:
+        some = x[:: max(x.shape[0] // 2000, 1)]
+        i, j = np.triu_indices(len(some), k=1)
+        radius = float(np.quantile(np.linalg.norm(some[i] - some[j], axis=1), rate))
+    recurrent, on_lines, lines, longest = _diagonals(x, radius, theiler, least)
+    m = x.shape[0] - theiler
+    values = {
+        "recurrence_rate": (recurrent / (m * (m + 1) / 2), "share of pairs that are recurrent"),
+        "determinism": (on_lines / max(recurrent, 1), "share of recurrent pairs on diagonal lines"),
+        "mean_line": (on_lines / max(lines, 1), "mean length of the diagonal lines, samples"),
+        "longest_line": (longest, "longest diagonal line, samples"),
+        "radius": (radius, "distance within which points are recurrent"),
+    }
+    ds = xr.Dataset({name: ((), v, {"units": "1", "long_name": meaning}) for name, (v, meaning) in values.items()})
+    ds.attrs = {"theiler": theiler, "least": least}
+    return ds

@@ -1,0 +1,173 @@
+"""One run that gives both exponents and section points: the evidence about operating points that do not return."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+
+#: Relative and absolute error of the largest exponent at which its run stops.
+ENOUGH = (0.02, 0.002)
+#: T in the first stretch of its run; the run doubles until the error is small enough.
+FIRST_STRETCH = 512
+#: Typical times of an unforced model whose steps are kept at once while crossings are sought.
+CHUNK = 16
+
+
+@dataclass(frozen=True)
+class TangentRun:
+    """Exponents of one operating point from many runs, and the section points that came with them.
+
+    Attributes
+    ----------
+    value, error : array, shape (exponent,)
+        Largest first, per unit of the model's time.
+    running : array, shape (period, exponent)
+        Mean up to each common period.
+    section : array, shape (time, state, run)
+    alive : array of bool, shape (run,)
+        Which runs reached the end.
+    periods : int
+        Common periods.
+    stopped : str
+        Why the run stopped.
+    """
+
+    value: Array
+    error: Array
+    running: Array
+    section: Array
+    alive: NDArray[np.bool_]
+    periods: int
+    stopped: str
+
+    def contraction(self, *, forced: bool) -> float | None:
+        """Rate at which the motion contracts to a cycle; None where it does not, or that was not measured.
+
+        An unforced cycle's first exponent is the zero of its time direction: the second one says how it contracts.
+        """
+        k = 0 if forced else 1
+        if k >= self.value.size or not self.value[k] < -3 * self.error[k]:
+            return None
+        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1]):
+            return None
+        return float(self.value[k])
+
+
+def run_with_section(
+    ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None
+) -> tuple[Array, Array]:
+    """Local exponents of successive common periods, and the section points met on the way.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        On its attractor, with tangent vectors; advanced in place.
+    periods : int
+        Common periods that count (for an unforced model: typical times).
+    align : int
+        Those run before, while the tangent vectors turn into place.
+
+    Returns
+    -------
+    rates : array, shape (period, exponent, point)
+        Per unit of time; NaN in points that ended.
+    section : array, shape (time, state, point)
+        Once per common period, or the crossings of an unforced model, as many as all points share that have at least
+        `LEAST`; NaN in points that ended, or have fewer.
+    """
+    common = ensemble.common_multiple
+    ensemble.advance(align * common, progress=progress)
+    if ensemble.model.forced:
+        segment = ensemble.advance(periods * common, save_periods=common, progress=progress)
+        growth, section = segment.growth, segment.saved
+    else:
+        growth, section = _with_crossings(ensemble, periods, progress)
+    local = growth.reshape(periods, -1, ensemble.tangents, ensemble.points).sum(axis=1)
+    rates = local / (common * ensemble.period)
+    rates[:, :, ensemble.status != Status.ok] = np.nan
+    return rates, section
+
+
+def _with_crossings(
+    ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
+) -> tuple[Array, Array]:
+    growth: list[Array] = []
+    found: list[list[Array]] = [[] for _ in range(ensemble.points)]
+    for first in range(0, periods, CHUNK):
+        begin = ensemble.x.copy()
+        segment = ensemble.advance(min(CHUNK, periods - first), save_every=1, progress=progress)
+        growth.append(segment.growth)
+        steps = np.concatenate([begin[None], segment.saved])
+        points, times = crossings(ensemble.model, ensemble.values, steps, ensemble.period / ensemble.steps)
+        for k in range(ensemble.points):
+            found[k].append(points[np.isfinite(times[:, k]), :, k])
+    joined = [np.concatenate(parts) for parts in found]
+    enough = [len(p) for p, on in zip(joined, ensemble.running, strict=True) if on and len(p) >= LEAST]
+    section = np.full((min(enough, default=0), ensemble.model.dimension, ensemble.points), np.nan)
+    for k, p in enumerate(joined):
+        if len(p) >= len(section):
+            section[:, :, k] = p[: len(section)]
+    return np.concatenate(growth), section
+
+
+def exponents_to_error(
+    ensemble: Ensemble, *, least: int, most: int, progress: Callable[[int], None] | None = None
+) -> TangentRun:
+    """Run a swarm of one operating point until the error of its largest exponent is small enough.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Start states on one attractor, with tangent vectors; advanced in place.
+    least, most : int
+        Common periods run at least, for the section, and at most.
+
+    Notes
+    -----
+    The run doubles until the error is below `ENOUGH` of the exponent, or of one. The error is the largest of the
+    scatter between runs, the block error within them, and a quarter of the difference between the halves of the
+    record, which shows tangent vectors that still turn into place.
+    """
+    pieces: list[Array] = []
+    sections: list[Array] = []
+    done, stretch = 0, min(max(FIRST_STRETCH // ensemble.common_multiple, BLOCKS, least), most)
+    while True:
+        rates, section = run_with_section(ensemble, stretch, align=16 if not pieces else 0, progress=progress)
+        pieces.append(rates)
+        sections.append(section)
+        done += stretch
+        rates = np.concatenate(pieces)
+        good = ensemble.running
+        value, error = _swarm_mean(rates[:, :, good])
+        if not good.any() or error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1]):
+            reason = "error small enough"
+            break
+        if done >= most:
+            reason = f"stopped at {done} common periods"
+            break
+        stretch = min(done, most - done)
+    order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
+    running = np.cumsum(rates[:, order][:, :, good].mean(axis=2), axis=0) / np.arange(1, done + 1)[:, None]
+    return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason)
+
+
+def _swarm_mean(rates: Array) -> tuple[Array, Array]:
+    """Mean over runs, and its error."""
+    if rates.shape[2] == 0:
+        return np.full(rates.shape[1], np.nan), np.full(rates.shape[1], np.nan)
+    means, errors = mean_and_error(rates)
+    runs = means.shape[1]
+    within = np.sqrt((errors**2).sum(axis=1)) / runs
+    between = means.std(axis=1, ddof=1) / np.sqrt(runs) if runs > 1 else within
+    half = rates.shape[0] // 2
+    drift = np.abs(rates[:half].mean(axis=(0, 2)) - rates[half:].mean(axis=(0, 2))) / 4
+    return means.mean(axis=1), np.maximum(np.maximum(within, between), drift)

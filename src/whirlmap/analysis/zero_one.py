@@ -1,0 +1,187 @@
+"""The 0-1 test for chaos: a signal drives a walk in a rotating frame; chaos makes it wander off, regular motion does not."""
+
+from typing import Any
+
+import numba
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.errors import RangeError
+
+Array = NDArray[np.float64]
+
+STATUS = ("ok", "oversampled", "constant", "not-finite")
+"""Meaning of ``status`` by value."""
+
+#: Mean square of successive differences over the variance, below which a series counts as oversampled: a sine has
+#: this at 20 samples per period, and a chaotic flow sampled like that shows K near 0 although it is chaotic.
+OVERSAMPLED = 0.1
+
+
+#: Lags at which the displacement is taken, evenly spaced: more do not change its correlation with them.
+LAGS = 25
+
+
+@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: Array) -> None:
+    """Mean square displacement of the walk of each angle, ``out`` of shape (angle, lag)."""
+    n = series.size
+    p, q = np.empty(n), np.empty(n)
+    used = n - lags[-1]
+    for a in range(angles.size):
+        turn_x, turn_y = np.cos(angles[a]), np.sin(angles[a])
+        x = y = 0.0
+        c, s = turn_x, turn_y
+        for i in range(n):
+            x += series[i] * c
+            y += series[i] * s
+            p[i], q[i] = x, y
+            c, s = c * turn_x - s * turn_y, c * turn_y + s * turn_x
+        for k in range(lags.size):
+            lag = lags[k]
+            total = 0.0
+            for i in range(used):
+                total += (p[i + lag] - p[i]) ** 2 + (q[i + lag] - q[i]) ** 2
+            out[a, k] = total / used
+
+
+def zero_one_test(
+    series: ArrayLike, *, angles: int = 100, damping: float = 0.0, longest: float = 0.1, seed: int = 2009
+) -> xr.Dataset:
+    """Asymptotic growth rate K of the 0-1 test: near 1 for chaos, near 0 for regular motion.
+
+    Parameters
+    ----------
+    series : array, shape (time,) or (time, lane)
+        Successive values of one observable: section points, iterates of a map, or a flow sampled so coarsely that
+        neighbours in time are not alike. Settled.
+    angles : int
+        Number of random angles c of the rotating frame, from (pi/5, 4 pi/5), the same for all lanes.
+    damping : float
+        Weight of the damping term; 0 for clean section points, about 1 for measured signals. It hides bounded
+        oscillation and weak noise, at the price of needing longer series to see weak chaos.
+    longest : float
+        Largest displacement looked at, as a share of the series.
+    seed : int
+        Of the angles.
+
+    Returns
+    -------
+    xr.Dataset
+        Per lane ``K``, the median over the angles; ``K_low`` and ``K_high``, its quartiles; ``status``. K is NaN
+        unless ``status`` is ``ok``, or ``oversampled``, where the value is given but must not be believed if small.
+
+    Raises
+    ------
+    RangeError
+        Fewer than 100 samples, or an option out of range.
+
+    Notes
+    -----
+    1. The mean is taken off, and the series divided by its standard deviation. The oscillating term of the
+       displacement, (mean)^2 (1 - cos nc) / (1 - cos c), by which [gottwald2009] modify it, is then zero.
+    2. p(n) = sum phi_j cos jc, q(n) = sum phi_j sin jc; D(n) = mean of (p(j+n) - p(j))^2 + (q(j+n) - q(j))^2 over
+       the same number of j, at 25 n up to ``longest``.
+    3. To D(n), ``damping`` times sin(sqrt(2) n) is added [gottwald2005], here in units of the variance.
+    4. K_c is the correlation of D(n) with n; K is the median over c, because single angles are resonant
+       [gottwald2009].
+
+    Limits: a long transient and a slow drift look regular. Bands of chaos around a periodic cycle look regular until
+    the diffusion inside outgrows the hops between: take off the cycle first (`remove_cycle`). K between 0.2
+    and 0.8 says nothing.
+    """
+    x = np.asarray(series, dtype=np.float64)
+    x = x[:, None] if x.ndim == 1 else x
+    if x.ndim != 2 or x.shape[0] < 100:
+        raise RangeError(f"series has shape {x.shape}: (time,) or (time, lane) with at least 100 samples is needed.")
+    if angles < 10 or not 0 < longest <= 0.5 or damping < 0:
+        raise RangeError(
+            f"angles = {angles}, longest = {longest}, damping = {damping}: at least 10, in (0, 0.5], not negative."
+        )
+    c = np.random.default_rng(seed).uniform(np.pi / 5, 4 * np.pi / 5, angles)
+    reach = max(int(longest * x.shape[0]), 10)
+    lags = np.unique(np.linspace(1, reach, min(reach, LAGS)).astype(np.int64))
+    n = lags.astype(float)
+    wobble = damping * np.sin(np.sqrt(2.0) * n)
+    status = np.zeros(x.shape[1], np.int8)
+    K = np.full((x.shape[1], angles), np.nan)
+    displacement = np.empty((angles, lags.size))
+    for lane in range(x.shape[1]):
+        column = x[:, lane]
+        if not np.isfinite(column).all():
+            status[lane] = STATUS.index("not-finite")
+            continue
+        deviation = column.std()
+        if deviation <= 1e-12 * np.abs(column).max():
+            status[lane] = STATUS.index("constant")
+            continue
+        walk = np.ascontiguousarray((column - column.mean()) / deviation)
+        if np.mean(np.diff(walk) ** 2) < OVERSAMPLED:
+            status[lane] = STATUS.index("oversampled")
+        _displacements(walk, c, lags, displacement)
+        K[lane] = _correlation(n, displacement + wobble)
+    K_low, middle, K_high = np.percentile(K, (25, 50, 75), axis=1)
+    flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
+    ds = xr.Dataset(
+        {
+            "K": _lane(middle, "growth rate of the 0-1 test, median over angles"),
+            "K_low": _lane(K_low, "lower quartile over angles"),
+            "K_high": _lane(K_high, "upper quartile over angles"),
+            "status": _lane(status, "status of the 0-1 test", **flags),
+        }
+    )
+    ds.attrs = {"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed}
+    return ds
+
+
+def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.9) -> tuple[Array, NDArray[np.int64]]:
+    """Take off the cycle that a series hops around, where there is one.
+
+    Parameters
+    ----------
+    series : array, shape (time, lane)
+    most : int
+        Longest cycle tried.
+    least_share : float
+        A cycle is taken off only if it explains at least this share of the variance.
+
+    Returns
+    -------
+    rest : array, shape (time, lane)
+        Less the mean of each phase of the cycle; unchanged where no cycle was found.
+    cycle : array of int, shape (lane,)
+        Its length, 1 where none was found.
+
+    Notes
+    -----
+    The shortest cycle whose unexplained variance is within twice that of the best one, so that multiples do not win.
+    Quasi-periodic motion stays quasi-periodic, chaos stays chaos.
+    """
+    x = np.asarray(series, dtype=np.float64)
+    rest, cycle = x - x.mean(axis=0), np.ones(x.shape[1], np.int64)
+    whole = (rest**2).mean(axis=0)
+    most = min(most, x.shape[0] // 8)
+    left = np.stack([whole] + [((x - _phase_means(x, m)) ** 2).mean(axis=0) for m in range(2, most + 1)])
+    for lane in np.flatnonzero(left.min(axis=0) < (1 - least_share) * whole):
+        m = int(np.flatnonzero(left[:, lane] <= 2 * left[:, lane].min())[0]) + 1
+        column = x[:, lane : lane + 1]
+        rest[:, lane : lane + 1], cycle[lane] = column - _phase_means(column, m), m
+    return rest, cycle
+
+
+def _phase_means(x: Array, m: int) -> Array:
+    """Mean of every m-th sample, repeated over the series."""
+    means = x[: x.shape[0] // m * m].reshape(-1, m, x.shape[1]).mean(axis=0)
+    return means[np.arange(x.shape[0]) % m]
+
+
+def _correlation(n: Array, rows: Array) -> Array:
+    """Correlation of each row with n."""
+    a, b = n - n.mean(), rows - rows.mean(axis=1, keepdims=True)
+    size = np.sqrt((a @ a) * (b**2).sum(axis=1))
+    return np.divide(b @ a, size, out=np.zeros(len(rows)), where=size > 0)
+
+
+def _lane(values: Any, long_name: str, **more: Any) -> tuple[str, Any, dict[str, Any]]:
+    return "lane", values, {"units": "1", "long_name": long_name, **more}

@@ -1,0 +1,107 @@
+"""How votes combine: every rule with a case that would come out otherwise without it."""
+
+import numpy as np
+import pytest
+from maps import GOLDEN, circle_map, henon, logistic
+
+from whirlmap.analysis.evidence import SectionEvidence, section_evidence, winding_of
+from whirlmap.analysis.regime import Evidence, Vote, decide, regime
+from whirlmap.analysis.winding import Winding
+from whirlmap.results.regime import Regime
+from whirlmap.results.status import Status
+
+
+def judged(*, status=Status.ok, multiple=0, exponent=0.1, error=0.001, duration=1000.0, K=0.99, low=0.95, digits=1.5,
+           winding=None):  # fmt: skip
+    turned = winding or Winding(np.nan, np.nan, "through-centre")
+    section = SectionEvidence(*(np.array([v]) for v in (K, low, K, digits)), points=1024)
+    e = Evidence(np.array([status]), np.array([multiple]), np.array([exponent]), np.array([error]), np.array([duration]),
+                 section, (turned,))  # fmt: skip
+    ds = decide(e)
+    return Regime(int(ds["regime"][0])), float(ds["confidence"][0]), ds
+
+
+TORUS = {"exponent": 0.0, "K": 0.02, "low": -0.02, "digits": 9.0}
+
+
+@pytest.mark.parametrize(
+    ("given", "label"),
+    [
+        ({}, Regime.chaotic),
+        (TORUS, Regime.quasi_periodic),
+        ({"multiple": 3, "exponent": -0.1, "K": np.nan, "low": np.nan, "digits": np.nan}, Regime.periodic),
+        ({"status": Status.contact}, Regime.contact),
+        ({"status": Status.diverged}, Regime.diverged),
+        ({"status": Status.unresolved}, Regime.undecided),
+        ({"multiple": 3}, Regime.undecided),  # returns, though tangent vectors grow
+        ({"digits": 9.0}, Regime.undecided),  # grows, though averages converge
+        ({"K": 0.02, "low": -0.02}, Regime.undecided),  # grows, though the walk is bounded
+        ({"K": 0.5, "low": 0.1, "digits": 4.0}, Regime.undecided),  # an exponent alone is no chaos
+        ({"exponent": 0.001}, Regime.undecided),  # too little growth to tell from shear
+        ({**TORUS, "exponent": -0.1}, Regime.undecided),  # contracts: a transient, not a torus
+        ({**TORUS, "K": 0.99, "low": 0.95}, Regime.undecided),
+        ({**TORUS, "digits": 4.0}, Regime.undecided),
+        ({**TORUS, "digits": 4.0, "winding": Winding(0.381966011, 1e-9, "ok")}, Regime.quasi_periodic),
+        ({**TORUS, "digits": 4.0, "winding": Winding(1 / 3 + 1e-9, 1e-9, "ok")}, Regime.undecided),  # hops
+        ({**TORUS, "digits": 4.0, "winding": Winding(0.381966, 1e-3, "ok")}, Regime.undecided),
+        ({**TORUS, "K": np.nan, "low": np.nan}, Regime.quasi_periodic),  # the 0-1 test may have no say
+        ({"exponent": np.nan, "error": np.nan}, Regime.undecided),
+    ],
+)
+def test_rules(given, label):
+    assert judged(**given)[0] == label
+
+
+def test_confidence_is_the_share_that_speaks():
+    assert judged()[1] == 1.0
+    assert judged(K=0.5, low=0.1)[1] == pytest.approx(2 / 3)
+    assert judged(digits=9.0)[1] == 0.0
+
+
+def test_votes_stand_beside_the_label():
+    votes = judged()[2]["vote"].values[:, 0].tolist()
+    assert votes == [Vote.none, Vote.chaotic, Vote.chaotic, Vote.chaotic]
+
+
+def test_a_batch_is_judged_point_by_point():
+    """Chaos, a torus and a cycle side by side, and the same alone."""
+    angle = 2 * np.pi * circle_map(0.4, 0.7, 1024)
+    torus, cycle = np.stack([np.cos(angle), np.sin(angle)], axis=1), np.tile([[0.1, 2.0], [0.3, 1.0]], (512, 1))
+    section = np.stack([henon(1024), torus, cycle], axis=2)
+    ds = regime(
+        [0, 0, 0], [0, 0, 2], exponent=[0.419, 0.0, -0.3], exponent_error=[0.01, 0.001, 0.001], duration=1024,
+        section=section,
+    )  # fmt: skip
+    assert ds["regime"].values.tolist() == [Regime.chaotic, Regime.quasi_periodic, Regime.periodic]
+    alone = regime([0], [0], exponent=[0.0], exponent_error=[0.001], duration=1024, section=section[:, :, 1:2])
+    for name in ("zero_one", "digits", "winding"):
+        assert float(alone[name][0]) == float(ds[name][1])
+
+
+def test_evidence_does_not_depend_on_scale_shift_or_rotation():
+    x = henon(1024)
+    turn = np.array([[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]])
+    torus = np.stack([np.cos(2 * np.pi * GOLDEN * np.arange(1024)), np.sin(2 * np.pi * GOLDEN * np.arange(1024))], axis=1)
+    for points, chaotic in ((x, True), (torus, False)):
+        for moved in (points, 1e-5 * points + 3.0, points @ turn, points * np.array([1e-3, 1e3])):
+            e = section_evidence(moved[:, :, None])
+            assert (e.growth[0] > 0.9) == chaotic and (e.digits[0] < 3) == chaotic
+
+
+def test_an_angle_enters_by_its_circle():
+    """A rotation that winds on and one that is wrapped are the same motion."""
+    angle = 2 * np.pi * GOLDEN * np.arange(1024)
+    for phase in (angle, angle % (2 * np.pi)):
+        e = section_evidence(phase[:, None, None], cyclic={0: 2 * np.pi})
+        assert e.digits[0] > 8
+        assert winding_of(phase[:, None], {0: 2 * np.pi}).number in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
+
+
+def test_short_still_and_broken_sections_are_not_judged():
+    short = section_evidence(henon(100)[:, :, None])
+    still = section_evidence(np.ones((512, 2, 1)))
+    broken = henon(512)[:, :, None].copy()
+    broken[7] = np.nan
+    settling = (logistic(3.2, 512) + 1e-9 * 0.9 ** np.arange(512))[:, None, None]
+    for e in (short, still, section_evidence(broken), section_evidence(settling)):
+        assert np.isnan(e.growth[0]) and np.isnan(e.digits[0])
