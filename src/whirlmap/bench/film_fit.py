@@ -24,7 +24,7 @@ HIGHEST = 48
 #: Largest degree of a denominator; quotients reach about 1e-12 there and get no better.
 DENOMINATOR = 10
 #: Sanathanan-Koerner iterations, each of which weighs the residuals by the last denominator.
-_ITERATIONS = 15
+_ITERATIONS = 8
 #: Points where fits are made, and between them measured.
 _POINTS, _CHECKS = 160, 1001
 
@@ -126,7 +126,8 @@ def _quotient(z: Array, values: Array, m: int, n: int) -> tuple[Array, Array]:
         for i, value in enumerate(values):
             rows[i, :, i * (m + 1) : (i + 1) * (m + 1)] = V / q[:, None]
             rows[i, :, 3 * (m + 1) :] = -(value / q)[:, None] * W[:, 1:]
-        solution = np.linalg.lstsq(rows.reshape(-1, rows.shape[-1]), (values / q).ravel(), rcond=None)[0]
+        found = np.linalg.lstsq(rows.reshape(-1, rows.shape[-1]), (values / q).ravel(), rcond=None)[0]
+        solution = np.asarray(found, dtype=np.float64)
         below = np.concatenate([np.ones(1), solution[3 * (m + 1) :]])
-        q = np.asarray(W @ below)
+        q = np.asarray(W @ below, dtype=np.float64)
     return solution[: 3 * (m + 1)].reshape(3, m + 1), below

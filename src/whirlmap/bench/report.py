@@ -1,11 +1,12 @@
 """The result of a benchmark as tables and as a picture of error against time."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from matplotlib.figure import Figure
 
 from whirlmap.bench.ratios import front
-from whirlmap.bench.run import PSI, SCIPY_ERROR, curves
+from whirlmap.bench.run import PSI, SCIPY_ERROR
 
 #: Colours and markers of those who are drawn; whirlmap's methods take shades of one colour, in their order.
 PEERS = {"heyoka": "tab:orange", "scipy": "tab:green", "c_reference": "tab:purple", "jitcode": "tab:red",
@@ -49,29 +50,36 @@ def _error(value: float | None) -> str:
 
 def figure(result: dict[str, Any]) -> Figure:
     """Median error after 8T against the time of one core per lane and T, one panel for each permeability."""
-    made = Figure(figsize=(10, 4.6), layout="constrained")
-    axes = made.subplots(1, len(PSI), sharey=True, squeeze=False)[0]
-    names = sorted({row["who"] for row in result["raw"]}, key=lambda who: (not who.startswith("whirlmap"), who))
+    return work_precision(
+        [(f"gear pair, {name}", [row for row in result["raw"] if row["psi"] == psi]) for name, psi in PSI.items()]
+    )
+
+
+def work_precision(panels: Sequence[tuple[str, Sequence[dict[str, Any]]]]) -> Figure:
+    """Work-precision diagrams, one panel for each title and its rows; of every name the best batch at each error."""
+    across = min(len(panels), 2)
+    down = -(-len(panels) // across)
+    made = Figure(figsize=(5 * across, 4.4 * down), layout="constrained")
+    axes = made.subplots(down, across, squeeze=False).ravel()
+    names = sorted({row["who"] for _, rows in panels for row in rows})
     ours = [name for name in names if name.startswith("whirlmap")]
-    for ax, (title, psi) in zip(axes, PSI.items(), strict=True):
-        for name in names:
-            rows = [row for row in result["raw"] if row["who"] == name]
-            points = [p for curve in curves(rows, name, psi) for p in curve]
-            if not points:
-                continue
-            best = front(points)
-            ax.plot(*zip(*((t, e) for e, t in best), strict=True), label=name, **_style(name, ours))
-        ax.set(xscale="log", yscale="log", title=f"gear pair, {title}", xlabel="processor time per lane and T [us]")
+    for ax, (title, rows) in zip(axes, panels, strict=False):
+        for name in (*ours, *(n for n in names if n not in ours)):
+            points = [(r["median_error"], r["us_per_lane_and_T"]) for r in rows if r["who"] == name and r["median_error"]]
+            if points:
+                error, taken = zip(*front(points), strict=True)
+                ax.plot(taken, error, label=name, **_style(name, ours))
+        ax.set(xscale="log", yscale="log", title=title, xlabel="processor time per lane and T [us]")
+        ax.set_ylabel("median error after 8T")
         ax.grid(alpha=0.3)
         if ax.lines:
             ax.legend(fontsize="small")
-    axes[0].set_ylabel("median error after 8T")
     return made
 
 
-def _style(name: str, ours: list[str]) -> dict[str, Any]:
+def _style(name: str, ours: Sequence[str]) -> dict[str, Any]:
     if name in ours:
         return {"color": OURS[ours.index(name) % len(OURS)], "marker": "o", "linewidth": 2}
     colour = next(c for peer, c in PEERS.items() if name.startswith(peer))
-    dashed = "--" if "," in name or "LSODA" in name else "-"
-    return {"color": colour, "marker": "s", "markersize": 4, "linestyle": dashed}
+    second = "," in name or "LSODA" in name or "lsoda" in name or name.endswith("pynamicalsys rk4")
+    return {"color": colour, "marker": "s", "markersize": 4, "linestyle": "--" if second else "-"}
