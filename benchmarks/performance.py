@@ -36,6 +36,7 @@ from whirlmap.bench.run import (
 from whirlmap.errors import ModelError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.kernels.methods import METHODS
+from whirlmap.results.regime import Regime
 
 PARTS = ("short", "work_precision", "lanes", "cores", "memory", "labelled", "diagram")
 LONG = Plan(rounds=9, tolerances=tuple(10.0**-k for k in range(5, 16)))
@@ -125,7 +126,8 @@ def cores_(quick):
 
 
 MEMORY = """
-import resource, sys
+import re, sys
+from pathlib import Path
 import numpy as np
 import whirlmap
 from whirlmap.analysis.returns import Settling
@@ -135,7 +137,8 @@ points, transient = int(sys.argv[1]), int(sys.argv[2])
 system = whirlmap.load("gear-psfd/intended", psi=0.0)
 settling = Settling(transient=transient, first_window=2, most=1, keep=8)
 diagram_in_batches(system, "s", np.linspace(1.0, 4.0, points), settling=settling, steps=60)
-print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+# not getrusage: its peak is inherited from the process that started this one
+print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
 """
 
 
@@ -164,7 +167,7 @@ def labelled(quick):
 
 def _counts(diagram):
     values, counts = np.unique(diagram["regime"].values, return_counts=True)
-    return {str(v): int(n) for v, n in zip(values, counts, strict=True)}
+    return {Regime(int(v)).name: int(n) for v, n in zip(values, counts, strict=True)}
 
 
 def _share(task):
@@ -251,6 +254,8 @@ def main():
         say(f"== {part}")
         result[part] = functions[part](arguments.quick)
         result["machine"], result["methods"] = machine(), list(METHODS)
+        quick = {*result.get("quick", [])}
+        result["quick"] = sorted(quick | {part} if arguments.quick else quick - {part})
         arguments.json.write_text(json.dumps(result, indent=1), encoding="utf-8")
     write(result, arguments.docs)
 

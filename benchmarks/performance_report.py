@@ -24,7 +24,7 @@ What the peers are given:
 
 - **heyoka**: batches of 1, 4 and 8 points of similar speed; parameters hoisted into `par`, integer powers as products, the
   film factored into the fewest products. The forcing as cosines and sines of its time, or as two more states for each
-  harmonic: within a tenth of each other, neither always the faster. Its compact mode took two to three times as long,
+  harmonic: within 15 % of each other, neither always the faster. Its compact mode took two to three times as long,
   `force_avx512` made no difference. For psi = 1e-3 the mobilities are fitted in e^2 over the range that the orbits visit:
   Chebyshev polynomials (degree 4 to 10) for loose tolerances, quotients with one denominator (6/5 to 12/10) for tight ones,
   with an error of at most 0.3 of the tolerance against the film's quadrature. The fit is the cheapest that is accurate
@@ -41,6 +41,8 @@ What the peers are given:
 def write(result, docs: Path):
     """Write performance.md and performance*.svg into the folder of the documentation."""
     text = [HEAD.format(machine=_machine(result["machine"], result["methods"]))]
+    if result.get("quick"):
+        text.append(f"Taken with `--quick`, fewer settings and turns: {', '.join(result['quick'])}.\n")
     if "short" in result:
         save(figure(result["short"]), docs / "performance.svg")
         head = ["| peer | problem | median error | its time / ours |", "|---|---|---|---|"]
