@@ -5,7 +5,7 @@ import time
 from contextlib import chdir
 
 import numpy as np
-from sympy import Symbol, cos, sin
+from sympy import Symbol, cos, sin, sympify
 
 from whirlmap.bench.problems import Problem
 from whirlmap.bench.scalar_code import numba_rhs, scalar_code
@@ -19,7 +19,7 @@ def jitcode_runs(problem: Problem, methods: tuple[str, ...], tolerances: tuple[f
 
     model, hoisted = problem.model, Hoisted(problem.model.parameters)
     lowered = [hoist(split_harmonics(model.equations[s], model.harmonics), hoisted) for s in model.states]
-    frequencies = [hoist(w, hoisted) for w in model.harmonics]
+    frequencies = [hoist(sympify(w), hoisted) for w in model.harmonics]
     clock = Symbol("clock", real=True)
     waves = {}
     for i, w in enumerate(frequencies):
