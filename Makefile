@@ -30,7 +30,7 @@ reproduce: setup
 	$(BIN)/whirlmap reproduce --quality $(QUALITY) --out $(OUT)
 
 bench: setup
-	$(BIN)/python benchmarks/lanes.py
+	$(BIN)/whirlmap bench
 
 clean:
 	rm -rf .venv build dist

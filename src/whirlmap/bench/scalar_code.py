@@ -1,0 +1,98 @@
+"""A model's right-hand side for one operating point at a time, as Numba for SciPy and as C: the same generated lines."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import sympify
+
+from whirlmap.equations.model import Model
+from whirlmap.errors import ModelError
+from whirlmap.kernels.lower import Hoisted, Straight, code, local_name, straight
+from whirlmap.kernels.source import FAST_MATH
+
+Array = NDArray[np.float64]
+
+NUMBA = '''from math import atan, atan2, cos, exp, log, sin, sqrt, tanh
+
+import numpy as np
+from numba import njit
+
+
+@njit(error_model="numpy", fastmath={{{fast}}})
+def rhs(t, y, p):
+    dy = np.empty({states})
+{body}
+    return dy
+'''
+
+
+@dataclass(frozen=True, eq=False)
+class ScalarCode:
+    """Straight-line code of a model that reads no table.
+
+    Attributes
+    ----------
+    hoisted : Hoisted
+        The inputs ``p``.
+    lines : Straight
+    frequencies : tuple of str
+        Code of each harmonic's frequency.
+    """
+
+    model: Model
+    hoisted: Hoisted
+    lines: Straight
+    frequencies: tuple[str, ...]
+
+    def assignments(self) -> list[tuple[str, str]]:
+        """Names and code of the shared expressions, in order."""
+        return [(step[0].name, code(step[1])) for step in self.lines.steps if isinstance(step, tuple)]
+
+    def results(self) -> list[str]:
+        """Code of the rate of each state."""
+        return [code(result) for result in self.lines.results]
+
+    def inputs(self, used: set[str]) -> list[tuple[str, str, int]]:
+        """Name, array and row of each state and input that is read."""
+        rows = [(local_name(s), "y", i) for i, s in enumerate(self.model.states)]
+        rows += [(q.name, "p", i) for i, q in enumerate(self.hoisted.symbols)]
+        return [row for row in rows if row[0] in used]
+
+
+@lru_cache(maxsize=8)
+def scalar_code(model: Model) -> ScalarCode:
+    """Lower a model for one point at a time.
+
+    Raises
+    ------
+    ModelError
+        Where the model reads a table.
+    """
+    if model.tables:
+        raise ModelError(f"{model.name} reads a table; code for one point at a time is written for closed forms only")
+    hoisted = Hoisted(model.parameters)
+    lines = straight(model, [model.equations[s] for s in model.states], hoisted)
+    frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
+    assert not frequencies.steps, "a frequency depends on parameters alone, so it is one input of the code, or a number"
+    return ScalarCode(model, hoisted, lines, tuple(code(w) for w in frequencies.results))
+
+
+@lru_cache(maxsize=8)
+def numba_rhs(model: Model) -> Any:
+    """Compile ``rhs(t, y, p) -> dy``; ``p`` is a column of ``scalar_code(model).hoisted.evaluate(values)``."""
+    made = scalar_code(model)
+    used = made.lines.names() | set(made.frequencies)
+    body = [f"{name} = {array}[{i}]" for name, array, i in made.inputs(used)]
+    for i, w in enumerate(made.frequencies):
+        body += [f"c{i} = cos({w} * t)", f"s{i} = sin({w} * t)"]
+    body += [f"{name} = {value}" for name, value in made.assignments()]
+    body += [f"dy[{i}] = {value}" for i, value in enumerate(made.results())]
+    text = NUMBA.format(
+        fast=", ".join(repr(f) for f in FAST_MATH), states=model.dimension, body="\n".join(f"    {b}" for b in body)
+    )
+    names: dict[str, Any] = {}
+    exec(compile(text, f"rhs of {model.name}", "exec"), names)
+    return names["rhs"]
