@@ -29,7 +29,7 @@ _HOMES = {
     "diagnose": "whirlmap.analysis.diagnosis",
     "correlation_dimension": "whirlmap.analysis.dimension",
     "lyapunov_spectrum": "whirlmap.analysis.lyapunov",
-    "Settling": "whirlmap.analysis.returns",
+    "Settling": "whirlmap.analysis.settling",
     "diagnose_series": "whirlmap.analysis.series",
     "floquet_multipliers": "whirlmap.analysis.floquet",
     "full_spectrum": "whirlmap.analysis.spectrum",
