@@ -9,7 +9,6 @@ from typing import Any, Literal
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy import ndimage
 
 from whirlmap.errors import RangeError
 
@@ -324,11 +323,18 @@ def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
 def _floor(density: NDArray[np.float64], width: int, lobe: int) -> NDArray[np.float64]:
     """Mean level of the broadband part around each bin (steps 1 and 2 of ``spectral_lines``)."""
     half = 4 * lobe
-    near = ndimage.median_filter(density, size=2 * half + 1, mode="reflect")
+    near = _running_median(density, 2 * half + 1)
     aside = np.pad(near, half + lobe + 1, mode="edge")
     sides = np.maximum(aside[: density.size], aside[-density.size :])
-    wide = ndimage.median_filter(density, size=width, mode="reflect")
+    wide = _running_median(density, width)
     return np.asarray(np.maximum(wide, sides) / np.log(2.0))
+
+
+def _running_median(x: NDArray[np.float64], width: int) -> NDArray[np.float64]:
+    """Median of the ``width`` values around each one (the upper of two), the ends mirrored."""
+    mirrored = np.pad(x, (width // 2, width - 1 - width // 2), mode="symmetric")
+    windows = np.lib.stride_tricks.sliding_window_view(mirrored, width)
+    return np.asarray(np.partition(windows, width // 2, axis=-1)[:, width // 2])
 
 
 def _leakage(window: str) -> NDArray[np.float64]:

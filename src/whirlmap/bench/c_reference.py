@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.bench.problems import Problem
-from whirlmap.bench.scalar_code import ScalarCode, scalar_code
+from whirlmap.bench.scalar_code import ScalarCode, evaluate_inputs, scalar_code
 from whirlmap.errors import InputError
 from whirlmap.kernels.lanes import Waves
 from whirlmap.kernels.methods import RK4
@@ -107,7 +107,8 @@ class CRun:
         self._function = _compiled(source(made, lanes))
         self.waves = Waves.of(problem.orders, steps, tuple(sorted({float(c) for c in RK4.c})))
         fill = np.minimum(np.arange(-(-problem.points // lanes) * lanes), problem.points - 1)
-        self.start, self.p = self._blocks(problem.x0[:, fill]), self._blocks(made.hoisted.evaluate(problem.values)[:, fill])
+        self.start = self._blocks(problem.x0[:, fill])
+        self.p = self._blocks(evaluate_inputs(made.hoisted, problem.values)[:, fill])
         self.h = (problem.period / steps)[fill]
 
     def _blocks(self, rows: Array) -> Array:

@@ -102,10 +102,10 @@ def scipy_run(problem: Problem, method: str, tolerance: float) -> Run:
     """SciPy's `solve_ivp` on a Numba right-hand side, one point after the other; rtol = atol = tolerance."""
     from scipy.integrate import solve_ivp
 
-    from whirlmap.bench.scalar_code import numba_rhs, scalar_code
+    from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
 
     rhs = numba_rhs(problem.model)
-    inputs = scalar_code(problem.model).hoisted.evaluate(problem.values)
+    inputs = evaluate_inputs(scalar_code(problem.model).hoisted, problem.values)
     rhs(0.0, problem.x0[:, 0], np.ascontiguousarray(inputs[:, 0]))  # compiles
 
     def run() -> tuple[float, Array]:

@@ -15,7 +15,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.films.scaled import fixed_arc_coordinates, fixed_arc_scaled
+from whirlmap.films.tables import fixed_arc
 
 Array = NDArray[np.float64]
 
@@ -74,9 +74,7 @@ class FilmFit:
 
 def mobilities(e2: Array, psi: float) -> Array:
     """D/Delta, (G - D)/(Delta e^2) and B/(Delta e) by the film's quadrature, shape (3, ...)."""
-    s, T52, T32, T2 = fixed_arc_coordinates(e2, psi)
-    D, GD, B = fixed_arc_scaled(s, psi)
-    return np.stack([T52 * D, T32 * GD, T2 * B])
+    return np.stack(fixed_arc(psi, e2))
 
 
 def film_fit(psi: float, reach: float, error: float) -> FilmFit:

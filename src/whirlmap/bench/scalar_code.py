@@ -10,6 +10,7 @@ from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import ModelError
+from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, Straight, code, local_name, straight
 from whirlmap.kernels.source import FAST_MATH
 
@@ -62,6 +63,11 @@ class ScalarCode:
         return [row for row in rows if row[0] in used]
 
 
+def evaluate_inputs(hoisted: Hoisted, values: Array) -> Array:
+    """Inputs of many points, shape (input, point), from values of shape (parameter, point)."""
+    return HoistedFunction.of(hoisted.parameters, hoisted.expressions).evaluate(values)
+
+
 @lru_cache(maxsize=8)
 def scalar_code(model: Model) -> ScalarCode:
     """Lower a model for one point at a time.
@@ -82,7 +88,7 @@ def scalar_code(model: Model) -> ScalarCode:
 
 @lru_cache(maxsize=8)
 def numba_rhs(model: Model) -> Any:
-    """Compile ``rhs(t, y, p) -> dy``; ``p`` is a column of ``scalar_code(model).hoisted.evaluate(values)``."""
+    """Compile ``rhs(t, y, p) -> dy``; ``p`` is a column of ``evaluate_inputs``."""
     made = scalar_code(model)
     used = made.lines.names() | set(made.frequencies)
     body = [f"{name} = {array}[{i}]" for name, array, i in made.inputs(used)]

@@ -17,6 +17,7 @@ from sympy import Expr, Symbol, sympify
 
 from whirlmap.bench.film_fit import FilmFit, film_fit
 from whirlmap.bench.problems import Problem
+from whirlmap.bench.scalar_code import evaluate_inputs
 from whirlmap.equations.model import Model
 from whirlmap.errors import InputError, ModelError
 from whirlmap.kernels.lower import Hoisted, hoist, split_harmonics
@@ -111,7 +112,7 @@ class TaylorRun:
         )
         fill = -(-problem.points // batch) * batch - problem.points  # the last batch is filled with its last lane
         self.lanes = np.concatenate([np.arange(problem.points), np.full(fill, problem.points - 1)])
-        self.inputs = system.hoisted.evaluate(problem.values)
+        self.inputs = evaluate_inputs(system.hoisted, problem.values)
         self.start = np.repeat(system.start[:, None], problem.points, axis=1)
         self.start[: problem.x0.shape[0]] = problem.x0
 
@@ -256,6 +257,5 @@ def rates(problem: Problem, system: TaylorSystem, time: float, x: Array) -> Arra
         for i, w in enumerate(frequencies):
             waves[2 * i], waves[2 * i + 1] = np.cos(w * time), np.sin(w * time)
     function = hy.cfunc([rate for _, rate in system.equations[: x.shape[0]]], vars=variables)
-    return np.asarray(
-        function(np.concatenate([x, waves]), pars=system.hoisted.evaluate(problem.values), time=np.full(x.shape[1], time))
-    )
+    inputs = evaluate_inputs(system.hoisted, problem.values)
+    return np.asarray(function(np.concatenate([x, waves]), pars=inputs, time=np.full(x.shape[1], time)))

@@ -140,7 +140,7 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Literal
         version=__version__, model=model.name, method=method.name, lanes=LANES, states=model.dimension,
         outputs=len(model.outputs), harmonics=len(model.harmonics), stages=method.stages, nodes=len(nodes),
         entries=max(len(slots), 1), scratch=writer.scratch,
-        bound=float(model.bound), times=nodes, fast=", ".join(repr(f) for f in FAST_MATH),
+        bound=float(model.bound), times=tuple(float(c) for c in method.c), fast=", ".join(repr(f) for f in FAST_MATH),
     )  # fmt: skip
     return KernelSource(
         text="\n\n".join(p for p in [head, *parts] if p),
@@ -283,37 +283,39 @@ class _Writer:
         locked = self.kind == "locked"
         head = "waves, starts, counters, " if locked else ""
         time = "" if locked else "time, "
-        out = ["@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, z, k, jac, c, scratch, count):"]
-        out += [] if locked else ["    stage_time = np.empty(L)"]
-        out += ["    for stage in range(STAGES):"]
+        out = ["@inner", "def stage_point(stage, y, h, k, z):"]
         for i in range(method.stages):
-            out += [f"        {'el' if i else ''}if stage == {i}:", f"            node = {nodes.index(float(method.c[i]))}",
-                    *_combine("z", "y", method.a[i], 12)]  # fmt: skip
+            out += [f"    {'el' if i else ''}if stage == {i}:", *_combine("z", method.a[i], 8)]
+        out += ["", "", "@inner", "def step_end(y, h, k, x):", *_combine("x", method.b, 4)]
+        out += ["", "", "@inner", f"def step(y, {time}h, p, tables, offsets, {head}x, z, k, jac, c, scratch, count):"]
+        out += ["    node = 0"] if locked else ["    stage_time = np.empty(L)"]
+        out += ["    for stage in range(STAGES):", "        stage_point(stage, y, h, k, z)"]
         if locked:
+            for i, c in enumerate(method.c):
+                out += [f"        {'el' if i else ''}if stage == {i}:", f"            node = {nodes.index(float(c))}"]
             out += ["        for j in range(H):", "            at = starts[j] + 2 * (counters[j] * NODES + node)",
                     "            c[2 * j] = waves[at]", "            c[2 * j + 1] = waves[at + 1]"]  # fmt: skip
         else:
-            out += ["        for l in range(L):", "            stage_time[l] = time[l] + STAGE_TIMES[node] * h[l]",
+            out += ["        for l in range(L):", "            stage_time[l] = time[l] + STAGE_TIMES[stage] * h[l]",
                     "        phases(stage_time, p, c)"]  # fmt: skip
         out += ["        slopes = jac[stage * ENTRIES * L : (stage + 1) * ENTRIES * L]",
                 "        rates(z, c, p, tables, offsets, scratch, k[stage * N * L : (stage + 1) * N * L], slopes)",
-                *_combine("x", "y", method.b, 4),
+                "    step_end(y, h, k, x)",
                 "    for v in range(1, count + 1):",
                 "        before, after = y[v * N * L : (v + 1) * N * L], x[v * N * L : (v + 1) * N * L]",
-                "        for stage in range(STAGES):"]  # fmt: skip
-        for i in range(method.stages):
-            out += [f"            {'el' if i else ''}if stage == {i}:", *_combine("z", "before", method.a[i], 16)]
-        out += ["            slopes = jac[stage * ENTRIES * L : (stage + 1) * ENTRIES * L]",
+                "        for stage in range(STAGES):",
+                "            stage_point(stage, before, h, k, z)",
+                "            slopes = jac[stage * ENTRIES * L : (stage + 1) * ENTRIES * L]",
                 "            tangent(z, slopes, p, k[stage * N * L : (stage + 1) * N * L])",
-                *_combine("after", "before", method.b, 8)]  # fmt: skip
+                "        step_end(before, h, k, after)"]  # fmt: skip
         return "\n".join(out)
 
 
-def _combine(result: str, start: str, weights: tuple, indent: int) -> list[str]:
+def _combine(result: str, weights: tuple, indent: int) -> list[str]:
     """A flat loop over rows and lanes with constant offsets: anything else, and LLVM gathers."""
     terms = [f"{float(w)!r} * k[{j} * N * L + i]" for j, w in enumerate(weights) if w != 0]
     slope = f" + h[i] * ({' + '.join(terms)})" if terms else ""
-    return [" " * indent + "for i in range(N * L):", " " * indent + f"    {result}[i] = {start}[i]{slope}"]
+    return [" " * indent + "for i in range(N * L):", " " * indent + f"    {result}[i] = y[i]{slope}"]
 
 
 class _Rows:
