@@ -7,7 +7,7 @@ from whirlmap.bench.c_reference import CRun, compiler
 from whirlmap.bench.contest import Contender, scipy_run, take_turns, whirlmap_run
 from whirlmap.bench.film_fit import film_fit, mobilities
 from whirlmap.bench.problems import Problem, duffing, gear_pair
-from whirlmap.bench.scalar_code import numba_rhs, scalar_code
+from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
 from whirlmap.errors import InputError, ModelError, RangeError
 from whirlmap.films.porous_short import film_integrals
 from whirlmap.kernels.reference import reference_rates
@@ -54,7 +54,7 @@ def test_a_coarse_film_fit_shows_in_the_rates(porous):
 def test_rates_for_scipy_equal_the_reference(plain):
     x = states_nearby(plain)
     exact = reference_rates(plain.model)(0.7, x, plain.values)
-    inputs = scalar_code(plain.model).hoisted.evaluate(plain.values)
+    inputs = evaluate_inputs(scalar_code(plain.model).hoisted, plain.values)
     for i in range(plain.points):
         found = numba_rhs(plain.model)(0.7, x[:, i], np.ascontiguousarray(inputs[:, i]))
         np.testing.assert_allclose(found, exact[:, i], rtol=1e-12, atol=1e-12 * np.abs(exact).max())

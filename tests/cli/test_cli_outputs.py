@@ -45,7 +45,7 @@ def test_out_writes_what_its_name_asks_for(name, tmp_path):
         assert content["files"] == files
         assert all((tmp_path / f).stat().st_size > 500 for f in files)
     ds = xr.load_dataset("a.nc")
-    assert ds.attrs["case"] == "duffing" and ds.attrs["method"] == "rk4"
+    assert ds.attrs["case"] == "duffing" and ds.attrs["method"] == "dop853"
     assert all("units" in v.attrs and "long_name" in v.attrs for v in ds.data_vars.values())
     assert done(f"{WORK[name]} --out a.nc --force").stdout.endswith("written: a.nc\n")
     assert not [p for p in tmp_path.rglob("*") if "part" in p.name]

@@ -10,6 +10,7 @@ import threading
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import whirlmap
@@ -232,13 +233,20 @@ def test_many_threads_may_fill_the_same_entry_at_once(tmp_path, monkeypatch):
     assert [f.suffix for f in tmp_path.iterdir()] == [".json"]
 
 
+def table(coordinates=("z",), outputs=("f",), degree=3):
+    def line(p, *z):
+        return (z[0],) * len(outputs)
+
+    return Table("curve", coordinates, outputs, line, line, lambda p: (np.linspace(0, 1, 9),) * len(coordinates), degree)
+
+
 def declared(**changed):
     """Oscillator whose whole declaration can be changed, one part at a time."""
     parts = {
         "name": "identity", "states": (x, v), "parameters": (k, g, omega), "harmonics": (omega,), "bound": 1e6,
         "equations": {x: v, v: -k * x + g * cos(omega * t)}, "outputs": {"e": Output(x**2, "1", "energy")},
         "stops": {"contact": Stop(2 - x, "wall")}, "clocks": {"forcing": omega}, "defaults": {g: 1},
-        "tables": (Table("curve", ("f",), lambda p, z: (z,), (8,), 3),),
+        "tables": (table(),),
     }  # fmt: skip
     return Model(**{**parts, **changed})
 
@@ -260,8 +268,9 @@ CHANGES = {
     "bound": {"bound": 1e5},
     "clock": {"clocks": {"forcing": omega / 2}},
     "default": {"defaults": {g: 2}},
-    "table's cells": {"tables": (Table("curve", ("f",), lambda p, z: (z,), (16,), 3),)},
-    "table's degree": {"tables": (Table("curve", ("f",), lambda p, z: (z,), (8,), 5),)},
+    "table's coordinates": {"tables": (table(coordinates=("z", "u")),)},
+    "table's outputs": {"tables": (table(outputs=("f", "g")),)},
+    "table's degree": {"tables": (table(degree=5),)},
 }
 
 

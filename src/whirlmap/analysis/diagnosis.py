@@ -21,7 +21,7 @@ from sympy import sympify
 from whirlmap.analysis.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.measures import judge_section, multipliers, number, record_series, section_and_dimension
-from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
+from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
@@ -160,7 +160,7 @@ class _Look:
             return None
         repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
         tangent, _ = make_ensemble(
-            self.system, repeat, starts=ensemble.x[:, alive], steps=ensemble.point_steps[alive],
+            self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
             method=ensemble.method.name, tangents=self.count, workers=ensemble.workers,
         )  # fmt: skip
         least = SECTION if open_motion else BLOCKS

@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 
 #: Error over one common period that a forced model's steps are chosen for where the user does not say.
 ACCURACY = 1e-6
+#: Least steps per T of tangent vectors where steps are chosen: exponents then sum to the divergence to 1e-6.
+TANGENT_STEPS = 16
 #: Steps of RK4 per typical time of an unforced model where the user does not say: Lorenz's exponents then sum to the
 #: divergence to 1e-6, and crossings are located as well as the method allows.
 UNFORCED_STEPS = 400
@@ -142,9 +144,16 @@ def make_ensemble(
     if wanted is None:
         return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
     rungs = choose_steps(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
-    ensemble = Ensemble(system.model, values, x, steps=rungs.steps, tangents=tangents, **options)
+    least = TANGENT_STEPS if tangents else 1
+    ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
     return ensemble, found
+
+
+def tangent_steps(ensemble: Ensemble) -> NDArray[np.int64]:
+    """Steps per T with which tangent vectors go on from the points of an ensemble."""
+    chosen = ensemble.accuracy is not None
+    return np.maximum(ensemble.point_steps, TANGENT_STEPS) if chosen else ensemble.point_steps
 
 
 def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[str, Any]:

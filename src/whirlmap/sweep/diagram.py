@@ -9,7 +9,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.lyapunov import mean_and_error
-from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes
+from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.regime import regime
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import Settling
@@ -146,7 +146,7 @@ class _Run:
         if self.lyapunov and open_points.size:
             tangent, _ = make_ensemble(
                 self.system, {self.parameter: points[open_points]}, starts=ensemble.x[:, open_points],
-                steps=ensemble.point_steps[open_points], method=ensemble.method.name, tangents=1, workers=self.workers,
+                steps=tangent_steps(ensemble)[open_points], method=ensemble.method.name, tangents=1, workers=self.workers,
             )  # fmt: skip
             rates, section = run_with_section(
                 tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=self.progress
