@@ -98,3 +98,25 @@ def test_orders_cannot_be_varied_and_limits_hold():
         bifurcation_diagram(system, "r_p", [0.1, 0.2])
     with pytest.raises(RangeError, match="s = -1 must be above 0"):
         bifurcation_diagram(system, "s", [-1.0, 0.2])
+
+
+def test_a_point_alone_in_a_diagram_in_shares_and_after_a_refinement():
+    """Steps are chosen by each point for itself; whoever else is computed, the bits are the same."""
+    system = whirlmap.load("duffing", gamma=0.2)
+    values = np.linspace(0.6, 2.0, 41)
+    options = {"settling": Settling(transient=40, most=8, keep=4), "accuracy": 1e-7}
+    whole = bifurcation_diagram(system, "omega", values, **options)
+    assert np.unique(whole["steps"]).size > 1  # several rungs of the ladder, hence several groups of lanes
+    assert (whole["step_error"] <= 1e-7).all()
+    parts = {
+        "alone": bifurcation_diagram(system, "omega", values[17:18], **options),
+        "first share": bifurcation_diagram(system, "omega", values[::2], **options),
+        "second share": bifurcation_diagram(system, "omega", values[1::2], **options),
+        "refinement": bifurcation_diagram(system, "omega", np.linspace(0.6, 2.0, 81)[20:61], **options),
+    }
+    for name, part in parts.items():
+        shared = np.intersect1d(part["omega"], values)
+        assert shared.size, name
+        a, b = whole.sel(omega=shared), part.sel(omega=shared)
+        for variable in ("section", "steps", "step_error", "regime", "period_T", "settled_after", "maximum", "rms"):
+            np.testing.assert_array_equal(a[variable], b[variable], err_msg=f"{name}: {variable}")

@@ -16,6 +16,8 @@ Array = NDArray[np.float64]
 
 #: Relative and absolute error of the largest exponent at which its run stops.
 ENOUGH = (0.02, 0.002)
+#: T in the first stretch of its run; the run doubles until the error is small enough.
+FIRST_STRETCH = 512
 #: Typical times of an unforced model whose steps are kept at once while crossings are sought.
 CHUNK = 16
 
@@ -127,7 +129,7 @@ def exponents_to_error(
     ensemble : Ensemble
         Start states on one attractor, with tangent vectors; advanced in place.
     least, most : int
-        Common periods of the first stretch, from which the error and the section come, and at most.
+        Common periods run at least, for the section, and at most.
 
     Notes
     -----
@@ -137,7 +139,7 @@ def exponents_to_error(
     """
     pieces: list[Array] = []
     sections: list[Array] = []
-    done, stretch = 0, min(max(BLOCKS, least), most)
+    done, stretch = 0, min(max(FIRST_STRETCH // ensemble.common_multiple, BLOCKS, least), most)
     while True:
         rates, section = run_with_section(ensemble, stretch, align=16 if not pieces else 0, progress=progress)
         pieces.append(rates)
