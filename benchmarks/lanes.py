@@ -29,7 +29,7 @@ STEPS = 100
 
 def lane_time(system, speeds, periods):
     """Seconds per right-hand side and lane, one core."""
-    ensemble, _ = make_ensemble(system, {"s": speeds}, steps=STEPS, workers=1)
+    ensemble, _ = make_ensemble(system, {"s": speeds}, steps=STEPS, method="rk4", workers=1)
     ensemble.advance(ensemble.common_multiple)
     begin = time.perf_counter()
     ensemble.advance(periods * ensemble.common_multiple)
@@ -55,11 +55,11 @@ def single_time(system, made, periods):
     text, names = made
     model = system.plain_model()
     p = text.hoisted.evaluate(system.vector[:, None]).ravel()
-    ensemble, _ = make_ensemble(system, steps=STEPS)
+    ensemble, _ = make_ensemble(system, steps=STEPS, method="rk4")
     waves = Waves.of(system.orders, STEPS, text.nodes)
     common = system.common_multiple
     tables, offsets = np.zeros(1), np.zeros(1, np.int64)
-    y, h = ensemble.x[:, 0].copy(), ensemble.period / STEPS
+    y, h = ensemble.x[:, 0].copy(), np.full(model.dimension, ensemble.period[0] / STEPS)
 
     def run(n):
         names["advance"](
@@ -87,10 +87,10 @@ def scipy_times(system, made):
         for j in range(3):
             c[2 * j], c[2 * j + 1] = np.cos(frequencies[j] * t), np.sin(frequencies[j] * t)
         dy = np.empty(y.size)
-        rates(y, c, p, np.zeros(1), np.zeros(1, np.int64), np.zeros(scratch), dy)
+        rates(y, c, p, np.zeros(1), np.zeros(1, np.int64), np.zeros(scratch), dy, np.zeros(1))
         return dy
 
-    start, _ = make_ensemble(system, steps=STEPS)
+    start, _ = make_ensemble(system, steps=STEPS, method="rk4")
     x0, end = start.x[:, 0].copy(), system.common_period
     exact = solve_ivp(rhs, (0, end), x0, "DOP853", args=(p, frequencies), rtol=1e-12, atol=1e-13).y[:, -1]
     start.advance(system.common_multiple)

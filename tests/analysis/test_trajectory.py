@@ -47,3 +47,13 @@ def test_a_series_that_ends_is_nan_behind_its_end():
 def test_impossible_counts_are_refused(options, says):
     with pytest.raises(RangeError, match=says):
         whirlmap.simulate(whirlmap.load("duffing"), **options)
+
+
+def test_a_series_says_where_the_accuracy_is_not_met():
+    """An oscillator too fast for the ladder of steps, alone and in stretches; one that is not says nothing."""
+    from whirlmap.sweep.run import simulation_in_stretches
+
+    fast = whirlmap.load("duffing", alpha=1e9)
+    assert "stiff" in whirlmap.simulate(fast, periods=1).attrs["accuracy_not_met"]
+    assert "stiff" in simulation_in_stretches(fast, periods=2).dataset.attrs["accuracy_not_met"]
+    assert "accuracy_not_met" not in whirlmap.simulate(whirlmap.load("duffing"), periods=1).attrs

@@ -11,6 +11,7 @@ from whirlmap.analysis.crossing import crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
+from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.kernels.reference import reference_outputs
@@ -31,10 +32,14 @@ SAMPLES = 100
 
 def series_steps(
     system: System, *, steps: int | None = None, accuracy: float | None = None, method: str | None = None
-) -> int:
-    """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture."""
-    chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0].steps
-    return chosen if steps is not None else max(SAMPLES, chosen)
+) -> tuple[int, dict[str, str]]:
+    """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture.
+
+    With them the attribute that says where the accuracy is not met.
+    """
+    chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0]
+    doubts = doubtful(chosen.step_verdict)
+    return chosen.steps if steps is not None else max(SAMPLES, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
 
 
 def simulate(
@@ -66,7 +71,7 @@ def simulate(
         ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
     """
-    steps = series_steps(system, steps=steps, accuracy=accuracy, method=method)
+    steps, doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
     ensemble, found = _one(system, steps, None, method, workers)
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), every=(every, 1))
     common = ensemble.common_multiple
@@ -94,7 +99,8 @@ def simulate(
             "output": names_coordinate("output", list(model.outputs), "output"),
         },
     )
-    return with_attributes(ds, run_attributes(system, ensemble, **_run_facts(system, ensemble, transient=transient)))
+    facts = _run_facts(system, ensemble, transient=transient, **doubts)
+    return with_attributes(ds, run_attributes(system, ensemble, **facts))
 
 
 def section(

@@ -114,6 +114,7 @@ def bifurcation(
     if work.dataset is None:
         raise KeyboardInterrupt
     files = destination.write(work.dataset, lambda ds: pictures.diagram(system, ds, states))
+    report.say_doubts(work.dataset.attrs)
     facts = summary(system, work.dataset, swept.name)
     if json:
         report.print_json({**facts, "files": files})

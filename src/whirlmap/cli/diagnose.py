@@ -114,6 +114,7 @@ def diagnose(
             system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
             steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
+    report.say_doubts(ds.attrs)
     verdict = verdict_json(ds)
     files = destination.write(ds, lambda made: pictures.diagnosis(system, made))
     if json:

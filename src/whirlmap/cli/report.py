@@ -9,6 +9,8 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from whirlmap.cli.messages import say
+
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
@@ -80,6 +82,12 @@ def jsonable(value: Any) -> Any:
     if isinstance(value, float | Fraction):
         return float(value) if math.isfinite(value) else None
     return value if value is None or isinstance(value, str | int | bool) else str(value)
+
+
+def say_doubts(attributes: Mapping[Any, Any]) -> None:
+    """Say on standard error where the asked accuracy is not met, and what to try."""
+    if doubts := attributes.get("accuracy_not_met"):
+        say(f"accuracy not met: {doubts}")
 
 
 def print_written(files: Sequence[Path]) -> None:

@@ -71,6 +71,7 @@ def simulate(
     if work.dataset is None:
         raise KeyboardInterrupt
     files = destination.write(work.dataset, lambda ds: pictures.simulation(system, ds))
+    report.say_doubts(work.dataset.attrs)
     facts = summary(system, work.dataset)
     if json:
         report.print_json({**facts, "files": files})

@@ -1,7 +1,7 @@
 """Source of table readings: the cell that each lane is in, kept at hand, and the polynomials in it.
 
-Every reading of a table has rows of scratch of its own, the same ones in every function of a kernel, so that the function
-that differentiates finds the cells as the function before it left them: the lane's coordinates, and the record of its cell.
+Every reading of a table has rows of scratch of its own, which stay from one stage to the next: the lane's coordinates, and
+the record of its cell.
 """
 
 from dataclasses import dataclass

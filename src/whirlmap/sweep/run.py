@@ -205,7 +205,7 @@ def simulation_in_stretches(
 
     Parameters, and the Dataset, are those of `simulate`.
     """
-    steps = series_steps(system, steps=steps, accuracy=accuracy, method=method)
+    steps, doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
     options: dict[str, Any] = {
         "every": every, "steps": steps, "method": method, "workers": workers, "progress": progress,
     }  # fmt: skip
@@ -231,10 +231,10 @@ def simulation_in_stretches(
     except KeyboardInterrupt:
         if not parts:
             return Work(None, 0, periods)
-        ds = _joined_series(parts, first + every * np.arange(done * per // every + 1), per // common)
+        ds = _joined_series(parts, first + every * np.arange(done * per // every + 1), per // common).assign_attrs(doubts)
         ds.attrs["incomplete"] = f"interrupted after {done} of {periods} common periods"
         return Work(ds, done, periods)
-    ds = _joined_series(parts, first + every * np.arange(samples + 1), per // common)
+    ds = _joined_series(parts, first + every * np.arange(samples + 1), per // common).assign_attrs(doubts)
     return Work(ds, periods, periods)
 
 
