@@ -121,10 +121,10 @@ TOY = Model(  # one model, so that it is compiled once: a spring, a blow-up, a r
 )
 
 
-def toy(x, steps, *, a=0.0, b=0.0, c=0.0, g=0.0, k=0.0, w=2.0):
+def toy(x, steps, *, a=0.0, b=0.0, c=0.0, g=0.0, k=0.0, w=2.0, **more):
     x = np.asarray(x, dtype=float)
     values = np.stack([np.broadcast_to(np.asarray(p, dtype=float), x.shape[1]) for p in (a, b, c, g, k, w)])
-    return Ensemble(TOY, values, x, orders=System(TOY, dict.fromkeys("abcgkw", 1.0)).orders, steps=steps)
+    return Ensemble(TOY, values, x, orders=System(TOY, dict.fromkeys("abcgkw", 1.0)).orders, steps=steps, **more)
 
 
 def test_divergence_ends_at_the_step_that_leaves_the_bound():
@@ -162,9 +162,9 @@ def test_a_start_that_is_not_a_number_is_no_result():
 # --- steps that were too long ------------------------------------------------------------------------------
 
 
-def thrown(speeds, steps):
+def thrown(speeds, steps, **more):
     """Thrown at a wall that repels like a pole: the faster, the shorter the encounter."""
-    return toy([np.zeros(len(speeds)), -speeds], steps, a=1e-4, g=0.2)
+    return toy([np.zeros(len(speeds)), -speeds], steps, a=1e-4, g=0.2, **more)
 
 
 def test_mended_steps_are_recorded_like_all_others(monkeypatch):
@@ -187,6 +187,37 @@ def test_mended_steps_are_recorded_like_all_others(monkeypatch):
     single = thrown(speeds, 1)  # every call is one step, so that every mended step is a call's last
     states = np.concatenate([single.advance(1, save_every=1).saved for _ in range(6)])
     assert np.isfinite(states[..., single.status == Status.ok]).all()
+
+
+def volume_of_map(speeds, h):
+    """Determinant of the map from starts to ends after 3 T, by central differences of runs of the same steps."""
+    ends = {}
+    for way in ((h, 0), (-h, 0), (0, h), (0, -h)):
+        near = toy([np.full(speeds.size, way[0]), way[1] - speeds], 20, a=1e-4, g=0.2)
+        near.advance(3)
+        ends[way] = near.x
+    by_y, by_v = ends[h, 0] - ends[-h, 0], ends[0, h] - ends[0, -h]
+    return np.abs(by_y[0] * by_v[1] - by_y[1] * by_v[0]) / (2 * h) ** 2
+
+
+def test_growth_of_tangent_vectors_survives_a_mended_step(monkeypatch):
+    """Their volume is the determinant of the map; the lanes beside a mended one keep their bits."""
+    speeds = np.linspace(0.3, 1.0, 32)
+    mended = spy_on_mending(monkeypatch)
+    whole = thrown(speeds, 20, tangents=2)
+    growth = whole.advance(3).growth
+    lost = sorted(set(mended))
+    assert 3 < len(lost) < 29, "steps must be mended in some lanes, not in all"
+    assert (whole.status == Status.ok).all()
+    exact, rougher = (np.log(volume_of_map(speeds, h)) for h in (1e-6, 2e-6))
+    smooth = np.abs(exact - rougher) < 1e-3  # elsewhere the differences straddle a change of the steps
+    assert smooth.sum() > 28 and smooth[lost].sum() > 3
+    assert np.abs(exact[smooth]).max() > 1
+    np.testing.assert_allclose(growth.sum(axis=(0, 1))[smooth], exact[smooth], rtol=0, atol=1e-3)
+    kept = np.setdiff1d(np.arange(32), lost)
+    alone = thrown(speeds[kept], 20, tangents=2)
+    np.testing.assert_array_equal(alone.advance(3).growth, growth[..., kept])
+    np.testing.assert_array_equal(alone._y, whole._y[:, kept])
 
 
 def test_the_forcings_phase_survives_the_end_of_a_neighbour():

@@ -11,7 +11,10 @@ are the state, the next N rows the first tangent vector, and so on.
 
 @inner
 def orthonormalise(y, count, growth, active):
-    """Modified Gram-Schmidt on the tangent vectors; adds the logarithms of their lengths to growth of active lanes."""
+    """Modified Gram-Schmidt on the tangent vectors of active lanes; adds the logarithms of their lengths to growth.
+
+    A lane that waits for its step to be redone keeps its vectors, and with them the growth since they were of length one.
+    """
     length = np.empty(L)
     for a in range(1, count + 1):
         this = y[a * N * L : (a + 1) * N * L]
@@ -22,6 +25,8 @@ def orthonormalise(y, count, growth, active):
             for i in range(N):
                 for l in range(L):
                     length[l] += this[i * L + l] * other[i * L + l]
+            for l in range(L):
+                length[l] = length[l] if active[l] != 0 else 0.0
             for i in range(N):
                 for l in range(L):
                     this[i * L + l] -= length[l] * other[i * L + l]
@@ -31,9 +36,8 @@ def orthonormalise(y, count, growth, active):
             for l in range(L):
                 length[l] += this[i * L + l] * this[i * L + l]
         for l in range(L):
-            length[l] = sqrt(length[l])
-            if active[l] != 0:
-                growth[(a - 1) * L + l] += log(length[l])
+            length[l] = sqrt(length[l]) if active[l] != 0 else 1.0
+            growth[(a - 1) * L + l] += log(length[l])
             length[l] = 1.0 / length[l]
         for i in range(N):
             for l in range(L):
