@@ -69,6 +69,8 @@ def diagnose(
         Section points of the correlation dimension, over the whole swarm.
     record : int
         Least T of the recorded time series, rounded up to whole common periods.
+    steps, accuracy, method, workers
+        As in `make_ensemble`.
 
     Returns
     -------

@@ -29,8 +29,8 @@ class SectionEvidence:
     ----------
     growth : array
         K of the 0-1 test, median over observables.
-    growth_low, growth_high : array
-        Its quartiles over angles.
+    growth_low : array
+        Its lower quartile over angles.
     digits : array
         `converged_digits` of the weighted Birkhoff average, median over observables.
     points : int
@@ -39,7 +39,6 @@ class SectionEvidence:
 
     growth: Array
     growth_low: Array
-    growth_high: Array
     digits: Array
     points: int
 
@@ -65,7 +64,7 @@ def section_evidence(
     (oversampled) silences the 0-1 test.
     """
     count = section.shape[2]
-    growth, low, high, digits = (np.full(count, np.nan) for _ in range(4))
+    growth, low, digits = (np.full(count, np.nan) for _ in range(3))
     if section.shape[0] >= LEAST:
         for k in range(count):  # each point by itself, so that its bits do not depend on its neighbours
             watched = observables(section[:, :, k], cyclic)
@@ -77,9 +76,9 @@ def section_evidence(
                 continue
             found = zero_one_test(rest, angles=angles)
             if not (found["status"].values == STATUS.index("oversampled")).any():
-                growth[k], low[k], high[k] = (float(np.median(found[name])) for name in ("K", "K_low", "K_high"))
+                growth[k], low[k] = (float(np.median(found[name])) for name in ("K", "K_low"))
             digits[k] = np.median(converged_digits(rest))
-    return SectionEvidence(growth, low, high, digits, section.shape[0])
+    return SectionEvidence(growth, low, digits, section.shape[0])
 
 
 def observables(points: Array, cyclic: Mapping[int, float] | None = None) -> Array | None:

@@ -111,7 +111,7 @@ def regime(
     if section is None:
         section = np.zeros((0, 1, where.size))
     judged = section_evidence(section[:, :, open_points], cyclic=cyclic)
-    full = {n: np.full(where.size, np.nan) for n in ("growth", "growth_low", "growth_high", "digits")}
+    full = {n: np.full(where.size, np.nan) for n in ("growth", "growth_low", "digits")}
     for name, values in full.items():
         values[open_points] = getattr(judged, name)
     nothing = Winding(np.nan, np.nan, "not-finite")

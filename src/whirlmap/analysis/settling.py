@@ -15,6 +15,7 @@ Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -103,8 +104,19 @@ def settle(
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Settled:
-    """Settle all points of a forced model, in place."""
-    n, common = ensemble.points, ensemble.common_multiple
+    """Settle all points of a forced model, in place.
+
+    Parameters
+    ----------
+    cyclic : mapping of state index to period, optional
+        States that are angles.
+
+    Returns
+    -------
+    Settled
+        Points that ended, and points that did not return in `Settling.longest` common periods, have multiple 0.
+    """
+    common = ensemble.common_multiple
     pool = _Pool(ensemble, settling, cyclic or {})
     while pool.active.size:
         segment = ensemble.advance(
@@ -112,7 +124,6 @@ def settle(
         )
         assert segment.extremes is not None
         pool.look(segment.saved, segment.extremes["maximum"] - segment.extremes["minimum"])
-    assert pool.waiting == n
     return pool.settled
 
 
@@ -153,8 +164,8 @@ class _Pool:
         s.waited[at] += ROUND
         s.scale[:, at] = size[: s.scale.shape[0]]
         alive = self.ensemble.running[at]
-        for window in self.windows():
-            due = (s.waited[at] >= window) if window == self.windows()[0] else (s.waited[at] % window == 0)
+        for k, window in enumerate(self.windows):
+            due = (s.waited[at] % window == 0) if k else (s.waited[at] >= window)
             due |= (s.waited[at] >= self.settling.longest) & (s.waited[at] >= window)
             these = at[alive & due & (s.multiple[at] == 0)]
             if these.size:
@@ -164,6 +175,7 @@ class _Pool:
         self.active = at[~done]
         self.fill()
 
+    @cached_property
     def windows(self) -> list[int]:
         """Lengths of the windows, each twice the one before."""
         out = [min(self.settling.first_window, 2 * self.settling.most)]

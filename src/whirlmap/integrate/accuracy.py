@@ -19,7 +19,7 @@ from whirlmap.results.status import Status
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Steps per T that are tried, all of them even.
+#: Steps per T that are tried.
 LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 
 #: Steps within which a divergence is not believed.

@@ -99,7 +99,8 @@ class Ensemble:
     point_steps : array of int, shape (point,)
         Steps per T of each point.
     step_error, step_verdict : arrays, shape (point,)
-        Measured error of these steps and whether it meets the accuracy; NaN and zero where the steps were given.
+        Measured error of these steps, or of the fewer that would do once settled, and whether it meets the accuracy; NaN
+        and zero where the steps were given.
     """
 
     def __init__(

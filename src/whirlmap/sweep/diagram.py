@@ -244,7 +244,7 @@ def _dataset(system: System, parameter: str, points: Array, m: _Measured) -> xr.
         "start_found": variable(parameter, m.start_found.astype(np.int8), "1", "whether the default start exists"),
         "settled_after": variable(parameter, r.waited, "1", "common periods run before the record"),
         "steps": variable(parameter, m.steps, "1/T", "steps per T"),
-        "step_error": variable(parameter, m.step_error, "1", "measured error of these steps over one common period"),
+        "step_error": variable(parameter, m.step_error, "1", "measured error over one common period"),
         "step_verdict": variable(
             parameter, m.step_verdict, "1", "whether the steps meet the accuracy",
             flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
