@@ -14,7 +14,7 @@ from whirlmap.results.status import Status
 def judged(*, status=Status.ok, multiple=0, exponent=0.1, error=0.001, duration=1000.0, K=0.99, low=0.95, digits=1.5,
            winding=None):  # fmt: skip
     turned = winding or Winding(np.nan, np.nan, "through-centre")
-    section = SectionEvidence(*(np.array([v]) for v in (K, low, K, digits)), points=1024)
+    section = SectionEvidence(*(np.array([v]) for v in (K, low, digits)), points=1024)
     e = Evidence(np.array([status]), np.array([multiple]), np.array([exponent]), np.array([error]), np.array([duration]),
                  section, (turned,))  # fmt: skip
     ds = decide(e)
