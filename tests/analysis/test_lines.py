@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from whirlmap.analysis.lines import name_lines, named_shares
-from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.errors import RangeError
 
 GEAR = {"mesh": 1, "pinion": Fraction(1, 4), "gear": Fraction(-1, 8)}

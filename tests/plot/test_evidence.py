@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from whirlmap.analysis.dimension import correlation_dimension
-from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.plot import draw_convergence, draw_correlation_sum, draw_local_slope
 from whirlmap.plot.convergence import with_error
 from whirlmap.plot.figures import diagnosis_figure, paper_orbit_figure

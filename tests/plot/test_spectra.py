@@ -5,7 +5,8 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from whirlmap.analysis.spectrum import full_spectrum, power_spectrum, spectral_lines
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import full_spectrum, power_spectrum
 from whirlmap.errors import RangeError
 from whirlmap.plot import draw_full_spectrum, draw_power_spectrum, draw_waterfall
 from whirlmap.plot.spectrum import _apart

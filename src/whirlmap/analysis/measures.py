@@ -15,7 +15,8 @@ from whirlmap.analysis.floquet import STEPS, floquet_multipliers
 from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.recurrence import recurrence
 from whirlmap.analysis.regime import INDICATORS, Vote, regime
-from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.trajectory import outputs_of
 from whirlmap.analysis.winding import locking_ratio
 from whirlmap.errors import RangeError

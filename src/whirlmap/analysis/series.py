@@ -15,7 +15,8 @@ from whirlmap.analysis.kantz import kantz_exponent
 from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.recurrence import recurrence
 from whirlmap.analysis.rosenstein import rosenstein_exponent
-from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.zero_one import STATUS as ZERO_ONE_STATUS
 from whirlmap.analysis.zero_one import zero_one_test
 from whirlmap.errors import RangeError

@@ -9,7 +9,8 @@ from fractions import Fraction
 import numpy as np
 import xarray as xr
 
-from whirlmap.analysis.spectrum import power_spectrum, spectral_lines
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.results.status import Status
 
 
