@@ -16,7 +16,7 @@ EXAMPLES = (
 
 
 def bench(
-    quick: Annotated[bool, typer.Option("--quick", help="Fewer tolerances and turns: about a minute or two.")] = False,
+    quick: Annotated[bool, typer.Option("--quick", help="Fewer tolerances and turns.")] = False,
     picture: Annotated[
         Path | None,
         typer.Option(

@@ -92,7 +92,8 @@ Method = Annotated[
 Transient = Annotated[
     int,
     typer.Option(
-        "--transient", metavar="N", help="Common periods dropped before anything is looked at.",
+        "--transient", metavar="N",
+        help="Common periods run before the last look at a point that does not return; one that returns stops earlier.",
         rich_help_panel=COMPUTING,
     ),
 ]  # fmt: skip
