@@ -12,7 +12,7 @@ from whirlmap.films import porous_short, scaled, tables
 from whirlmap.films.law import FIXED_ARC, POSITIVE_ARC, film_law
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.tabulate import entries
+from whirlmap.kernels.tabulate import entries, reading
 
 PSI = [0.0, 1e-8, 1e-6, 1e-4, 1e-3, 0.1, 1.0, 10.0]
 
@@ -139,6 +139,18 @@ def test_a_lane_that_moves_is_read_in_its_own_cell(arc):
         cut.advance(1)
     assert np.abs(whole.x[0] - x[0]).min() > 0.2  # several cells
     np.testing.assert_array_equal(whole.x, cut.x)
+
+
+@pytest.mark.parametrize("arc", ["fixed", "positive"])
+@pytest.mark.parametrize("psi", [1e-4, 0.1])
+def test_reading_a_table_outside_of_the_kernels_gives_what_it_is_fitted_to(arc, psi):
+    table, rng = {"fixed": FIXED_ARC, "positive": POSITIVE_ARC}[arc], np.random.default_rng(1)
+    inside = [rng.uniform(e[0], e[-1], (40, 3)) for e in table.edges(psi)]
+    read, fitted = reading(table, psi, *inside), table.samples(psi, *inside)
+    assert len(read) == len(table.outputs)
+    for a, b in zip(read, fitted, strict=True):
+        assert a.shape == (40, 3)
+        np.testing.assert_allclose(a, b, rtol=1e-8, atol=1e-10 * np.abs(b).max())
 
 
 def test_no_load_and_the_centre():

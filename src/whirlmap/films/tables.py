@@ -94,8 +94,9 @@ def _even_integrals(eps: Floats, psi: float) -> tuple[Floats, Floats, Floats, Fl
     den = N3 + seep
     S = np.sqrt(one_minus * (1.0 + eh))
     weights = 0.5 * np.pi * _WEIGHTS
-    B_eps = -1.5 * S**4 * ((N / den) ** 2 @ (weights * sine**3))
-    G_D = 2.0 * S**5 * ((N * (2.0 * N3 - seep) / den**3) @ (weights * sine**4))
+    # einsum sums each row alike; a product of matrices rounds a row by where it stands among the others
+    B_eps = -1.5 * S**4 * np.einsum("ij,j->i", (N / den) ** 2, weights * sine**3)
+    G_D = 2.0 * S**5 * np.einsum("ij,j->i", N * (2.0 * N3 - seep) / den**3, weights * sine**4)
     return D, G_D, B_eps, G * D - B * B
 
 

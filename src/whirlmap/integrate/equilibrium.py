@@ -13,6 +13,12 @@ Array = NDArray[np.float64]
 
 #: Newton steps before a point counts as having no equilibrium.
 MOST_STEPS = 60
+#: Points that are solved together: their Jacobians and the film's quadrature nodes then stay in the caches.
+PIECE = 256
+#: Steps with the last Jacobian, after the tables have done their part.
+CHORDS = 2
+#: How often a step is halved before its point counts as stuck.
+HALVINGS = 30
 #: Steps from the guess's own rates to zero, where Newton's method alone finds nothing.
 STAGES = 5
 #: Newton steps in each of these: they start close by, so that more means that there is nothing to find.
@@ -46,30 +52,44 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     """Solve rates = 0 with all forcing off, each point on its own.
 
     Damped Newton on the reference kernel with a forward-difference Jacobian: the step is halved until every gap stays
-    open and the residual falls; a point ends when its step is below 1e-12, or is given up after `MOST_STEPS`. Points
+    open and the residual falls; a point ends when its step is below 1e-11, or is given up after `MOST_STEPS`. Points
     that this leaves without an equilibrium (journals carried close to the wall) are led there from the guess:
-    rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before.
+    rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before. All of this reads the
+    film's tables; what is found is then mended with what they are fitted to, by `CHORDS` steps with the last Jacobian.
 
     Returns
     -------
     x : array, shape (state, point)
     found : array of bool, shape (point,)
     """
-    groups = _by_table_parameter(model, values)
     x, found = guess.copy(), np.zeros(guess.shape[1], dtype=bool)
-    for members in groups:
+    for members in _pieces(_by_table_parameter(model, values)):
         x[:, members], found[members] = _newton(model, values[:, members], guess[:, members])
         left = members[~found[members]]
         if left.size:
             near = guess[:, left]
-            away = reference_rates(model, forced=False)(0.0, near, values[:, left])
+            away = reference_rates(model, forced=False, tables="read")(0.0, near, values[:, left])
             for k in range(1, STAGES + 1):
                 near, there = _newton(model, values[:, left], near, less=(1 - k / STAGES) * away, most=STAGE_STEPS)
                 near, away, left = near[:, there], away[:, there], left[there]
                 if not left.size:
                     break
             x[:, left], found[left] = near, True
+        if model.tables and found[members].any():
+            solved = members[found[members]]
+            x[:, solved] = _mended(model, values[:, solved], x[:, solved])
     return x, found
+
+
+def _mended(model: Model, values: Array, x: Array) -> Array:
+    """Take equilibria of the tables to those of the functions that these are fitted to."""
+    read = reference_rates(model, forced=False, tables="read")
+    smooth = reference_rates(model, forced=False, tables="samples")
+    everything = np.arange(x.shape[1])
+    jacobian = _differences(lambda z, at: read(0.0, z, values[:, at]), x, read(0.0, x, values), everything)
+    for _ in range(CHORDS):
+        x = x - np.linalg.solve(jacobian, smooth(0.0, x, values).T[..., None])[..., 0].T
+    return x
 
 
 def _by_table_parameter(model: Model, values: Array) -> list[NDArray[np.intp]]:
@@ -84,10 +104,15 @@ def _by_table_parameter(model: Model, values: Array) -> list[NDArray[np.intp]]:
     return [np.flatnonzero(index.ravel() == k) for k in range(int(index.max()) + 1)]
 
 
+def _pieces(groups: list[NDArray[np.intp]]) -> list[NDArray[np.intp]]:
+    """Cut groups into pieces of at most `PIECE` points."""
+    return [members[i : i + PIECE] for members in groups for i in range(0, members.size, PIECE)]
+
+
 def _newton(
     model: Model, values: Array, guess: Array, *, less: Array | None = None, most: int = MOST_STEPS
 ) -> tuple[Array, NDArray[np.bool_]]:
-    rates = reference_rates(model, forced=False)
+    rates = reference_rates(model, forced=False, tables="read")
     gaps = stop_function(model, "gap")
     points = guess.shape[1]
 
@@ -113,14 +138,8 @@ def _newton(
         active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
         if active.size == 0:
             break
-        step = np.linalg.solve(jacobian, -f.T[..., None])[..., 0].T
-        norm = np.linalg.norm(f, axis=0)
-        size = np.ones(active.size)
-        for _ in range(30):
-            worse = ~(np.linalg.norm(residual(now + size * step, active), axis=0) < norm)
-            if not worse.any():
-                break
-            size = np.where(worse, size / 2, size)
+        step = np.asarray(np.linalg.solve(jacobian, -f.T[..., None])[..., 0].T, dtype=float)
+        size, worse = _halvings(residual, now, step, f, active)
         x[:, active] = np.where(worse, now, now + size * step)
         small = np.abs(step).max(axis=0) < 1e-11 * (1 + np.abs(now).max(axis=0))
         found[active[small]] = True  # a step this small cannot lower a residual that is rounding already
@@ -128,15 +147,30 @@ def _newton(
     return x, found
 
 
+def _halvings(
+    residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, step: Array, f: Array, at: NDArray[np.intp]
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them."""
+    norm, size = np.linalg.norm(f, axis=0), np.ones(at.size)
+    worse = ~(np.linalg.norm(residual(x + step, at), axis=0) < norm)
+    left = np.flatnonzero(worse)
+    if left.size:
+        sizes = 0.5 ** np.arange(1, HALVINGS + 1)[:, None]
+        trial = x[:, None, left] + sizes * step[:, None, left]
+        found = residual(trial.reshape(x.shape[0], -1), np.tile(at[left], HALVINGS)).reshape(trial.shape)
+        lower = np.linalg.norm(found, axis=0) < norm[left]
+        worse[left] = ~lower.any(axis=0)
+        size[left] = sizes[lower.argmax(axis=0), 0]
+    return size, worse
+
+
 def _differences(
     residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, f: Array, at: NDArray[np.intp]
 ) -> Array:
     """Jacobian of the residual by forward differences, shape (point, row, column): good enough for Newton's method."""
     n, h = x.shape[0], 1e-7
-    out = np.empty((at.size, n, n))
-    for j in range(n):
-        e = np.zeros((n, 1))
-        e[j] = h
-        with np.errstate(invalid="ignore"):  # inf - inf at a closed gap: the point is given up by the caller
-            out[:, :, j] = ((residual(x + e, at) - f) / h).T
+    moved = x[:, None, :] + h * np.eye(n)[:, :, None]  # (state, moved state, point)
+    rows = residual(moved.reshape(n, -1), np.tile(at, n)).reshape(n, n, -1)
+    with np.errstate(invalid="ignore"):  # inf - inf at a closed gap: the point is given up by the caller
+        out: Array = ((rows - f[:, None, :]) / h).transpose(2, 0, 1)
     return out

@@ -5,7 +5,9 @@ the Chebyshev series of what such points give, cut off at the total degree: as a
 half of its terms, but neighbours join only to the table's accuracy.
 """
 
+from collections.abc import Sequence
 from functools import lru_cache
+from itertools import pairwise
 
 import numpy as np
 from numpy.polynomial import chebyshev
@@ -64,6 +66,37 @@ def entries(table: Table, parameter: float) -> Array:
     records = np.concatenate([*bounds, coefficients.reshape(*cells, -1)], axis=-1)
     out = np.concatenate([np.array(cells, dtype=float), *(e[1:-1] for e in edges), records.ravel()])
     out.setflags(write=False)
+    return out
+
+
+def reading(table: Table, parameter: float, *coordinates: Array) -> tuple[Array, ...]:
+    """Read a table as the kernels do, one value for each output; coordinates broadcast against each other.
+
+    A point's values depend on nothing else, not on its place among the others either.
+    """
+    flat, axes, n = entries(table, parameter), len(coordinates), table.degree + 1
+    places = [z.ravel() for z in np.broadcast_arrays(*coordinates)]
+    cell, at = np.zeros(places[0].size, dtype=np.intp), axes
+    for axis, z in enumerate(places):
+        inner = int(flat[axis]) - 1
+        cell = cell * (inner + 1) + np.searchsorted(flat[at : at + inner], z, side="right")
+        at += inner
+    record = flat[at:].reshape(-1, EDGES * axes + table.terms)[cell].T
+    away = [z - record[EDGES * axis + 2] for axis, z in enumerate(places)]
+    out = []
+    for coefficients in np.split(record[EDGES * axes :], len(table.outputs)):
+        rows = list(coefficients)
+        if axes == 2:  # one polynomial in the second coordinate for each power of the first, ever shorter
+            starts = np.cumsum([0, *range(n, 0, -1)])
+            rows = [_horner(coefficients[a:b], away[1]) for a, b in pairwise(starts.tolist())]
+        out.append(_horner(rows, away[0]).reshape(np.broadcast_shapes(*(z.shape for z in coordinates))))
+    return tuple(out)
+
+
+def _horner(coefficients: Sequence[Array] | Array, x: Array) -> Array:
+    out = coefficients[-1]
+    for c in coefficients[-2::-1]:
+        out = out * x + c
     return out
 
 
