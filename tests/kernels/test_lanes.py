@@ -8,7 +8,6 @@ from newton import Machine
 
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.methods import RK4
 from whirlmap.kernels.reference import reference_rates
 from whirlmap.models import family
 

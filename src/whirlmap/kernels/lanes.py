@@ -118,8 +118,8 @@ def blocked(values: NDArray[Any]) -> NDArray[Any]:
     """Lay out (row, point) as the kernels take it, (block, row, lane); the last block is filled with its last point."""
     rows, n = values.shape
     blocks = -(-n // LANES)
-    plain = values.dtype == np.float64
-    out = (aligned(blocks * rows) if plain else np.empty(blocks * rows * LANES, dtype=values.dtype)).reshape(blocks, rows, LANES)
+    flat = aligned(blocks * rows) if values.dtype == np.float64 else np.empty(blocks * rows * LANES, dtype=values.dtype)
+    out = flat.reshape(blocks, rows, LANES)
     whole = n // LANES
     out[:whole] = values[:, : whole * LANES].reshape(rows, whole, LANES).transpose(1, 0, 2)
     if whole < blocks:

@@ -84,7 +84,9 @@ class Code:
                 self._engine.add_object_file(llvm.ObjectFileRef.from_data(made))
                 self._engine.finalize_object()
             except RuntimeError as error:
-                raise CacheError(f"a compiled kernel cannot be loaded: {error}\n  clear them with `whirlmap cache --clear`") from error
+                raise CacheError(
+                    f"a compiled kernel cannot be loaded: {error}\n  clear them with `whirlmap cache --clear`"
+                ) from error
 
     def function(self, name: str, arguments: Mapping[str, Kind]) -> "Function":
         """One of its functions."""

@@ -13,7 +13,7 @@ from sympy import Symbol
 
 from whirlmap.equations.pieces import Table
 from whirlmap.kernels.lower import Read
-from whirlmap.kernels.routine import BYTE, DOUBLE, INT, LANES, Routine, Value, integer, number
+from whirlmap.kernels.routine import BYTE, INT, LANES, Routine, Value, integer, number
 from whirlmap.kernels.tabulate import EDGES
 
 
@@ -25,7 +25,8 @@ def fetch(module: ir.Module) -> Routine:
     """
     r = Routine(
         module, "fetch",
-        {"tables": "doubles", "table": "int", "axes": "int", "record": "int", "scratch": "rows", "row": "int", "lane": "int"},
+        {"tables": "doubles", "table": "int", "axes": "int", "record": "int", "scratch": "rows", "row": "int",
+         "lane": "int"},
     )  # fmt: skip
     b, a = r.b, r.at
     at, cell, inside = r.local(INT), r.local(INT), r.local(INT)

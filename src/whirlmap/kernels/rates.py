@@ -36,7 +36,7 @@ class ModelRoutines:
         self.waves: Kind = "doubles" if time == "locked" else "rows"
 
     def rates(self, lines: Straight) -> Routine:
-        """Write ``rates``: the results of straight-line code, first those of the states, then the Jacobian's moving entries."""
+        """Write ``rates``: the results of straight-line code, those of the states, then the Jacobian's moving entries."""
         n = self.model.dimension
         r = Routine(
             self.module, "rates",
@@ -76,7 +76,7 @@ class ModelRoutines:
                     if (i, j) in slots:
                         factor = r.load(r.at["jac"], slots[i, j])
                     else:
-                        factor = r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))  # type: ignore[index]
+                        factor = r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))
                     term = r.mul(factor, vector[j])
                 total = term if total is None else r.add(total, term)
             r.store(number(0.0) if total is None else total, r.at["dy"], i)

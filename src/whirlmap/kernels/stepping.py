@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import Routine, Value, integer, number
 
+
 @dataclass(frozen=True)
 class Sizes:
     """Rows of a kernel's arrays.
@@ -48,7 +49,9 @@ class Stepper:
     first level of cache.
     """
 
-    def __init__(self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value) -> None:
+    def __init__(
+        self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value
+    ) -> None:
         self.r, self.sizes, self.method, self.rates, self.tangent = r, sizes, method, rates, tangent
         at = 0
 
@@ -73,8 +76,10 @@ class Stepper:
         with self.r.loop(self.sizes.scratch) as i:
             self.r.store(number(0.0), self.scratch, i)
 
-    def step(self, y: Value, h: Value, inputs: dict[str, Value], count: Value, at_stage: Callable[[int, Value], None]) -> Value:
-        """Write one step of ``h`` from ``y``; returns the place of its end."""
+    def step(
+        self, y: Value, h: Value, inputs: dict[str, Value], count: Value, at_stage: Callable[[int, Value], None]
+    ) -> Value:
+        """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end."""
         r, n, stages = self.r, self.sizes.states, self.method.stages
         x, k = self.parts(count)
         c = r.b.bitcast(self.c, self.rates.at["c"].type)

@@ -5,8 +5,8 @@ from typing import Any
 from llvmlite import ir
 from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow
 from sympy import sign as sympy_sign
-from sympy.logic.boolalg import And, Not, Or
 from sympy.core.relational import Relational
+from sympy.logic.boolalg import And, Not, Or
 
 from whirlmap.errors import ModelError
 from whirlmap.kernels.lower import inverse, root
@@ -68,7 +68,8 @@ class VectorCode:
         return r.per_lane(name, *(self.value(a) for a in e.args))
 
     def _sum(self, e: Add) -> Value:
-        plus, minus = [], []
+        plus: list[Value] = []
+        minus: list[Value] = []
         for term in e.args:
             negative, factors = self._factors(term)
             (minus if negative else plus).append(self._product(factors))
