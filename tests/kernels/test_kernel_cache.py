@@ -35,8 +35,8 @@ def oscillator(coefficient=1.0, *, name="cache-test", bound=1e6, gap=2, swapped=
     )  # fmt: skip
 
 
-def text(model, method=RK4, *, tangents=False, kind="free"):
-    return kernel_source(model, method, tangents=tangents, kind=kind).text
+def text(model, method=RK4, *, slopes="none", kind="free"):
+    return kernel_source(model, method, slopes=slopes, kind=kind).text
 
 
 def test_equal_models_have_equal_source():
@@ -60,8 +60,9 @@ def test_any_change_of_the_model_is_another_kernel(changed):
 def test_method_tangents_and_kind_are_other_kernels():
     euler = Method("euler", 1, ((),), (1.0,), (0.0,), "")
     kinds = [
-        text(oscillator()), text(oscillator(), euler), text(oscillator(), tangents=True),
-        text(oscillator(), kind="locked"), text(oscillator(), tangents=True, kind="locked"),
+        text(oscillator()), text(oscillator(), euler), text(oscillator(), slopes="jacobian"),
+        text(oscillator(), kind="locked"), text(oscillator(), slopes="jacobian", kind="locked"),
+        text(oscillator(), slopes="along", kind="locked"),
     ]  # fmt: skip
     assert len({machine.key(source) for source in kinds}) == len(kinds)
 

@@ -8,6 +8,7 @@ from newton import Machine
 
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.kernels.methods import DOP853
 from whirlmap.kernels.reference import reference_rates
 from whirlmap.models import family
 
@@ -167,3 +168,19 @@ def test_tangents_do_not_depend_on_company_or_memory():
         same(run(np.arange(40), 2), expected, np.arange(40))
     for point in (0, 17, 39):
         same(run(np.array([point]), 1), expected, np.array([point]))
+
+
+@pytest.mark.parametrize("psi", [0.0, 1e-3])
+def test_one_tangent_vector_is_the_first_of_two(psi):
+    """The derivative along a vector against the Jacobian's product with it: two kernels, equal to rounding."""
+    base, values, x = sweep(20)
+    values[base.parameters.index("psi")] = psi
+    found = []
+    for count in (1, 2):
+        e = Ensemble(base.model, values, x, orders=base.orders, steps=12, tangents=count, method=DOP853)
+        first = e._y[20:40].copy()
+        found.append((e.advance(4).growth[:, 0], e._y[20:40]))
+    assert np.abs(found[0][0]).max() > 0.1  # the vectors have grown or shrunk
+    assert not np.allclose(first, found[0][1])
+    for one, two in zip(*found, strict=True):
+        np.testing.assert_allclose(one, two, rtol=1e-9, atol=1e-9)

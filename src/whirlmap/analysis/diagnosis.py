@@ -91,7 +91,6 @@ def diagnose(
     swarm = {system.parameters[0]: np.full(RUNS, system.vector[0])}
     ensemble, found = make_ensemble(
         system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True,
-        one_kernel=True,
     )  # fmt: skip
     look = _Look(system, count, max_periods, progress)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)

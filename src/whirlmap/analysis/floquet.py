@@ -109,7 +109,7 @@ def floquet_multipliers(
 
 def _transition(system: System, x: Array, begin: int, h: float, steps: int) -> tuple[Array, Array]:
     """End of a run of some steps, and its transition matrix; ``begin`` counts steps from phase zero."""
-    kernel = lane_kernel(system.plain_model(), DOP853, tangents=True, kind="locked")
+    kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
     n = x.size
     waves = Waves.of(system.orders or (), SEGMENTS * steps, kernel.source.nodes)
     every = np.arange(n)  # one lane for each column of the matrix

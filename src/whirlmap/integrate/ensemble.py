@@ -81,9 +81,6 @@ class Ensemble:
         unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
     accuracy : float, optional
         What the steps were chosen for (`choose_steps`); absent where they were given.
-    one_kernel : bool
-        Use the kernel that can carry tangent vectors even while there are none: where both are run once, a second
-        kernel takes longer to compile or to load than it saves.
 
     Attributes
     ----------
@@ -117,7 +114,6 @@ class Ensemble:
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
-        one_kernel: bool = False,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -126,7 +122,7 @@ class Ensemble:
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
         self.model, self.method, self.tangents, self.redo, self.accuracy = model, method, tangents, redo, accuracy
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
-        self.orders, self.workers, self.one_kernel = orders, workers or cores(), one_kernel
+        self.orders, self.workers = orders, workers or cores()
         self.points = n
         self.period = periods(model, values)
         self.values = values
@@ -177,7 +173,7 @@ class Ensemble:
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            workers=self.workers, redo=self.redo, accuracy=self.accuracy, one_kernel=self.one_kernel,
+            workers=self.workers, redo=self.redo, accuracy=self.accuracy,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:

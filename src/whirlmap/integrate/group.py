@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import Rescue
-from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, unblocked
+from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
@@ -41,8 +41,9 @@ class Group:
 
     def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int) -> None:
         self.ensemble, self.members, self.steps = ensemble, members, steps
-        carries = ensemble.tangents > 0 or ensemble.one_kernel
-        self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=carries, kind="locked")
+        self.kernel: LaneKernel = lane_kernel(
+            model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
+        )
         self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members])
         self.h = ensemble.period[members] / steps
         self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.kernels.formulas import Formula, numpy_function
-from whirlmap.kernels.lanes import blocked, lane_kernel, unblocked
+from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
@@ -109,7 +109,7 @@ class Rescue:
     def _march(
         self, members: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
     ) -> tuple[Array, NDArray[np.bool_]]:
-        kernel = lane_kernel(self.model, self.method, tangents=self.tangents > 0, kind="free")
+        kernel = lane_kernel(self.model, self.method, slopes=slopes_for(self.tangents), kind="free")
         run, points = blocked(y), members.size
         good = np.zeros((run.shape[0], 1, LANES), dtype=np.int64)
         kernel.march(

@@ -149,25 +149,25 @@ class System:
 
     def rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result."""
-        return self._evaluate(time, x, tangents=False)[0]
+        return self._evaluate(time, x, jacobian=False)[0]
 
     def jacobian(self, time: float, x: ArrayLike) -> Array:
         """Jacobian of the rates from the compiled kernel, shape (state, state) or (state, state, lane)."""
-        return self._evaluate(time, x, tangents=True)[1]
+        return self._evaluate(time, x, jacobian=True)[1]
 
     def reference_rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the reference kernel (plain NumPy, exact film)."""
         values = self.vector if np.ndim(x) == 1 else self.vector[:, None]
         return reference_rates(self.plain_model())(time, x, values)
 
-    def _evaluate(self, time: float, x: ArrayLike, *, tangents: bool) -> tuple[Array, Array]:
+    def _evaluate(self, time: float, x: ArrayLike, *, jacobian: bool) -> tuple[Array, Array]:
         x = np.asarray(x, dtype=float)
         n = self.model.dimension
         if x.ndim not in (1, 2) or x.shape[0] != n:
             raise RangeError(f"{self.model.name} has {n} states; x has shape {x.shape}, not ({n},) or ({n}, lane)")
         many = x.reshape(n, -1)
         points = many.shape[1]
-        kernel = lane_kernel(self.plain_model(), RK4, tangents=tangents, kind="free")
+        kernel = lane_kernel(self.plain_model(), RK4, slopes="jacobian" if jacobian else "none", kind="free")
         inputs = kernel.inputs(np.repeat(self.vector[:, None], points, axis=1)).blocks(np.arange(points))
         y, sizes = blocked(many), kernel.source.sizes
         dy, jac, o = (np.empty((y.shape[0], rows, y.shape[2])) for rows in (n, sizes.slots, sizes.outputs))

@@ -63,13 +63,14 @@ def _block(
     module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], rates: Routine, tangent: Routine | None,
     observed: Routine, examine: Routine,
 ) -> Routine:  # fmt: skip
-    turn = orthonormalise(module, sizes.states) if tangent else None
+    vectors = tangent is not None or sizes.along
+    turn = orthonormalise(module, sizes.states) if vectors else None
     fold = folding(module, sizes.states + sizes.outputs)
     r = Routine(module, "advance_block", {name: kind for name, kind in ARGUMENTS.items() if name != "blocks"})
     b, a = r.b, r.at
     stepper = Stepper(r, sizes, method, rates, tangent, a["work"])
     stepper.clear()
-    count = a["count"] if tangent else integer(0)
+    count = a["count"] if vectors else integer(0)
     h = r.load(a["h"])
     counters = r.local(INT, sizes.harmonics)
     with r.loop(sizes.harmonics) as j:

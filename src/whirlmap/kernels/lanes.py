@@ -12,7 +12,7 @@ from whirlmap.equations.model import Model
 from whirlmap.kernels import advancing, marching
 from whirlmap.kernels.machine import Code, Function, aligned
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.rates import Time
+from whirlmap.kernels.rates import Slopes, Time
 from whirlmap.kernels.routine import LANES
 from whirlmap.kernels.source import KernelSource, stored_source
 from whirlmap.kernels.tabulate import fill
@@ -71,10 +71,15 @@ class Inputs:
         return {"p": blocked(self.p[:, points]), "tables": self.tables, "offsets": blocked(self.offsets[:, points])}
 
 
+def slopes_for(tangents: int) -> Slopes:
+    """What a kernel computes beside the rates for so many tangent vectors."""
+    return "none" if tangents == 0 else "along" if tangents == 1 else "jacobian"
+
+
 @lru_cache(maxsize=64)
-def lane_kernel(model: Model, method: Method, *, tangents: bool, kind: Time) -> LaneKernel:
+def lane_kernel(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> LaneKernel:
     """Compile, or find again, the kernel of a model."""
-    source = stored_source(model, method, tangents=tangents, kind=kind)
+    source = stored_source(model, method, slopes=slopes, kind=kind)
     return LaneKernel(model, source, Code(source.text))
 
 

@@ -30,7 +30,7 @@ def march(
     b, a = one.b, one.at
     stepper = Stepper(one, sizes, method, rates, tangent, a["work"])
     stepper.clear()
-    count = a["count"] if tangent else integer(0)
+    count = a["count"] if tangent or sizes.along else integer(0)
     h = one.load(a["h"])
     flag, moment = one.local(INTS), one.local(number(0.0).type)
     inputs = {name: a[name] for name in ("p", "tables", "offsets")}
@@ -73,7 +73,7 @@ def evaluate(module: ir.Module, sizes: Sizes, method: Method, rates: Routine, ob
         r.call(phases, time=a["time"], p=a["p"], c=stepper.c)
         r.call(
             rates, y=a["y"], c=stepper.c, p=a["p"], tables=r.at["tables"], offsets=a["offsets"], scratch=stepper.scratch,
-            dy=a["dy"], jac=a["jac"],
+            dy=a["dy"], more=a["jac"],
         )  # fmt: skip
         r.call(observed, y=a["y"], p=a["p"], o=a["o"])
     r.done()

@@ -7,6 +7,7 @@ from llvmlite import ir
 from sympy import Expr, Symbol
 
 from whirlmap.equations.model import Model
+from whirlmap.equations.quantities import State
 from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
 from whirlmap.kernels.routine import Kind, Routine, Value, number
@@ -14,6 +15,13 @@ from whirlmap.kernels.vector import VectorCode
 
 #: How time is known: every lane at the same phase of the forcing, or each at its own time.
 Time = Literal["locked", "free"]
+#: What else than the rates a kernel computes: nothing, their derivative along one vector, or their Jacobian.
+Slopes = Literal["none", "along", "jacobian"]
+
+
+def direction_name(state: State) -> str:
+    """Name of the component of a tangent vector that belongs to a state."""
+    return f"{state.name}_t"
 
 
 class ModelRoutines:
@@ -35,14 +43,16 @@ class ModelRoutines:
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
 
-    def rates(self, lines: Straight) -> Routine:
-        """Write ``rates``: the results of straight-line code, those of the states, then the Jacobian's moving entries."""
+    def rates(self, lines: Straight, *, along: bool = False) -> Routine:
+        """Write ``rates``: the results of straight-line code, those of the states, then ``more``.
+
+        These are the Jacobian's moving entries, or with ``along`` the derivatives along the vector ``v``.
+        """
         n = self.model.dimension
-        r = Routine(
-            self.module, "rates",
-            {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags", "scratch": "rows",
-             "dy": "rows", "jac": "rows"},
-        )  # fmt: skip
+        kinds: dict[str, Kind] = {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags"}
+        kinds |= {"scratch": "rows", "dy": "rows", "more": "rows"}
+        kinds |= {"v": "rows"} if along else {}
+        r = Routine(self.module, "rates", kinds)
         code = self._code(r, lines.names())
         reads = [step for step in lines.steps if isinstance(step, Read)]
         before, after = split(lines)
@@ -57,7 +67,7 @@ class ModelRoutines:
         for symbol, e in after:
             code.names[symbol.name] = code.value(e)
         for i, result in enumerate(lines.results):
-            r.store(code.value(result), r.at["dy"] if i < n else r.at["jac"], i if i < n else i - n)
+            r.store(code.value(result), r.at["dy"] if i < n else r.at["more"], i if i < n else i - n)
         r.done()
         return r
 
@@ -126,6 +136,9 @@ class ModelRoutines:
         known = {
             local_name(s): r.load(r.at["y"], i) for i, s in enumerate(self.model.states) if local_name(s) in names
         }  # fmt: skip
+        if "v" in r.at:
+            directions = {direction_name(s): i for i, s in enumerate(self.model.states)}
+            known |= {name: r.load(r.at["v"], i) for name, i in directions.items() if name in names}
         known |= {q.name: r.load(r.at["p"], i) for i, q in enumerate(self.hoisted.symbols) if q.name in names}
         for i in range(len(self.model.harmonics)):
             for part, kind in enumerate("cs"):

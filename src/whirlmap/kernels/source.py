@@ -17,12 +17,12 @@ from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
 from whirlmap.kernels.advancing import advance
 from whirlmap.kernels.cache import remembered
-from whirlmap.kernels.differentiate import jacobian_code
+from whirlmap.kernels.differentiate import along_code, jacobian_code
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, local_name, straight
 from whirlmap.kernels.marching import evaluate, march
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.rates import ModelRoutines, Time
+from whirlmap.kernels.rates import ModelRoutines, Slopes, Time, direction_name
 from whirlmap.kernels.routine import FAST_MATH, LANES
 from whirlmap.kernels.stepping import Sizes
 
@@ -84,25 +84,27 @@ class KernelSource:
 KEYS = {"text", "sizes", "inputs", "hoisted", "entries", "tables", "nodes"}
 
 
-def stored_source(model: Model, method: Method, *, tangents: bool, kind: Time) -> KernelSource:
+def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
     """Return `kernel_source` from the cache, where it was written before for the same declaration and method."""
-    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{tangents} {kind} {LANES} {FAST_MATH}"
+    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH}"
     data = remembered(
         question,
-        lambda: kernel_source(model, method, tangents=tangents, kind=kind).as_data(),
+        lambda: kernel_source(model, method, slopes=slopes, kind=kind).as_data(),
         lambda data: isinstance(data, dict) and set(data) == KEYS,
     )
     return KernelSource.from_data(data)
 
 
-def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Time) -> KernelSource:
-    """Write the module for a model and a method, with or without tangent dynamics."""
+def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
+    """Write the module for a model and a method, with the derivatives that tangent dynamics need."""
     hoisted = Hoisted(model.parameters)
     rates = straight(model, [model.equations[s] for s in model.states], hoisted)
     names = [Symbol(local_name(s), real=True) for s in model.states]
     entries: dict[tuple[int, int], Expr] = {}
-    if tangents:
+    if slopes == "jacobian":
         rates, entries = jacobian_code(rates, names, hoisted)
+    elif slopes == "along":
+        rates = along_code(rates, names, [Symbol(direction_name(s), real=True) for s in model.states], hoisted)
     moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
     slots = {at: i for i, at in enumerate(moving)}
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
@@ -110,21 +112,23 @@ def kernel_source(model: Model, method: Method, *, tangents: bool, kind: Time) -
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
     nodes = tuple(sorted({float(c) for c in method.c}))
 
-    module = ir.Module(f"{model.name} {method.name} {kind}")
+    module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
     routines = ModelRoutines(module, model, hoisted, kind)
-    of_rates = routines.rates(rates)
-    of_tangent = routines.tangent(entries, slots) if tangents else None
+    of_rates = routines.rates(rates, along=slopes == "along")
+    of_tangent = routines.tangent(entries, slots) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols), tables=len(model.tables),
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
+        homes=1 + max(method.homes), along=slopes == "along",
     )  # fmt: skip
     if kind == "locked":
         advance(module, sizes, method, nodes, of_rates, of_tangent, of_outputs, of_end)
     else:
         of_phases = routines.phases(frequencies)
         march(module, sizes, method, of_rates, of_tangent, of_end, of_phases)
-        evaluate(module, sizes, method, of_rates, of_outputs, of_phases)
+        if slopes != "along":
+            evaluate(module, sizes, method, of_rates, of_outputs, of_phases)
     return KernelSource(
         text=_text(module, model),
         sizes=sizes,

@@ -19,8 +19,10 @@ class Sizes:
         Entries of the Jacobian that are computed at every state.
     scratch : int
         Rows that stay from one stage to the next.
-    stages : int
-        Of the method.
+    stages, homes : int
+        Of the method, and places for their slopes.
+    along : bool
+        Whether the slopes of the one tangent vector are computed with those of the state.
     """
 
     states: int
@@ -31,22 +33,21 @@ class Sizes:
     slots: int
     scratch: int
     stages: int
+    homes: int
+    along: bool
 
     def work(self, count: int) -> int:
         """Rows of working memory for so many tangent vectors."""
-        return self.vectors + (1 + count) * self.states * (1 + self.stages)
-
-    @property
-    def vectors(self) -> int:
-        """Rows of working memory before those of the vectors: stage point, Jacobian, scratch, harmonics, outputs."""
-        return self.states + self.slots + self.scratch + 2 * self.harmonics + self.outputs
+        before = self.states * (1 + self.homes) * (2 if self.along else 1) + self.slots * self.stages
+        return before + self.scratch + 2 * self.harmonics + self.outputs + (1 + count) * self.states
 
 
 class Stepper:
-    """Writes single steps of a method into a routine; the state and the tangent vectors go through a stage together.
+    """Writes single steps of a method into a routine.
 
-    A stage's Jacobian is used where it was computed and then forgotten, so that what the vectors need of it is still in the
-    first level of cache.
+    A single tangent vector goes through the stages side by side with the state (`Sizes.along`). Where there may be more, the
+    state goes first and leaves the stages' Jacobians; each vector then goes through them with slopes of one vector's size,
+    so that all stays in the first level of cache whatever the number of vectors.
     """
 
     def __init__(
@@ -61,15 +62,12 @@ class Stepper:
             at += rows
             return place
 
-        self.z, self.jac, self.scratch = take(sizes.states), take(sizes.slots), take(sizes.scratch)
+        self.z, self.k = take(sizes.states), take(sizes.states * sizes.homes)
+        if sizes.along:
+            self.z_along, self.k_along = take(sizes.states), take(sizes.states * sizes.homes)
+        self.jac, self.scratch = take(sizes.slots * sizes.stages), take(sizes.scratch)
         self.c, self.o = take(2 * sizes.harmonics), take(sizes.outputs)
-        self.vectors = take(0)
-
-    def parts(self, count: Value) -> tuple[Value, Value]:
-        """Places of the end of a step and of the slopes, for the state and so many tangent vectors."""
-        r, n = self.r, self.sizes.states
-        rows = r.b.mul(r.b.add(count, integer(1)), integer(n))
-        return self.vectors, r.row(self.vectors, rows)
+        self.x = take(0)
 
     def clear(self) -> None:
         """Forget the cells of tables: another block's lanes begin."""
@@ -80,40 +78,43 @@ class Stepper:
         self, y: Value, h: Value, inputs: dict[str, Value], count: Value, at_stage: Callable[[int, Value], None]
     ) -> Value:
         """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end."""
-        r, n, stages = self.r, self.sizes.states, self.method.stages
-        x, k = self.parts(count)
-        c = r.b.bitcast(self.c, self.rates.at["c"].type)
-        for stage in range(stages):
+        r, b, n = self.r, self.r.b, self.sizes.states
+        c = b.bitcast(self.c, self.rates.at["c"].type)
+        along = r.row(y, n)
+        for stage in range(self.method.stages):
             at_stage(stage, c)
-            point = self._point(stage, y, k, h)
-            r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=r.row(k, stage * n), jac=self.jac, **inputs)
-            if self.tangent:
-                with r.loop(count) as v:
-                    before, slopes = self._vector(v, y, k)
-                    point = self._point(stage, before, slopes, h)
-                    r.call(self.tangent, y=point, jac=self.jac, p=inputs["p"], dy=r.row(slopes, stage * n))
-        self._combine(y, k, self.method.b, h, x)
+            point = self._point(stage, y, self.k, h, self.z)
+            where: dict[str, Value] = {"more": self._jacobian(stage)}
+            if self.sizes.along:
+                direction = self._point(stage, along, self.k_along, h, self.z_along)
+                where = {"v": direction, "more": r.row(self.k_along, self._home(stage))}
+            r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=r.row(self.k, self._home(stage)), **where, **inputs)
+        self._combine(y, self.k, self.method.b, h, self.x)
+        if self.sizes.along:
+            self._combine(along, self.k_along, self.method.b, h, r.row(self.x, n))
         if self.tangent:
             with r.loop(count) as v:
-                before, slopes = self._vector(v, y, k)
-                end = r.row(x, r.b.mul(r.b.add(v, integer(1)), integer(n)))
-                self._combine(before, slopes, self.method.b, h, end)
-        return x
+                at = b.mul(b.add(v, integer(1)), integer(n))
+                before = r.row(y, at)
+                for stage in range(self.method.stages):
+                    point = self._point(stage, before, self.k, h, self.z)
+                    slopes = r.row(self.k, self._home(stage))
+                    r.call(self.tangent, y=point, jac=self._jacobian(stage), p=inputs["p"], dy=slopes)
+                self._combine(before, self.k, self.method.b, h, r.row(self.x, at))
+        return self.x
 
-    def _vector(self, v: Value, y: Value, k: Value) -> tuple[Value, Value]:
-        b, n = self.r.b, self.sizes.states
-        number_of = b.add(v, integer(1))
-        return (
-            self.r.row(y, b.mul(number_of, integer(n))),
-            self.r.row(k, b.mul(number_of, integer(n * self.method.stages))),
-        )
+    def _home(self, stage: int) -> int:
+        return self.method.homes[stage] * self.sizes.states
 
-    def _point(self, stage: int, y: Value, k: Value, h: Value) -> Value:
+    def _jacobian(self, stage: int) -> Value:
+        return self.r.row(self.jac, stage * self.sizes.slots)
+
+    def _point(self, stage: int, y: Value, k: Value, h: Value, z: Value) -> Value:
         weights = self.method.a[stage]
         if not any(weights):
             return y
-        self._combine(y, k, weights, h, self.z)
-        return self.z
+        self._combine(y, k, weights, h, z)
+        return z
 
     def _combine(self, y: Value, k: Value, weights: tuple, h: Value, out: Value) -> None:
         r, n = self.r, self.sizes.states
@@ -121,9 +122,7 @@ class Stepper:
             total = None
             for j, w in enumerate(weights):
                 if w != 0:
-                    slope = r.load(r.row(k, j * n), i)
-                    term = r.mul(number(float(w)), slope)
+                    term = r.mul(number(float(w)), r.load(r.row(k, self._home(j)), i))
                     total = term if total is None else r.add(total, term)
             value = r.load(y, i)
             r.store(value if total is None else r.add(value, r.mul(h, total)), out, i)
-
