@@ -69,7 +69,7 @@ def test_table_and_picture_show_every_contender():
         assert row["who"] in text and row["who"] in drawn
 
 
-SMALL = run.Plan(points=2, rounds=1, tolerances=(1e-6,), taylor=((2, "time"),), scipy_tolerances=(1e-9,),
+SMALL = run.Plan(points=2, scipy_points=2, rounds=1, tolerances=(1e-6,), taylor=((2, "time"),), scipy_tolerances=(1e-9,),
                  scipy_repeats=1, c_lanes=(2,))  # fmt: skip
 
 
