@@ -158,7 +158,7 @@ def orthonormalise(module: ir.Module, states: int) -> Routine:
             along = b.select(runs, product(this, other), number(0.0))
             with r.loop(states) as i:
                 r.store(r.sub(r.load(this, i), r.mul(along, r.load(other, i))), this, i)
-        length = b.select(runs, r.intrinsic("sqrt", product(this, this)), number(1.0))
+        length = b.select(runs, r.root(product(this, this)), number(1.0))
         r.store(r.add(r.load(a["growth"], v), r.per_lane("log", length)), a["growth"], v)
         shrink = r.div(number(1.0), length)
         with r.loop(states) as i:

@@ -32,6 +32,11 @@ def processor() -> tuple[str, str]:
     return (chosen, "") if chosen else (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
 
 
+def estimates() -> bool:
+    """Whether the processor has estimates of roots and reciprocals of whole vectors."""
+    return "+avx512f" in processor()[1].split(",")
+
+
 def platform() -> str:
     """Versions and processor that compiled code depends on."""
     from llvmlite import __version__

@@ -10,6 +10,7 @@ from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import State
 from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
+from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import Kind, Routine, Value, number
 from whirlmap.kernels.vector import VectorCode
 
@@ -37,8 +38,8 @@ class ModelRoutines:
         With ``locked`` the harmonics ``c`` are plain numbers, cosine and sine of each; with ``free`` rows.
     """
 
-    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time) -> None:
-        self.module, self.model, self.hoisted, self.time = module, model, hoisted, time
+    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots) -> None:
+        self.module, self.model, self.hoisted, self.time, self.roots = module, model, hoisted, time, roots
         self.places = Places(model.tables)
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
@@ -107,7 +108,7 @@ class ModelRoutines:
         size = number(0.0)
         for i, s in enumerate(self.model.states):
             if s.cyclic is None:
-                size = r.add(size, r.intrinsic("fabs", r.load(r.at["y"], i)))
+                size = r.add(size, r.absolute(r.load(r.at["y"], i)))
         good = r.less(size, number(float(self.model.bound)))
         for gap in self._results(r, lines):
             good = r.b.and_(good, r.less(number(0.0), gap))
@@ -145,7 +146,7 @@ class ModelRoutines:
                 if f"{kind}{i}" in names:
                     wave = r.load(r.at["c"], 2 * i + part)
                     known[f"{kind}{i}"] = r.spread(wave) if self.time == "locked" else wave
-        return VectorCode(r, known)
+        return VectorCode(r, known, self.roots)
 
 
 def split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:

@@ -122,10 +122,16 @@ class Routine:
         one = self.b.insert_element(nothing, value, ir.Constant(ir.IntType(32), 0))
         return self.b.shuffle_vector(one, nothing, ir.Constant(ir.VectorType(ir.IntType(32), LANES), [0] * LANES))
 
-    def intrinsic(self, name: str, value: Value) -> Value:
-        """A function of LLVM's that works on whole vectors: ``sqrt``, ``fabs``."""
-        full = f"llvm.{name}.v{LANES}f64"
-        function = self.module.globals.get(full) or ir.Function(self.module, ir.FunctionType(LANE, [LANE]), full)
+    def absolute(self, value: Value) -> Value:
+        """Magnitude of a vector."""
+        return self._intrinsic(f"llvm.fabs.v{LANES}f64", value)
+
+    def root(self, value: Value) -> Value:
+        """Square root of a vector."""
+        return self._intrinsic(f"llvm.sqrt.v{LANES}f64", value)
+
+    def _intrinsic(self, name: str, value: Value) -> Value:
+        function = self.module.globals.get(name) or ir.Function(self.module, ir.FunctionType(LANE, [LANE]), name)
         return self.b.call(function, [value], fastmath=FAST_MATH)
 
     def per_lane(self, name: str, *values: Value) -> Value:

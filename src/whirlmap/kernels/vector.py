@@ -10,6 +10,7 @@ from sympy.logic.boolalg import And, Not, Or
 
 from whirlmap.errors import ModelError
 from whirlmap.kernels.lower import inverse, root
+from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import LANES, MASK, Routine, Value, number
 
 #: Functions of the C library: they work on one lane at a time, and belong outside of a right-hand side where possible.
@@ -24,10 +25,12 @@ class VectorCode:
     routine : Routine
     names : dict of str to Value
         Values of the symbols; an assignment adds one.
+    roots : Roots
+        How square roots and reciprocals are computed.
     """
 
-    def __init__(self, routine: Routine, names: dict[str, Value]) -> None:
-        self.r, self.names = routine, names
+    def __init__(self, routine: Routine, names: dict[str, Value], roots: Roots) -> None:
+        self.r, self.names, self.roots = routine, names, roots
         self.made: dict[Any, Value] = {}
 
     def value(self, e: Expr) -> Value:
@@ -50,12 +53,10 @@ class VectorCode:
             return r.sub(number(-0.0), product) if negative else product
         if isinstance(e, Pow):
             return self._power(e)
-        if isinstance(e, root):
-            return r.intrinsic("sqrt", self.value(e.args[0]))
-        if isinstance(e, inverse):
-            return r.div(number(1.0), self.value(e.args[0]))
+        if isinstance(e, root | inverse):
+            return self.roots.write(self, e)
         if isinstance(e, Abs):
-            return r.intrinsic("fabs", self.value(e.args[0]))
+            return r.absolute(self.value(e.args[0]))
         if isinstance(e, sympy_sign):
             x = self.value(e.args[0])
             below = r.b.select(r.less(x, number(0.0)), number(-1.0), number(0.0))
