@@ -101,7 +101,7 @@ def test_without_heyoka_the_others_are_compared_and_the_extra_is_named(little, m
     done = bench(f"bench --quick --json --picture {picture}")
     assert done.exit_code == 0, done.output
     result = json.loads(done.stdout)
-    assert "whirlmap[bench]" in done.stderr and "whirlmap[bench]" in result["missing"]["heyoka"]
+    assert "whirlmap[benchmarks]" in done.stderr and "whirlmap[benchmarks]" in result["missing"]["heyoka"]
     assert picture.stat().st_size > 1000
     assert set(result["heyoka"]["psi=0"].values()) == {None}
     assert result["scipy"]["DOP853"] is not None

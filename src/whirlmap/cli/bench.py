@@ -34,7 +34,7 @@ def bench(
     A ratio above 1 means that whirlmap is faster. Errors are those after 8T, median over 512 speeds (64 for SciPy),
     against heyoka at a tolerance of 1e-15; time is processor time, the shortest of several turns that all take in one run,
     compilation apart.
-    heyoka comes with `pip install 'whirlmap[bench]'`; without it the others are still compared.
+    heyoka comes with `pip install 'whirlmap[benchmarks]'`; without it the others are still compared.
     """
     if picture is not None:
         from whirlmap.results.files import check_writable

@@ -34,7 +34,7 @@ def processor() -> tuple[str, str]:
 
 def estimates() -> bool:
     """Whether the processor has estimates of roots and reciprocals of whole vectors."""
-    return "+avx512f" in processor()[1].split(",")
+    return LANES == 8 and "+avx512f" in processor()[1].split(",")  # they are written for registers of eight
 
 
 def platform() -> str:
