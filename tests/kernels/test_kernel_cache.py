@@ -16,7 +16,7 @@ import pytest
 import whirlmap
 from whirlmap.equations import Model, Output, Parameter, State, Stop, Table, cos, t
 from whirlmap.equations.identity import model_digest
-from whirlmap.errors import CacheError
+from whirlmap.errors import CacheError, InputError
 from whirlmap.integrate.system import System
 from whirlmap.kernels import cache, machine
 from whirlmap.kernels.methods import RK4, Method
@@ -314,3 +314,28 @@ def test_digests_of_stock_models_differ_and_are_the_same_in_every_process():
         found.append(done.stdout.split())
     assert found[0] == found[1]
     assert len(set(found[0])) == len(found[0]) == 8
+
+
+TARGET = """
+import numpy as np
+from whirlmap.equations import Model, Parameter, State
+from whirlmap.integrate.system import System
+x, k = State("x", "1", "x"), Parameter("k", "1", "k")
+print(System(Model("target-test", (x,), (k,), {x: -k / x**3}), {"k": 2.0}).rhs(0.0, np.full((1, 9), 2.0))[0, 8])
+"""
+
+
+def test_code_for_a_common_processor_is_another_file_with_the_same_numbers(tmp_path, monkeypatch):
+    if not machine.llvm.get_host_cpu_features().get("avx2"):
+        pytest.skip("this processor has no level x86-64-v3")
+    assert run(tmp_path, TARGET) == -0.25
+    first = set(tmp_path.glob("*.o"))
+    monkeypatch.setenv("WHIRLMAP_CPU", "x86-64-v3")
+    assert run(tmp_path, TARGET) == -0.25
+    assert first < set(tmp_path.glob("*.o"))
+
+
+def test_a_processor_that_is_none_is_refused(monkeypatch):
+    monkeypatch.setenv("WHIRLMAP_CPU", "pentium-9")
+    with pytest.raises(InputError, match="x86-64-v3" if machine.llvm.get_host_cpu_features().get("avx2") else "pentium-9"):
+        machine.processor()

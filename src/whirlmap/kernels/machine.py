@@ -12,11 +12,17 @@ import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.errors import CacheError
+from whirlmap.errors import CacheError, InputError
 from whirlmap.kernels import cache as files
 from whirlmap.kernels.routine import LANES, Kind
 
 _LOCK = threading.Lock()
+
+#: Levels of x86 that code can be made for instead of the processor at hand, and features that they need.
+LEVELS = {
+    "x86-64": ("sse2",), "x86-64-v2": ("sse4.2", "popcnt"), "x86-64-v3": ("avx2", "fma", "bmi2"),
+    "x86-64-v4": ("avx2", "fma", "bmi2", "avx512f", "avx512vl", "avx512dq"),
+}  # fmt: skip
 
 #: What arrays hold, by kind.
 HOLDS: dict[Kind, Any] = {"rows": np.float64, "doubles": np.float64, "flags": np.int64, "ints": np.int64}
@@ -27,9 +33,22 @@ def processor() -> tuple[str, str]:
 
     Code made for ``x86-64-v3`` gives the same bits on every processor of the last ten years, and is slower where there are
     wider vectors.
+
+    Raises
+    ------
+    InputError
+        The variable names no level that this processor has: LLVM would end the program.
     """
     chosen = os.environ.get("WHIRLMAP_CPU", "")
-    return (chosen, "") if chosen else (llvm.get_host_cpu_name(), llvm.get_host_cpu_features().flatten())
+    features = llvm.get_host_cpu_features()
+    if not chosen:
+        return llvm.get_host_cpu_name(), features.flatten()
+    had = [level for level, needed in LEVELS.items() if all(features.get(f) for f in needed)]
+    if chosen not in had:
+        raise InputError(
+            f"WHIRLMAP_CPU: found {chosen!r}, expected {' or '.join(had) or 'nothing'} on this processor, or nothing"
+        )
+    return chosen, ""
 
 
 def estimates() -> bool:
