@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
+    from whirlmap.sweep.points import label_points as label_points
     from whirlmap.sweep.waterfall import waterfall as waterfall
 
 
@@ -39,6 +40,7 @@ _HOMES = {
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
     "bifurcation_diagram": "whirlmap.sweep.diagram",
+    "label_points": "whirlmap.sweep.points",
     "waterfall": "whirlmap.sweep.waterfall",
 }
 
