@@ -41,7 +41,8 @@ class Quantity(Symbol):
 
     def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
         """Arguments that rebuild the quantity (copying and pickling), limits and all."""
-        return (self.name, self.unit, self.meaning), {"latex": self.latex, **{name: getattr(self, name) for name in self._more}}
+        more = {name: getattr(self, name) for name in self._more}
+        return (self.name, self.unit, self.meaning), {"latex": self.latex, **more}
 
 
 class State(Quantity):

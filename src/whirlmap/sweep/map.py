@@ -312,7 +312,7 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     measured, ensemble = job.labelling.measure(job.system, columns)
     each = max((time.perf_counter() - begun) / count, 1e-6)
     points = chunk or max(int(SECONDS / each / (REFINED if job.coarse else 1.0)), 1)
-    if job.coarse:
+    if job.coarse:  # square, so that boundaries cross few of the borders between chunks
         side = max(int(np.sqrt(points)), 1) if chunk else int(np.clip(np.sqrt(points) // COARSE, 4, 16)) * COARSE
         size = tuple(min(side, n) for n in space.shape)
     else:

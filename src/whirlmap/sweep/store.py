@@ -15,7 +15,6 @@ is forced to the disk: what a power failure tears does not fit its receipt, and 
 """
 
 import json
-import os
 import shutil
 import warnings
 from collections import Counter
@@ -27,6 +26,7 @@ from functools import cached_property
 from hashlib import sha256
 from pathlib import Path
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import xarray as xr
@@ -215,8 +215,7 @@ def create(
 
     Where another process was faster its store stands, and this one is dropped.
     """
-    trial = folder.with_name(f".{folder.name}.{os.getpid()}.partial")
-    shutil.rmtree(trial, ignore_errors=True)
+    trial = folder.with_name(f".{folder.name}.{uuid4().hex}.partial")
     group = zarr.create_group(trial, zarr_format=3, attributes=_plain(attributes))
     whole = {name: variable_of(template[name]) for name in map(str, template.coords) if template[name].dims != ("point",)}
     for name, (along, values, attrs) in {**coordinates, **whole}.items():
