@@ -6,9 +6,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.colors import ListedColormap
+from matplotlib.contour import ContourSet
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
+from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
@@ -33,6 +35,10 @@ _OTHERS = (Regime.quasi_periodic, Regime.chaotic, Regime.undecided, Regime.conta
 LOOKS: tuple[Look, ...] = (
     *PERIODIC, *(REGIMES[r] for r in _OTHERS), *UNFINISHED.values(), Look("not reached", "#FFFFFF", "."),
 )  # fmt: skip
+
+
+#: Vertices of a contour line below which it is not drawn.
+LEAST_LINE = 40
 
 
 def codes(ds: xr.Dataset) -> Codes:
@@ -194,7 +200,17 @@ def _contours(ax: Axes, ds: xr.Dataset, x: str, y: str, quantity: str, levels: i
         ds[x].values, ds[y].values, np.ma.masked_invalid(height).T, levels=np.linspace(low, high, levels + 2)[1:-1],
         colors=INK, linewidths=0.45, alpha=0.75,
     )  # fmt: skip
+    _drop_short(lines)
     ax.clabel(lines, fontsize=5.5, fmt="%.2g", inline_spacing=2)
+
+
+def _drop_short(lines: ContourSet) -> None:
+    """Leave out contour lines round a few points: where attractors coexist, and in chaos, they would hide the map."""
+    kept = []
+    for path in lines.get_paths():
+        parts = [Path(line) for line in path.to_polygons(closed_only=False) if len(line) >= LEAST_LINE]
+        kept.append(Path.make_compound_path(*parts) if parts else Path(np.empty((0, 2))))
+    lines.set_paths(kept)
 
 
 def _between(height: NDArray[np.float64], known: NDArray[np.bool_]) -> NDArray[np.float64]:
