@@ -152,8 +152,11 @@ def page(m):
     t, c, through, s = m["step"], m["counted"], m["throughput"], m["storage"]
     model = c["plain"] * t["plain"] + c["tangent"] * t["tangent"]
     each = through["threads"]["1"] / m["points"]
-    lines = [f"{m['machine']}; {m['case']}, {m['points']} points from s = {m['range'][0]:g} to {m['range'][1]:g} in chunks of"
-             f" {m['chunk']}.", "", "| executor | workers | s | points/s | efficiency |", "|---|---|---|---|---|"]  # fmt: skip
+    first, last = m["range"]
+    lines = [
+        f"{m['machine']}; {m['case']}, {m['points']} points from s = {first:g} to {last:g} in chunks of {m['chunk']}.", "",
+        "| executor | workers | s | points/s | efficiency |", "|---|---|---|---|---|",
+    ]  # fmt: skip
     for kind in ("threads", "dask"):
         for n, seconds in through[kind].items():
             efficiency = through[kind]["1"] / seconds / int(n)
@@ -176,9 +179,11 @@ def page(m):
     for points in (1e6, 1e9):
         files = points / (3.0 / each) * s["files_per_chunk"]
         lines += ["", f"{points:.0e} points: {points * s['bytes_per_point'] / 1e9:.3g} GB in {files:.2g} files."]
-    lines += ["", f"The scheduler does {through['tasks_per_second']:.3g} trivial tasks per second. A chunk takes"
-              f" {1e3 * s['commit']:.3g} ms to commit and {1e3 * s['check']:.3g} ms to check, and is {s['files_per_chunk']} files of"
-              f" {s['bytes_per_point']:.3g} bytes per point together.", ""]  # fmt: skip
+    lines += [
+        "", f"The scheduler does {through['tasks_per_second']:.3g} trivial tasks per second. A chunk takes"
+        f" {1e3 * s['commit']:.3g} ms to commit and {1e3 * s['check']:.3g} ms to check; it is {s['files_per_chunk']} files"
+        f" of {s['bytes_per_point']:.3g} bytes per point together.", "",
+    ]  # fmt: skip
     lines.append("Peak memory: " + ", ".join(f"{mb:.3g} MB for {n} points" for n, mb in m["memory"].items()) + ".")
     return "\n".join(lines)
 

@@ -147,7 +147,7 @@ class Labelling:
             again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
-                values[..., these] = getattr(again, name)
+                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
             for name, values in extremes.items():
                 values[..., these] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
