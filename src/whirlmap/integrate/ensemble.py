@@ -138,7 +138,7 @@ class Ensemble:
         """Group the points by kernel and steps."""
         self._groups = [
             Group(self, m, members[self.point_steps[members] == count], int(count))
-            for m, members in _variants(self.model, self.values)
+            for m, members in variants(self.model, self.values)
             for count in np.unique(self.point_steps[members])
         ]
 
@@ -272,7 +272,7 @@ def _tasks(local: NDArray[np.intp], workers: int) -> list[NDArray[np.intp]]:
     return [local[i : i + each] for i in range(0, local.size, each)]
 
 
-def _variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]]:
+def variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]]:
     """Split points between a model and its plain form: a point's kernel depends on its own parameters alone."""
     from whirlmap.integrate.system import _plain
 

@@ -6,17 +6,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
+from whirlmap.integrate.ensemble import variants
+from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.rescue import stop_function
-from whirlmap.kernels.reference import reference_rates
 
 Array = NDArray[np.float64]
 
 #: Newton steps before a point counts as having no equilibrium.
 MOST_STEPS = 60
-#: Points that are solved together: their Jacobians and the film's quadrature nodes then stay in the caches.
-PIECE = 256
-#: Steps with the last Jacobian, after the tables have done their part.
-CHORDS = 2
 #: How often a step is halved before its point counts as stuck.
 HALVINGS = 30
 #: Steps from the guess's own rates to zero, where Newton's method alone finds nothing.
@@ -51,11 +48,11 @@ def start_states(model: Model, values: Array) -> tuple[Array, NDArray[np.bool_]]
 def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[np.bool_]]:
     """Solve rates = 0 with all forcing off, each point on its own.
 
-    Damped Newton on the reference kernel with a forward-difference Jacobian: the step is halved until every gap stays
-    open and the residual falls; a point ends when its step is below 1e-11, or is given up after `MOST_STEPS`. Points
-    that this leaves without an equilibrium (journals carried close to the wall) are led there from the guess:
-    rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before. All of this reads the
-    film's tables; what is found is then mended with what they are fitted to, by `CHORDS` steps with the last Jacobian.
+    Damped Newton on the compiled kernel with its own Jacobian: the step is halved until every gap stays open and the
+    residual falls; a point ends when its step is below 1e-11, or is given up after `MOST_STEPS`. Points that this leaves
+    without an equilibrium (journals carried close to the wall) are led there from the guess:
+    rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before. What is found is the rest
+    state of the kernel: as good as the tables of its films.
 
     Returns
     -------
@@ -63,76 +60,52 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     found : array of bool, shape (point,)
     """
     x, found = guess.copy(), np.zeros(guess.shape[1], dtype=bool)
-    for members in _pieces(_by_table_parameter(model, values)):
-        x[:, members], found[members] = _newton(model, values[:, members], guess[:, members])
-        left = members[~found[members]]
+    for form, members in variants(model, values):
+        rates = _Rates(form, values[:, members])
+        local = np.arange(members.size)
+        near, there = _newton(rates, local, guess[:, members])
+        x[:, members], found[members] = near, there
+        left = local[~there]
         if left.size:
-            near = guess[:, left]
-            away = reference_rates(model, forced=False, tables="read")(0.0, near, values[:, left])
+            near = guess[:, members[left]]
+            away = rates(near, left)[0]
             for k in range(1, STAGES + 1):
-                near, there = _newton(model, values[:, left], near, less=(1 - k / STAGES) * away, most=STAGE_STEPS)
+                near, there = _newton(rates, left, near, less=(1 - k / STAGES) * away, most=STAGE_STEPS)
                 near, away, left = near[:, there], away[:, there], left[there]
                 if not left.size:
                     break
-            x[:, left], found[left] = near, True
-        if model.tables and found[members].any():
-            solved = members[found[members]]
-            x[:, solved] = _mended(model, values[:, solved], x[:, solved])
+            x[:, members[left]], found[members[left]] = near, True
     return x, found
 
 
-def _mended(model: Model, values: Array, x: Array) -> Array:
-    """Take equilibria of the tables to those of the functions that these are fitted to."""
-    read = reference_rates(model, forced=False, tables="read")
-    smooth = reference_rates(model, forced=False, tables="samples")
-    everything = np.arange(x.shape[1])
-    jacobian = _differences(lambda z, at: read(0.0, z, values[:, at]), x, read(0.0, x, values), everything)
-    for _ in range(CHORDS):
-        x = x - np.linalg.solve(jacobian, smooth(0.0, x, values).T[..., None])[..., 0].T
-    return x
+class _Rates:
+    """Rates of some points with all forcing off, and their Jacobian."""
 
+    def __init__(self, model: Model, values: Array) -> None:
+        self.values, self.gaps = values, stop_function(model, "gap")
+        self.evaluate = Evaluator.of(model, values, jacobian=True)
 
-def _by_table_parameter(model: Model, values: Array) -> list[NDArray[np.intp]]:
-    """Split points by the values that select a table: the exact functions take one at a time."""
-    if not model.tables:
-        return [np.arange(values.shape[1])]
-    from whirlmap.equations.pieces import tabulated
-
-    names = {e.parameter for rate in model.equations.values() for e in rate.atoms(tabulated)}
-    rows = [i for i, p in enumerate(model.parameters) if p in names]
-    _, index = np.unique(values[rows], axis=1, return_inverse=True)
-    return [np.flatnonzero(index.ravel() == k) for k in range(int(index.max()) + 1)]
-
-
-def _pieces(groups: list[NDArray[np.intp]]) -> list[NDArray[np.intp]]:
-    """Cut groups into pieces of at most `PIECE` points."""
-    return [members[i : i + PIECE] for members in groups for i in range(0, members.size, PIECE)]
+    def __call__(self, x: Array, points: NDArray[np.intp]) -> tuple[Array, Array]:
+        """Rates, shape (state, column), and Jacobian, (column, row, state); infinite behind a closed gap."""
+        rates, jacobian = self.evaluate(0.0, x, points, forced=False)
+        rows = self.gaps(list(x), list(self.values[:, points]))
+        open_gaps = [np.broadcast_to(gap, points.shape) > 0 for gap in rows]
+        rates[:, ~np.all(open_gaps or [np.full(points.size, True)], axis=0)] = np.inf
+        return rates, jacobian.transpose(2, 0, 1)
 
 
 def _newton(
-    model: Model, values: Array, guess: Array, *, less: Array | None = None, most: int = MOST_STEPS
+    rates: _Rates, points: NDArray[np.intp], guess: Array, *, less: Array | None = None, most: int = MOST_STEPS
 ) -> tuple[Array, NDArray[np.bool_]]:
-    rates = reference_rates(model, forced=False, tables="read")
-    gaps = stop_function(model, "gap")
-    points = guess.shape[1]
+    def residual(x: Array, at: NDArray[np.intp]) -> tuple[Array, Array]:
+        f, jacobian = rates(x, points[at])
+        return (f if less is None else f - less[:, at]), jacobian
 
-    def residual(x: Array, at: NDArray[np.intp]) -> Array:
-        """Rates at points whose gaps are open; infinite elsewhere, where no film exists."""
-        out = np.full(x.shape, np.inf)
-        open_gaps = [np.broadcast_to(g, x.shape[1:]) > 0 for g in gaps(list(x), list(values[:, at]))]
-        inside = np.all(open_gaps or [np.full(at.size, True)], axis=0)
-        if inside.any():
-            out[:, inside] = rates(0.0, x[:, inside], values[:, at[inside]])
-            if less is not None:
-                out[:, inside] -= less[:, at[inside]]
-        return out
-
-    x, found = guess.copy(), np.zeros(points, dtype=bool)
-    active = np.arange(points)
+    x, found = guess.copy(), np.zeros(points.size, dtype=bool)
+    active = np.arange(points.size)
     for _ in range(most):
         now = x[:, active]
-        f = residual(now, active)
-        jacobian = _differences(residual, now, f, active)
+        f, jacobian = residual(now, active)
         regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))
         regular[regular] = np.linalg.slogdet(jacobian[regular])[0] != 0
         active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
@@ -148,29 +121,18 @@ def _newton(
 
 
 def _halvings(
-    residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, step: Array, f: Array, at: NDArray[np.intp]
-) -> tuple[Array, NDArray[np.bool_]]:
+    residual: Callable[[Array, NDArray[np.intp]], tuple[Array, Array]], x: Array, step: Array, f: Array,
+    at: NDArray[np.intp],
+) -> tuple[Array, NDArray[np.bool_]]:  # fmt: skip
     """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them."""
     norm, size = np.linalg.norm(f, axis=0), np.ones(at.size)
-    worse = ~(np.linalg.norm(residual(x + step, at), axis=0) < norm)
+    worse = ~(np.linalg.norm(residual(x + step, at)[0], axis=0) < norm)
     left = np.flatnonzero(worse)
     if left.size:
         sizes = 0.5 ** np.arange(1, HALVINGS + 1)[:, None]
         trial = x[:, None, left] + sizes * step[:, None, left]
-        found = residual(trial.reshape(x.shape[0], -1), np.tile(at[left], HALVINGS)).reshape(trial.shape)
+        found = residual(trial.reshape(x.shape[0], -1), np.tile(at[left], HALVINGS))[0].reshape(trial.shape)
         lower = np.linalg.norm(found, axis=0) < norm[left]
         worse[left] = ~lower.any(axis=0)
         size[left] = sizes[lower.argmax(axis=0), 0]
     return size, worse
-
-
-def _differences(
-    residual: Callable[[Array, NDArray[np.intp]], Array], x: Array, f: Array, at: NDArray[np.intp]
-) -> Array:
-    """Jacobian of the residual by forward differences, shape (point, row, column): good enough for Newton's method."""
-    n, h = x.shape[0], 1e-7
-    moved = x[:, None, :] + h * np.eye(n)[:, :, None]  # (state, moved state, point)
-    rows = residual(moved.reshape(n, -1), np.tile(at, n)).reshape(n, n, -1)
-    with np.errstate(invalid="ignore"):  # inf - inf at a closed gap: the point is given up by the caller
-        out: Array = ((rows - f[:, None, :]) / h).transpose(2, 0, 1)
-    return out

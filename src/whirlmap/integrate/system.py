@@ -14,9 +14,8 @@ from sympy import Expr, Rational, sympify
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
+from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.kernels.formulas import Formula, numpy_function
-from whirlmap.kernels.lanes import blocked, lane_kernel, unblocked
-from whirlmap.kernels.methods import RK4
 from whirlmap.kernels.reference import reference_rates
 
 Array = NDArray[np.float64]
@@ -166,20 +165,10 @@ class System:
         if x.ndim not in (1, 2) or x.shape[0] != n:
             raise RangeError(f"{self.model.name} has {n} states; x has shape {x.shape}, not ({n},) or ({n}, lane)")
         many = x.reshape(n, -1)
-        points = many.shape[1]
-        kernel = lane_kernel(self.plain_model(), RK4, slopes="jacobian" if jacobian else "none", kind="free")
-        inputs = kernel.inputs(np.repeat(self.vector[:, None], points, axis=1)).blocks(np.arange(points))
-        y, sizes = blocked(many), kernel.source.sizes
-        dy, jac, o = (np.empty((y.shape[0], rows, y.shape[2])) for rows in (n, sizes.slots, sizes.outputs))
-        kernel.evaluate(
-            blocks=y.shape[0], y=y, time=blocked(np.full((1, points), float(time))), **inputs, dy=dy, jac=jac, o=o,
-            work=kernel.work(0),
-        )  # fmt: skip
-        dense = np.zeros((n, n, points))
-        p, moving = unblocked(inputs["p"], points), unblocked(jac, points)
-        for (i, j), (where, value) in kernel.source.entries.items():
-            dense[i, j] = value if where == "constant" else (p if where == "input" else moving)[int(value)]
-        return unblocked(dy, points).reshape(x.shape), dense.reshape(n, *x.shape)
+        points = np.arange(many.shape[1])
+        values = np.repeat(self.vector[:, None], points.size, axis=1)
+        rates, dense = Evaluator.of(self.plain_model(), values, jacobian=jacobian)(time, many, points)
+        return rates.reshape(x.shape), dense.reshape(n, *x.shape)
 
 
 def _exact(parameter: Parameter, value: Any) -> Any:

@@ -16,8 +16,8 @@ MARCH: dict[str, Kind] = {
     "offsets": "flags", "steps": "int", "good": "flags", "work": "rows",
 }  # fmt: skip
 EVALUATE: dict[str, Kind] = {
-    "blocks": "int", "y": "rows", "time": "rows", "p": "rows", "tables": "doubles", "offsets": "flags", "dy": "rows",
-    "jac": "rows", "o": "rows", "work": "rows",
+    "blocks": "int", "forced": "int", "y": "rows", "time": "rows", "p": "rows", "tables": "doubles", "offsets": "flags",
+    "dy": "rows", "jac": "rows", "o": "rows", "work": "rows",
 }  # fmt: skip
 
 
@@ -60,7 +60,7 @@ def march(
 
 
 def evaluate(module: ir.Module, sizes: Sizes, method: Method, rates: Routine, observed: Routine, phases: Routine) -> None:
-    """Write ``evaluate``: rates, Jacobian entries (where there are any) and outputs."""
+    """Write ``evaluate``: rates, Jacobian entries (where there are any) and outputs; unforced, every harmonic is zero."""
     r = Routine(module, "evaluate", EVALUATE, public=True)
     rows = {
         "y": sizes.states, "time": 1, "p": sizes.inputs, "offsets": max(sizes.tables, 1), "dy": sizes.states,
@@ -71,6 +71,8 @@ def evaluate(module: ir.Module, sizes: Sizes, method: Method, rates: Routine, ob
         a = {name: r.row(r.at[name], r.b.mul(block, integer(size))) for name, size in rows.items()}
         stepper.clear()
         r.call(phases, time=a["time"], p=a["p"], c=stepper.c)
+        with r.b.if_then(r.b.icmp_signed("==", r.at["forced"], integer(0))), r.loop(2 * sizes.harmonics) as i:
+            r.store(number(0.0), stepper.c, i)
         r.call(
             rates, y=a["y"], c=stepper.c, p=a["p"], tables=r.at["tables"], offsets=a["offsets"], scratch=stepper.scratch,
             dy=a["dy"], more=a["jac"],

@@ -1,0 +1,68 @@
+"""Rates and Jacobians of many operating points at given states, from the compiled kernel."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.equations.model import Model
+from whirlmap.kernels.lanes import Inputs, LaneKernel, blocked, lane_kernel, unblocked
+from whirlmap.kernels.methods import RK4
+
+Array = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Evaluator:
+    """A model at many operating points, ready to be evaluated at any states of any of them.
+
+    Attributes
+    ----------
+    kernel : LaneKernel
+    inputs : Inputs
+        Of all points.
+    """
+
+    kernel: LaneKernel
+    inputs: Inputs
+
+    @classmethod
+    def of(cls, model: Model, values: Array, *, jacobian: bool) -> "Evaluator":
+        """Prepare points; values of shape (parameter, point)."""
+        kernel = lane_kernel(model, RK4, slopes="jacobian" if jacobian else "none", kind="free")
+        return cls(kernel, kernel.inputs(values))
+
+    def __call__(
+        self, time: ArrayLike, x: Array, points: NDArray[np.intp], *, forced: bool = True
+    ) -> tuple[Array, Array]:
+        """Evaluate.
+
+        Parameters
+        ----------
+        time : float, or array of shape (column,)
+        x : array, shape (state, column)
+        points : array of int, shape (column,)
+            Operating point of each column.
+        forced : bool
+            Whether time acts; where not, every harmonic is zero.
+
+        Returns
+        -------
+        rates : array, shape (state, column)
+        jacobian : array, shape (state, state, column)
+            Zero where it was not asked for.
+        """
+        n, columns = x.shape
+        sizes, blocks = self.kernel.source.sizes, self.inputs.blocks(points)
+        y = blocked(np.asarray(x, dtype=float))
+        dy, moving, o = (np.empty((y.shape[0], rows, y.shape[2])) for rows in (n, sizes.slots, sizes.outputs))
+        times = np.broadcast_to(np.asarray(time, dtype=float), (1, columns))
+        self.kernel.evaluate(
+            blocks=y.shape[0], forced=int(forced), y=y, time=blocked(times), **blocks, dy=dy, jac=moving, o=o,
+            work=self.kernel.work(0),
+        )  # fmt: skip
+        dense = np.zeros((n, n, columns))
+        rows = {"input": unblocked(blocks["p"], columns), "slot": unblocked(moving, columns)}
+        for (i, j), (where, value) in self.kernel.source.entries.items():
+            dense[i, j] = value if where == "constant" else rows[where][int(value)]
+        return unblocked(dy, columns), dense
