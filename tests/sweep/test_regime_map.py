@@ -88,7 +88,7 @@ def test_chunks_change_no_bit(duffing, whole, tmp_path, chunk):
 def test_shuffled_chunks_change_no_byte(duffing, whole, tmp_path, monkeypatch):
     in_order = executors.in_threads
     monkeypatch.setattr(
-        "whirlmap.sweep.map.in_threads",
+        "whirlmap.sweep.stored.in_threads",
         lambda job, numbers, workers: in_order(job, np.random.default_rng(3).permutation(list(numbers)).tolist(), workers),
     )
     made(duffing, tmp_path / "map")
@@ -170,10 +170,10 @@ def test_another_system_version_or_kernel_is_refused(whole, monkeypatch, duffing
     with pytest.raises(OutputError, match="x: the store has nothing, this run -1"):
         made(whirlmap.load("duffing", start={"x": -1.0}), whole, resume=True)
     with monkeypatch.context() as patch:
-        patch.setattr("whirlmap.sweep.map.__version__", "9.9")
+        patch.setattr("whirlmap.sweep.manifest.__version__", "9.9")
         with pytest.raises(OutputError, match=r"whirlmap_version: the store has .*, this run 9\.9"):
             made(duffing, whole, resume=True)
-    monkeypatch.setattr("whirlmap.sweep.map.kernel_hash", lambda *_: "0" * 64)
+    monkeypatch.setattr("whirlmap.sweep.stored.kernel_hash", lambda *_: "0" * 64)
     with pytest.raises(OutputError, match="kernel: the store has"):
         made(duffing, whole, resume=True)
 

@@ -18,8 +18,8 @@ from whirlmap.errors import InputError, RangeError, nearest
 if TYPE_CHECKING:
 
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.map import Progress as Chunks
     from whirlmap.sweep.space import Space
+    from whirlmap.sweep.stored import Progress as Chunks
 
 SWEEP, STORE = "Sweep", "Store and machines"
 
@@ -160,8 +160,8 @@ def map(  # noqa: A001 (the command's name)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
     from whirlmap.analysis.settling import Settling
-    from whirlmap.sweep.map import run_sweep
     from whirlmap.sweep.points import Labelling
+    from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers=1)

@@ -6,6 +6,7 @@ A task computes one chunk and writes it into the store; only a small outcome com
 import errno
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
@@ -28,6 +29,10 @@ from whirlmap.sweep.store import EVALUATION, Evaluation, Store
 ATTEMPTS = 3
 #: Tasks that wait at the scheduler for each thread of the cluster: enough to keep them busy, few for its memory.
 AHEAD = 4
+#: Seconds in which a scheduler must answer.
+CONNECT = 10
+#: What a message about a lost cluster ends with.
+GO_ON = "\n  the chunks that are done are kept; --resume (resume=True) goes on"
 #: What the operating system says when no chunk can be written, whichever it is.
 DISK = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up", errno.EROFS: "the disk is read-only",
         errno.EACCES: "writing is not allowed", errno.EPERM: "writing is not allowed"}  # fmt: skip
@@ -186,28 +191,45 @@ def in_threads(job: Job, numbers: Iterable[int], workers: int) -> Iterator[Outco
         pool.shutdown(cancel_futures=True)
 
 
-def in_dask(job: Job, numbers: Iterable[int], cluster: Any) -> Iterator[Outcome]:
-    """Compute chunks on a Dask cluster.
+@contextmanager
+def connected(cluster: Any) -> Iterator[Any]:
+    """A client of a Dask cluster; None where there is none.
 
     Parameters
     ----------
-    cluster : str, Cluster or Client
-        Address of a scheduler, a cluster object (of dask-jobqueue, for example), or a client.
+    cluster : str, Cluster, Client or None
+        Address of a scheduler, a cluster object (of dask-jobqueue, for example), or a client, which stays open.
+    """
+    if cluster is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise OutputError("Dask is not installed: pip install 'whirlmap[dask]'") from None
+    if isinstance(cluster, Client):
+        yield cluster
+        return
+    try:
+        client = Client(cluster, timeout=CONNECT)
+    except (OSError, ValueError) as error:
+        raise OutputError(f"no Dask scheduler answers at {cluster}: {error}") from None
+    try:
+        yield client
+    finally:
+        client.close()
+
+
+def in_dask(job: Job, numbers: Iterable[int], client: Any) -> Iterator[Outcome]:
+    """Compute chunks on the workers of a Dask client; those of workers that die are computed by others.
 
     Notes
     -----
     The job goes out as the result of a task, which the scheduler makes again should the workers that hold it die. A chunk
     whose workers died more often than ``distributed.scheduler.allowed-failures`` (3) has failed.
     """
-    try:
-        from distributed import Client, KilledWorker, as_completed
-    except ImportError:
-        raise OutputError("Dask is not installed: pip install 'whirlmap[dask]'") from None
-    own = not isinstance(cluster, Client)
-    try:
-        client = Client(cluster) if own else cluster
-    except (OSError, ValueError) as error:
-        raise OutputError(f"no Dask scheduler answers at {cluster}: {error}") from None
+    from distributed import KilledWorker, as_completed
+
     left = iter(numbers)
     try:
         shared = client.submit(_same, job, pure=False)
@@ -224,16 +246,13 @@ def in_dask(job: Job, numbers: Iterable[int], cluster: Any) -> Iterator[Outcome]
             future = next(waiting)
             number = names.pop(future.key)
             if future.status in ("cancelled", "lost"):
-                raise OutputError(f"the Dask scheduler {client.scheduler_info().get('address', '')} is gone")
+                raise OutputError(f"the Dask scheduler is gone, and with it chunk {number}{GO_ON}")
             try:
                 yield future.result()
             except KilledWorker as error:
                 yield Outcome(number, fault=f"its workers died, again and again: {error}")
     except (OSError, TimeoutError) as error:
-        raise OutputError(f"the Dask scheduler is gone: {error}") from None
-    finally:
-        if own:
-            client.close()
+        raise OutputError(f"the Dask scheduler is gone ({type(error).__name__}){GO_ON}") from None
 
 
 def _same(job: Job) -> Job:
