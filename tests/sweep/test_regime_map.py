@@ -19,6 +19,7 @@ from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep import executors, store
+from whirlmap.sweep.diagram import bifurcation_diagram
 from whirlmap.sweep.map import regime_map
 from whirlmap.sweep.points import Labelling, label_points
 from whirlmap.sweep.space import Chunks, Space, chunk_size, table_parameters
@@ -197,6 +198,9 @@ def test_damage_is_found_and_mended(duffing, whole, tmp_path):
     (place / "chunks" / "receipt" / "c").joinpath(*map(str, chunks.cell(8))).unlink()
     (place / "rms" / "c" / "0" / "0.1234.partial").write_bytes(b"half")
     told = []
+    half = place / "rms" / "c" / "0" / "0.1234.partial"
+    job = Store(place)
+    assert [job._chunk_of(p) for p in (half, flipped[0], gone[5], place / "gamma" / "c" / "0")] == [0, 1, 6, -1]
     made(duffing, place, resume=True, on_chunk=lambda p: told.append(list(p.messages)))
     assert "3 damaged chunks are computed again: 1, 4, 6" in told[0]
     assert any("half-written" in message for message in told[0])
@@ -289,6 +293,16 @@ def test_a_refined_map_has_the_full_maps_boundaries(duffing, tmp_path):
         edge = np.arange(code.shape[axis] - 1) % 33 == 32
         inside = np.broadcast_to(~np.expand_dims(edge, 1 - axis), a.shape)
         assert both[(a != b) & inside].all()
+
+
+def test_sections_make_a_store_a_diagram(duffing, tmp_path):
+    ds = regime_map(duffing, {"gamma": GRID["gamma"]}, store=tmp_path / "map", sections=True, settling=SHORT, chunk=4)
+    diagram = bifurcation_diagram(duffing, "gamma", GRID["gamma"], settling=SHORT, lyapunov=256)
+    for name in ("section", "regime", "lyapunov", "rms"):
+        np.testing.assert_array_equal(ds[name].values, diagram[name].values, err_msg=name)
+    assert ds["section"].dims == ("gamma", "period", "state") and ds["section"].attrs == diagram["section"].attrs
+    with pytest.raises(OutputError, match="sections: the store has True, this run False"):
+        regime_map(duffing, {"gamma": GRID["gamma"]}, store=tmp_path / "map", resume=True, settling=SHORT)
 
 
 def test_progress_and_standing(duffing, tmp_path):

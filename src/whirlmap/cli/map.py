@@ -3,7 +3,7 @@
 import shlex
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -61,6 +61,13 @@ def map(  # noqa: A001 (the command's name)
             "--refine", rich_help_panel=SWEEP,
             help="Compute every eighth point along both parameters, then only points near differing labels, down to the"
             " grid; the others get the label of their surroundings and are marked as inferred.",
+        ),
+    ] = False,
+    sections: Annotated[
+        bool,
+        typer.Option(
+            "--sections", rich_help_panel=SWEEP,
+            help="Keep the section of every point, once per T: with one --vary the store holds a bifurcation diagram.",
         ),
     ] = False,
     changes: options.Changes = None,
@@ -171,7 +178,7 @@ def map(  # noqa: A001 (the command's name)
         with watch.bar:
             ds = run_sweep(
                 system, space, labelling, store=store, resume=resume, force=force, share=part, cluster=dask, refine=refine,
-                workers=workers, chunk=chunk, on_chunk=watch,
+                sections=sections, workers=workers, chunk=chunk, on_chunk=watch,
             )  # fmt: skip
     except KeyboardInterrupt:
         say(watch.interrupted(store))
@@ -179,6 +186,8 @@ def map(  # noqa: A001 (the command's name)
     finally:
         signal.signal(signal.SIGTERM, before)
     files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
+    if watch.last is not None and (doubts := doubtful(watch.last.verdicts)):
+        say(f"accuracy not met: {doubts}")
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.names),
         **watch.facts(space.points, refine), "store": store, "files": files,
@@ -191,6 +200,13 @@ def map(  # noqa: A001 (the command's name)
     if watch.last is not None and watch.last.failed:
         say(f"{watch.last.failed} chunks failed; --status says why, and --resume tries them again")
         raise typer.Exit(1)
+
+
+def doubtful(verdicts: Mapping[int, int]) -> str:
+    """Say how many points do not meet the accuracy, and what to try."""
+    from whirlmap.integrate.accuracy import Verdict
+
+    return "; ".join(f"{n} points: {Verdict(v).advice}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
 
 
 def _interrupt(signum: int, frame: object) -> None:  # noqa: ARG001 (a signal's handler)

@@ -14,6 +14,7 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
+from whirlmap.plot.diagram import draw_diagram
 from whirlmap.plot.labels import axis_label, check_name, symbol
 from whirlmap.plot.limits import cell_edges, is_log
 from whirlmap.plot.regime_strip import draw_regime_strip, legend_handles
@@ -144,14 +145,21 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
 
 @styled
 def regime_line_figure(ds: xr.Dataset, quantity: str, *, title: str | None = None) -> Figure:
-    """Amplitude of a quantity over the strip of regimes, for a sweep of one dimension."""
+    """Amplitude of a quantity over the strip of regimes, for a sweep of one dimension; with sections, its diagram."""
     (x,) = (str(d) for d in ds["regime"].dims)
     at = ds[x].values.astype(float)
     fig = new_figure(WIDE, 3.6)
     above, below = fig.subplots(2, 1, height_ratios=[4, 1], sharex=True)
+    if "section" in ds and quantity in ds["state"].values:
+        draw_diagram(ds.assign_attrs(varied=x), quantity, ax=above)
+        return _finished(fig, ds, x, below, title)
     height = ds["peak_to_peak"].sel(quantity=check_name(quantity, [str(q) for q in ds["quantity"].values], "quantity"))
     above.plot(at, height.values, ls="", marker="o", ms=1.8, mew=0, color=INK, rasterized=True)
     above.set_ylabel(f"peak to peak of {symbol(quantity)}")
+    return _finished(fig, ds, x, below, title)
+
+
+def _finished(fig: Figure, ds: xr.Dataset, x: str, below: Axes, title: str | None) -> Figure:
     draw_regime_strip(ds.assign_attrs(varied=x), ax=below)
     fig.legend(handles=legend_handles(ds), loc="outside lower center", ncols=4)
     if title:

@@ -23,7 +23,7 @@ from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.points import Labelling, points_dataset
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
-from whirlmap.sweep.store import EVALUATION, Evaluation, Store
+from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of
 
 #: How often a chunk is tried.
 ATTEMPTS = 3
@@ -47,6 +47,8 @@ class Outcome:
     number : int
     counts : mapping of int to int
         Points of each regime.
+    verdicts : mapping of int to int
+        Points by whether their steps meet the accuracy.
     evaluated : int
         Points that were computed, not inferred.
     fault : str
@@ -57,6 +59,7 @@ class Outcome:
 
     number: int
     counts: Mapping[int, int] = field(default_factory=dict)
+    verdicts: Mapping[int, int] = field(default_factory=dict)
     evaluated: int = 0
     fault: str = ""
     stop: bool = False
@@ -72,6 +75,8 @@ class Job:
         The store.
     coarse : int
         Spacing of the first lattice of `refine`; 0: every point is computed.
+    sections : bool
+        Whether the section of every point is kept.
     kernel : str
         `kernel_hash` of the process that began; a worker with another one refuses.
     """
@@ -81,6 +86,7 @@ class Job:
     space: Space
     labelling: Labelling
     coarse: int
+    sections: bool
     kernel: str
 
     @cached_property
@@ -132,7 +138,7 @@ class Job:
     def _label(self, index: tuple[NDArray[np.intp], ...]) -> xr.Dataset:
         columns = self.space.columns(index)
         measured, _ = self.labelling.measure(self.system, columns)
-        return points_dataset(self.system, columns, measured)
+        return points_dataset(self.system, columns, measured, sections=self.sections)
 
 
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
@@ -167,9 +173,8 @@ def attempt(job: Job, number: int) -> Outcome:
         except Exception as error:
             fault = f"{type(error).__name__}: {error}"
         else:
-            values, counts = np.unique(data["regime"], return_counts=True)
-            evaluated = int((data[EVALUATION] == Evaluation.computed).sum())
-            return Outcome(number, dict(zip(values.tolist(), counts.tolist(), strict=True)), evaluated)
+            regimes, verdicts, origins = (counts_of(data[name]) for name in ("regime", "step_verdict", EVALUATION))
+            return Outcome(number, regimes, verdicts, origins.get(Evaluation.computed, 0))
     return Outcome(number, fault=fault)
 
 

@@ -27,6 +27,7 @@ def regime_map(
     share: tuple[int, int] | None = None,
     cluster: Any = None,
     refine: bool = False,
+    sections: bool = False,
     settling: Settling | None = None,
     lyapunov: int = 256,
     steps: int | None = None,
@@ -55,6 +56,8 @@ def regime_map(
     refine : bool
         Compute a coarse lattice, then only the points near differing labels; the others take the label of their
         surroundings, and ``evaluation`` says so. Wants two parameters.
+    sections : bool
+        Keep ``section(..., period, state)`` of every point, once per T, as a bifurcation diagram has it.
     settling, lyapunov, steps, accuracy, method
         As in `label_points`.
     workers : int, optional
@@ -86,7 +89,7 @@ def regime_map(
     labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers=1)
     return run_sweep(
         system, Space(axes), labelling, store=store, resume=resume, force=force, share=share, cluster=cluster,
-        refine=refine, workers=workers, chunk=chunk, on_chunk=on_chunk,
+        refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=on_chunk,
     )  # fmt: skip
 
 

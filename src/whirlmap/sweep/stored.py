@@ -46,6 +46,8 @@ class Progress:
         Points of the sweep (of this share of it), and those that are done, earlier runs included.
     regimes : Counter
         Points of each regime so far, earlier runs included.
+    verdicts : Counter
+        Points by whether their steps meet the accuracy (`whirlmap.integrate.accuracy.Verdict`).
     messages : list of str
         What was found on the way: damaged chunks, failures.
     """
@@ -59,6 +61,7 @@ class Progress:
     evaluated_all: int = 0
     points_done: int = 0
     regimes: Counter[int] = field(default_factory=Counter)
+    verdicts: Counter[int] = field(default_factory=Counter)
     messages: list[str] = field(default_factory=list)
 
 
@@ -76,6 +79,7 @@ def run_sweep(
     share: tuple[int, int] | None = None,
     cluster: Any = None,
     refine: bool = False,
+    sections: bool = False,
     workers: int | None = None,
     chunk: int | None = None,
     on_chunk: OnChunk | None = None,
@@ -88,24 +92,25 @@ def run_sweep(
         raise RangeError(f"share {share[0]}/{share[1]}: expected i/n with i from 1 to n")
     if chunk is not None and not 1 <= chunk <= 10_000_000:
         raise RangeError(f"chunk must lie between 1 and 10000000 points, not {chunk}")
-    if share is not None and (store is None or force):
+    if share is not None and (store is None or (force and not resume)):
         raise RangeError("a share works on a store that others share: give the store, and no force")
     if store is None:
         if cluster is not None:
             raise RangeError("a cluster writes into a store: give one")
         with TemporaryDirectory(prefix="whirlmap-") as passing:
             here = Path(passing) / "map"
-            return run_sweep(system, space, labelling, store=here, refine=refine, workers=workers, chunk=chunk,
-                             on_chunk=on_chunk).load()  # fmt: skip
+            return run_sweep(
+                system, space, labelling, store=here, refine=refine, sections=sections, workers=workers, chunk=chunk,
+                on_chunk=on_chunk,
+            ).load()  # fmt: skip
     with connected(cluster) as client:  # before anything is made or computed
-        return _run(job_of(system, space, labelling, store, refine), share, client, resume=resume, force=force,
-                    workers=workers or cores(), chunk=chunk, on_chunk=on_chunk)  # fmt: skip
-
-
-def job_of(system: System, space: Space, labelling: Labelling, store: str | Path, refine: bool) -> Job:
-    """What all tasks of a sweep share."""
-    folder = Path(store).expanduser().absolute()
-    return Job(folder, system, space, labelling, COARSE if refine else 0, kernel_hash(system, labelling.method))
+        job = Job(
+            Path(store).expanduser().absolute(), system, space, labelling, coarse=COARSE if refine else 0, sections=sections,
+            kernel=kernel_hash(system, labelling.method),
+        )  # fmt: skip
+        return _run(
+            job, share, client, resume=resume, force=force, workers=workers or cores(), chunk=chunk, on_chunk=on_chunk
+        )
 
 
 def _run(
@@ -146,7 +151,7 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
         size = tuple(min(side, n) for n in space.shape)
     else:
         size = chunk_size(space, model, points)
-    template = points_dataset(job.system, columns, measured).isel(point=slice(0, 1))
+    template = points_dataset(job.system, columns, measured, sections=job.sections).isel(point=slice(0, 1))
     s = job.labelling.settling
     attributes = run_attributes(
         job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,
@@ -172,9 +177,8 @@ def _work(
     standing = store.standing(numbers)
     progress = Progress(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
     progress.messages += notes
-    if share is None:
-        swept = store.sweep_away()
-        progress.messages += [f"{swept} half-written files of an interrupted run were deleted"] if swept else []
+    if swept := store.sweep_away(set(numbers) if share else None):  # other shares may be writing
+        progress.messages.append(f"{swept} half-written files of an interrupted run were deleted")
     if standing.damaged.size:
         progress.messages.append(f"{standing.damaged.size} damaged chunks are computed again: {_some(standing.damaged)}")
     if standing.failed.size:
@@ -182,6 +186,7 @@ def _work(
     progress.done = standing.done.size
     progress.points_done = sum(map(store.chunks.points, standing.done.tolist()))
     progress.regimes.update(store.tally(standing.done.tolist(), "regime"))
+    progress.verdicts.update(store.tally(standing.done.tolist(), "step_verdict"))
     progress.evaluated_all = store.tally(standing.done.tolist(), EVALUATION)[Evaluation.computed]
     if on_chunk:
         on_chunk(progress)
@@ -218,6 +223,7 @@ def _take(job: Job, outcome: Outcome, progress: Progress) -> None:
     progress.evaluated += outcome.evaluated
     progress.evaluated_all += outcome.evaluated
     progress.regimes.update(outcome.counts)
+    progress.verdicts.update(outcome.verdicts)
 
 
 def _some(numbers: NDArray[np.int64]) -> str:
