@@ -1,11 +1,12 @@
 """What a map costs on one core and on many: measures, and writes the tables of docs/scaling.md.
 
     python benchmarks/scaling.py --json scaling.json      # measures, on a machine that does nothing else
-    python benchmarks/scaling.py --from scaling.json      # prints the tables of docs/scaling.md
+    python benchmarks/scaling.py --from scaling.json --page docs/scaling.md    # writes its tables into the page
 """
 
 import argparse
 import json
+import os
 import platform
 import resource
 import shutil
@@ -28,6 +29,8 @@ from whirlmap.sweep.store import Store
 CASE, VARIED, FIRST, LAST, POINTS, CHUNK = "gear-psfd/machine", "s", 2.0, 4.0, 512, 32
 #: Lanes, periods and steps of the small benchmark that gives the time of one step of one lane.
 LANES, PERIODS, STEPS = 256, 40, 16
+#: Marks in the page.
+BEGIN, END = "<!-- begin measured -->", "<!-- end measured -->"
 
 
 def system():
@@ -132,9 +135,10 @@ def memory():
 def measure():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        load = os.getloadavg()[0]
         steps, counted = time_per_step(), count_steps()
         out = {"machine": f"{platform.machine()}, {cores()} cores, Python {platform.python_version()}", "case": CASE,
-               "points": POINTS, "chunk": CHUNK, "range": [FIRST, LAST], "step": steps, "counted": counted,
+               "points": POINTS, "chunk": CHUNK, "range": [FIRST, LAST], "load": load, "step": steps, "counted": counted,
                "throughput": throughput(folder), "storage": storage(folder), "memory": memory()}  # fmt: skip
     out["peak_here"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return out
@@ -154,7 +158,8 @@ def page(m):
     each = through["threads"]["1"] / m["points"]
     first, last = m["range"]
     lines = [
-        f"{m['machine']}; {m['case']}, {m['points']} points from s = {first:g} to {last:g} in chunks of {m['chunk']}.", "",
+        f"{m['machine']}; {m['case']}, {m['points']} points from s = {first:g} to {last:g} in chunks of {m['chunk']};"
+        f" load average {m['load']:.2g} before it began.", "",
         "| executor | workers | s | points/s | efficiency |", "|---|---|---|---|---|",
     ]  # fmt: skip
     for kind in ("threads", "dask"):
@@ -192,6 +197,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="where to write what was measured")
     parser.add_argument("--from", dest="read", type=Path, help="do not measure: read this")
+    parser.add_argument("--page", type=Path, help="page whose tables are replaced, between its two marks")
     chosen = parser.parse_args()
     if chosen.read:
         found = json.loads(chosen.read.read_text())
@@ -200,6 +206,10 @@ def main():
         if chosen.json:
             chosen.json.write_text(json.dumps(found, indent=1))
     print(page(found))
+    if chosen.page:
+        before, _, rest = chosen.page.read_text().partition(BEGIN)
+        after = rest.partition(END)[2]
+        chosen.page.write_text(f"{before}{BEGIN}\n\n{page(found)}\n\n{END}{after}")
 
 
 if __name__ == "__main__":

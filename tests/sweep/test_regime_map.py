@@ -384,3 +384,14 @@ def test_the_manifest_says_what_the_store_is_of(whole):
     manifest = json.loads((whole / "chunks" / "zarr.json").read_text())["attributes"][store.MANIFEST]
     assert manifest["parameters"] == {"delta": 0.3, "alpha": -1.0, "beta": 1.0}
     assert (manifest["shape"], manifest["chunk"]) == ([11, 9], [6, 1])
+
+
+@pytest.mark.slow
+def test_a_large_refined_map_takes_a_quarter_of_the_points(duffing):
+    axes = {"gamma": np.linspace(0.1, 0.7, 400), "omega": np.linspace(0.6, 1.6, 300)}
+    refined = regime_map(duffing, axes, refine=True)
+    full = regime_map(duffing, axes)
+    computed = refined["evaluation"].values == Evaluation.computed
+    assert computed.mean() <= 0.25
+    assert (refined["regime"] != full["regime"]).mean() < 0.01
+    np.testing.assert_array_equal(refined["rms"].values[computed], full["rms"].values[computed])
