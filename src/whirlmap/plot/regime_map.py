@@ -216,7 +216,7 @@ def _drop_short(lines: ContourSet) -> None:
     """Leave out contour lines round a few points: where attractors coexist, and in chaos, they would hide the map."""
     kept = []
     for path in lines.get_paths():
-        parts = [Path(line) for line in map(np.asarray, path.to_polygons(closed_only=False)) if len(line) >= LEAST_LINE]
+        parts = [Path(line) for line in path.to_polygons(closed_only=False) if len(np.asarray(line)) >= LEAST_LINE]
         kept.append(Path.make_compound_path(*parts) if parts else Path(np.empty((0, 2))))
     lines.set_paths(kept)
 

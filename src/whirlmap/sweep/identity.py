@@ -21,9 +21,9 @@ def kernel_hash(system: System, method: str | None) -> str:
 
 @cache
 def _program() -> str:
-    from whirlmap.kernels.cache import platform as processor
+    from whirlmap.kernels.machine import platform as processor
 
-    versions = " ".join(f"{name} {package_version(name)}" for name in ("whirlmap", "numpy", "scipy", "sympy"))
+    versions = " ".join(f"{name} {package_version(name)}" for name in ("whirlmap", "numba", "numpy", "scipy", "sympy"))
     digest = hashlib.sha256(f"{processor()} python {platform.python_version()} {versions}".encode())
     root = files("whirlmap")
     for part in DECIDING:

@@ -23,7 +23,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 
