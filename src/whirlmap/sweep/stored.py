@@ -21,7 +21,7 @@ from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.manifest import claim, manifest_of, refuse_other
 from whirlmap.sweep.points import Labelling, points_dataset
 from whirlmap.sweep.refine import COARSE
-from whirlmap.sweep.space import Chunks, Space, chunk_size
+from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points
 from whirlmap.sweep.store import EVALUATION, Evaluation, clear_trials, create, exists, half_made, remove
 
 #: Points of the pilot that the chunks' size follows from, and the seconds that a chunk should take.
@@ -136,10 +136,8 @@ def _run(
 def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     """Run the pilot, choose the chunks, and make the store."""
     space, model = job.space, job.system.model
-    count = min(PILOT if chunk is None else 1, space.points)
-    spread = np.unravel_index(np.linspace(0, space.points - 1, count).astype(np.int64), space.shape)
-    index = tuple(np.asarray(i, dtype=np.intp) for i in spread)
-    columns = space.columns(index)
+    index = pilot_points(space, model, PILOT if chunk is None else 1)
+    columns, count = space.columns(index), index[0].size
     if chunk is None:
         job.labelling.measure(job.system, {name: c[:1] for name, c in columns.items()})  # compiling is not counted
     begun = time.perf_counter()
