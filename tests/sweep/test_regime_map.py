@@ -179,6 +179,11 @@ def test_another_system_version_or_kernel_is_refused(whole, monkeypatch, duffing
         made(duffing, whole, resume=True)
 
 
+def test_other_chunks_are_refused(duffing, whole):
+    with pytest.raises(OutputError, match=r"has chunks of \(6, 1\) points, and --chunk 40 would make them \(11, 3\)"):
+        made(duffing, whole, resume=True, chunk=40)
+
+
 def test_a_worker_with_other_kernels_refuses(duffing, whole, tmp_path, monkeypatch):
     monkeypatch.setattr("whirlmap.sweep.executors.kernel_hash", lambda *_: "0" * 64)
     with pytest.raises(OutputError, match="this worker's kernels are 000000000000"):
@@ -243,7 +248,7 @@ def test_a_disk_that_is_really_full(duffing, whole, tmp_path):
         with pytest.raises(OutputError, match="the disk is full"):
             made(duffing, small / "map", chunk=3)
         subprocess.run(["mount", "-o", "remount,size=64m", small], check=True)
-        made(duffing, small / "map", resume=True)
+        made(duffing, small / "map", chunk=3, resume=True)
         same(xr.open_zarr(small / "map").load(), xr.open_zarr(whole), "after the disk was full")
         subprocess.run(["mount", "-o", "remount,ro", small], check=True)
         with pytest.raises(OutputError, match="cannot be written"):

@@ -154,6 +154,8 @@ def map(  # noqa: A001 (the command's name)
     result is the same to the bit.
     """
     if status is not None:
+        if case or vary or draw or store:
+            raise InputError("--status reads a store that is there: expected nothing beside it but --json")
         _say_status(status, json=json)
         return
     if case is None:
@@ -293,6 +295,8 @@ def _space(
     texts = options.assignments(draw, "--draw")
     if bool(texts) != (draws is not None):
         raise InputError("--draw and --draws go together: which parameters, and how many draws")
+    if seed and not texts:
+        raise InputError("--seed: expected --draw beside it, for nothing else is random")
     if not axes and not texts:
         raise InputError("found neither --vary nor --draw, expected one: --vary s=0.3:5:400 --vary psi=1e-5:1:300:log")
     for name in (*axes, *texts):

@@ -94,9 +94,12 @@ def run_sweep(
         raise RangeError(f"chunk must lie between 1 and 10000000 points, not {chunk}")
     if share is not None and (store is None or (force and not resume)):
         raise RangeError("a share works on a store that others share: give the store, and no force")
+    if cluster is not None and workers is not None:
+        raise RangeError("workers are threads of this process, and a cluster has its own: give one of them")
     if store is None:
-        if cluster is not None:
-            raise RangeError("a cluster writes into a store: give one")
+        if cluster is not None or resume:
+            what = "a cluster writes into" if cluster is not None else "resume goes on with"
+            raise RangeError(f"{what} a store: give one")
         with TemporaryDirectory(prefix="whirlmap-") as passing:
             here = Path(passing) / "map"
             return run_sweep(
@@ -129,6 +132,11 @@ def _run(
             clear_trials(folder)
         _begin(job, wanted, chunk)
     refuse_other(folder, job.store.manifest, wanted)
+    if chunk is not None and (size := _chunk_size(job, chunk)) != job.store.chunks.size:
+        raise OutputError(
+            f"{folder}: has chunks of {job.store.chunks.size} points, and --chunk {chunk} would make them {size}:"
+            " leave it out to go on with this store"
+        )
     _work(job, share, client, workers, on_chunk, notes)
     return job.store.open()
 
@@ -143,12 +151,7 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     begun = time.perf_counter()
     measured, ensemble = job.labelling.measure(job.system, columns)
     each = max((time.perf_counter() - begun) / count, 1e-6)
-    points = chunk or max(int(SECONDS / each / (REFINED if job.coarse else 1.0)), 1)
-    if job.coarse:  # square, so that boundaries cross few of the borders between chunks
-        side = max(int(np.sqrt(points)), 1) if chunk else int(np.clip(np.sqrt(points) // COARSE, 4, 16)) * COARSE
-        size = tuple(min(side, n) for n in space.shape)
-    else:
-        size = chunk_size(space, model, points)
+    size = _chunk_size(job, chunk) if chunk else _chunk_size(job, int(SECONDS / each / (REFINED if job.coarse else 1)), 4)
     template = points_dataset(job.system, columns, measured, sections=job.sections).isel(point=slice(0, 1))
     s = job.labelling.settling
     attributes = run_attributes(
@@ -164,6 +167,16 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
         )  # fmt: skip
     except OSError as error:
         raise OutputError(f"{job.folder}: the store cannot be made ({error.strerror or error})") from error
+
+
+def _chunk_size(job: Job, points: int, least: int = 0) -> tuple[int, ...]:
+    """Shape of chunks of about so many points; of refined ones at least so many cells of the first lattice a side."""
+    if not job.coarse:
+        return chunk_size(job.space, job.system.model, points)
+    side = max(int(np.sqrt(points)), 1)  # square, so that boundaries cross few of the borders between chunks
+    if least:
+        side = int(np.clip(side // COARSE, least, 4 * least)) * COARSE
+    return tuple(min(side, n) for n in job.space.shape)
 
 
 def _work(
