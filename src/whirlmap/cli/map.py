@@ -254,7 +254,7 @@ class _Watch:
             "regimes": {Regime(k).label: n for k, n in now.regimes.most_common()},
         }  # fmt: skip
         if refine:
-            found |= {"computed": now.evaluated_all, "uniform_grid": points}
+            found |= {"computed": now.computed, "uniform_grid": points}
         return found
 
 

@@ -40,8 +40,8 @@ class Progress:
         Chunks.
     points : int
         Points of the chunks done in this run.
-    evaluated, evaluated_all : int
-        Points that were computed, not inferred: of these, and with earlier runs.
+    computed : int
+        Points so far that were computed, not inferred, earlier runs included.
     points_total, points_done : int
         Points of the sweep (of this share of it), and those that are done, earlier runs included.
     regimes : Counter
@@ -57,8 +57,7 @@ class Progress:
     done: int = 0
     failed: int = 0
     points: int = 0
-    evaluated: int = 0
-    evaluated_all: int = 0
+    computed: int = 0
     points_done: int = 0
     regimes: Counter[int] = field(default_factory=Counter)
     verdicts: Counter[int] = field(default_factory=Counter)
@@ -198,7 +197,7 @@ def _work(
     progress.points_done = sum(map(store.chunks.points, standing.done.tolist()))
     progress.regimes.update(store.tally(standing.done.tolist(), "regime"))
     progress.verdicts.update(store.tally(standing.done.tolist(), "step_verdict"))
-    progress.evaluated_all = store.tally(standing.done.tolist(), EVALUATION)[Evaluation.computed]
+    progress.computed = store.tally(standing.done.tolist(), EVALUATION)[Evaluation.computed]
     if on_chunk:
         on_chunk(progress)
     left = np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done).tolist()
@@ -231,8 +230,7 @@ def _take(job: Job, outcome: Outcome, progress: Progress) -> None:
     progress.done += 1
     progress.points += points
     progress.points_done += points
-    progress.evaluated += outcome.evaluated
-    progress.evaluated_all += outcome.evaluated
+    progress.computed += outcome.evaluated
     progress.regimes.update(outcome.counts)
     progress.verdicts.update(outcome.verdicts)
 
