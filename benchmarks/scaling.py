@@ -41,26 +41,27 @@ def axis(points=POINTS):
     return {VARIED: np.linspace(FIRST, LAST, points)}
 
 
-def timed(function):
-    begun = time.perf_counter()
+def timed(function, clock=time.perf_counter):
+    begun = clock()
     out = function()
-    return time.perf_counter() - begun, out
+    return clock() - begun, out
 
 
 def time_per_step():
-    """Seconds of one step of one lane, without and with a tangent vector, one thread, full blocks of settled points."""
+    """Processor seconds of one step of one lane, without and with a tangent vector, in full blocks, one thread."""
     from whirlmap.analysis.points import make_ensemble
 
     out = {}
     for tangents in (0, 1):
         ensemble, _ = make_ensemble(system(), axis(LANES), steps=STEPS, tangents=tangents, workers=1)
         ensemble.advance(PERIODS)  # compiles, and leaves the start behind
-        out[tangents] = min(timed(lambda e=ensemble: e.advance(PERIODS))[0] for _ in range(3)) / (LANES * PERIODS * STEPS)
+        out[tangents] = min(timed(lambda e=ensemble: e.advance(PERIODS), time.process_time)[0] for _ in range(3))
+        out[tangents] /= LANES * PERIODS * STEPS
     return {"plain": out[0], "tangent": out[1]}
 
 
 def count_steps():
-    """Steps of lanes that the sweep takes, by counting them as it runs in one thread, and how long that took."""
+    """Steps of lanes that the sweep takes, by counting them as it runs in one thread, and its processor seconds."""
     counted, advance = {"plain": 0, "tangent": 0}, Ensemble.advance
 
     def counting(self, n_periods, *, members=None, **options):
@@ -73,7 +74,7 @@ def count_steps():
     labelling.measure(system(), {VARIED: np.array([FIRST, LAST])})
     Ensemble.advance = counting
     try:
-        seconds, _ = timed(lambda: labelling.measure(system(), axis()))
+        seconds, _ = timed(lambda: labelling.measure(system(), axis()), time.process_time)
     finally:
         Ensemble.advance = advance
     return {**counted, "seconds": seconds}
@@ -170,10 +171,10 @@ def page(m):
     extra = (through["dask"]["1"] - through["threads"]["1"]) / chunks
     lines += ["", f"Dask costs {extra:.3g} s per chunk of {through['threads']['1'] / chunks:.3g} s, or"
               f" {100 * extra / (through['threads']['1'] / chunks):.2g} %.", ""]  # fmt: skip
-    lines += ["| part of the cost model | steps of lanes | ns per step | s |", "|---|---|---|---|"]
+    lines += ["| cost model, one thread | steps of lanes | ns per step | processor s |", "|---|---|---|---|"]
     for name in ("plain", "tangent"):
         lines.append(f"| {name} | {c[name]:.4g} | {1e9 * t[name]:.4g} | {c[name] * t[name]:.3g} |")
-    lines += [f"| model | | | {model:.3g} |", f"| measured, one thread | | | {c['seconds']:.3g} |", "",
+    lines += [f"| model | | | {model:.3g} |", f"| measured | | | {c['seconds']:.3g} |", "",
               f"The model is {100 * (model / c['seconds'] - 1):+.2g} % off.", ""]  # fmt: skip
     lines += ["| what | on 2 cores | on 64 | on 10^4 |", "|---|---|---|---|"]
     for points in (1e6, 1e9):
