@@ -291,6 +291,8 @@ def test_a_refined_map_has_the_full_maps_boundaries(duffing, tmp_path):
         np.testing.assert_array_equal(refined[name].values[computed], full[name].values[computed], err_msg=name)
     assert (refined["regime"] != full["regime"]).mean() < 0.02
     assert np.isnan(refined["rms"].values[~computed]).all()
+    for name in ("regime", "status", "period_T", "period_common"):  # what is inferred, is so for every one of them
+        assert (refined[name] != full[name]).mean() < 0.02, name
     code = refined["regime"].values.astype(int) + 100 * refined["period_T"].values
     for axis in (0, 1):  # of neighbours with different labels, within a chunk, both were computed
         a, b = np.take(code, range(code.shape[axis] - 1), axis), np.take(code, range(1, code.shape[axis]), axis)

@@ -142,16 +142,19 @@ class Job:
 
 
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
-    """What must agree for a cell to be left alone: regime, how the run ended, and the number of T."""
+    """What must agree for a cell to be left alone: regime, how the run ended, and the period, in T and in common periods."""
     return np.asarray(
         ds["regime"].values.astype(np.int64) + 10 * ds["status"].values.astype(np.int64)
-        + 100 * ds["period_T"].values.astype(np.int64)
+        + 100 * ds["period_common"].values.astype(np.int64) + 10**8 * ds["period_T"].values.astype(np.int64)
     )  # fmt: skip
 
 
 def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
     inferred = out[EVALUATION] == Evaluation.inferred
-    for name, code in (("regime", labels % 10), ("status", labels // 10 % 10), ("period_T", labels // 100)):
+    for name, code in (
+        ("regime", labels % 10), ("status", labels // 10 % 10), ("period_common", labels // 100 % 10**6),
+        ("period_T", labels // 10**8),
+    ):  # fmt: skip
         out[name][inferred] = code[inferred]
 
 

@@ -16,6 +16,7 @@ is forced to the disk: what a power failure tears does not fit its receipt, and 
 
 import json
 import shutil
+import threading
 import warnings
 from collections import Counter
 from collections.abc import Container, Iterable, Mapping
@@ -45,6 +46,9 @@ CHUNKS, MANIFEST = "chunks", "manifest"
 REASON = 1000
 #: Of the arrays of a store, those that are no results of points.
 EVALUATION = "evaluation"
+
+#: Filters of warnings are the process's, not the thread's.
+_QUIET = threading.Lock()
 
 
 class Evaluation(IntEnum):
@@ -261,7 +265,7 @@ def create(
         "reason", shape=(*chunks.grid, REASON), chunks=(*one, REASON), dtype="u1", fill_value=0,
         dimension_names=(*places, "letter"), attributes={"units": "1", "long_name": "why a chunk failed, as text"},
     )  # fmt: skip
-    with warnings.catch_warnings():  # Zarr v3 does not define this yet; without it xarray complains at every opening
+    with _QUIET, warnings.catch_warnings():  # Zarr v3 does not define this yet; without it xarray complains at every opening
         warnings.filterwarnings("ignore", message="Consolidated metadata")
         zarr.consolidate_metadata(trial)
     try:
