@@ -1,11 +1,12 @@
 """What a map costs on one core and on many: measures, and writes the tables of docs/scaling.md.
 
     python benchmarks/scaling.py --json scaling.json      # measures, on a machine that does nothing else
-    python benchmarks/scaling.py --from scaling.json      # prints the tables of docs/scaling.md
+    python benchmarks/scaling.py --from scaling.json --page docs/scaling.md    # writes its tables into the page
 """
 
 import argparse
 import json
+import os
 import platform
 import resource
 import shutil
@@ -25,9 +26,11 @@ from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.store import Store
 
 #: The sweep that is timed: half of it below the onset of whirl, half of it above.
-CASE, VARIED, FIRST, LAST, POINTS, CHUNK = "gear-psfd/machine", "s", 2.0, 4.0, 256, 32
+CASE, VARIED, FIRST, LAST, POINTS, CHUNK = "gear-psfd/machine", "s", 2.0, 4.0, 512, 32
 #: Lanes, periods and steps of the small benchmark that gives the time of one step of one lane.
 LANES, PERIODS, STEPS = 256, 40, 16
+#: Marks in the page.
+BEGIN, END = "<!-- begin measured -->", "<!-- end measured -->"
 
 
 def system():
@@ -38,26 +41,27 @@ def axis(points=POINTS):
     return {VARIED: np.linspace(FIRST, LAST, points)}
 
 
-def timed(function):
-    begun = time.perf_counter()
+def timed(function, clock=time.perf_counter):
+    begun = clock()
     out = function()
-    return time.perf_counter() - begun, out
+    return clock() - begun, out
 
 
 def time_per_step():
-    """Seconds of one step of one lane, without and with a tangent vector, one thread, full blocks of settled points."""
+    """Processor seconds of one step of one lane, without and with a tangent vector, in full blocks, one thread."""
     from whirlmap.analysis.points import make_ensemble
 
     out = {}
     for tangents in (0, 1):
         ensemble, _ = make_ensemble(system(), axis(LANES), steps=STEPS, tangents=tangents, workers=1)
         ensemble.advance(PERIODS)  # compiles, and leaves the start behind
-        out[tangents] = min(timed(lambda e=ensemble: e.advance(PERIODS))[0] for _ in range(3)) / (LANES * PERIODS * STEPS)
+        out[tangents] = min(timed(lambda e=ensemble: e.advance(PERIODS), time.process_time)[0] for _ in range(3))
+        out[tangents] /= LANES * PERIODS * STEPS
     return {"plain": out[0], "tangent": out[1]}
 
 
 def count_steps():
-    """Steps of lanes that the sweep takes, by counting them as it runs in one thread, and how long that took."""
+    """Steps of lanes that the sweep takes, by counting them as it runs in one thread, and its processor seconds."""
     counted, advance = {"plain": 0, "tangent": 0}, Ensemble.advance
 
     def counting(self, n_periods, *, members=None, **options):
@@ -70,7 +74,7 @@ def count_steps():
     labelling.measure(system(), {VARIED: np.array([FIRST, LAST])})
     Ensemble.advance = counting
     try:
-        seconds, _ = timed(lambda: labelling.measure(system(), axis()))
+        seconds, _ = timed(lambda: labelling.measure(system(), axis()), time.process_time)
     finally:
         Ensemble.advance = advance
     return {**counted, "seconds": seconds}
@@ -132,9 +136,10 @@ def memory():
 def measure():
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
+        load = os.getloadavg()[0]
         steps, counted = time_per_step(), count_steps()
         out = {"machine": f"{platform.machine()}, {cores()} cores, Python {platform.python_version()}", "case": CASE,
-               "points": POINTS, "chunk": CHUNK, "range": [FIRST, LAST], "step": steps, "counted": counted,
+               "points": POINTS, "chunk": CHUNK, "range": [FIRST, LAST], "load": load, "step": steps, "counted": counted,
                "throughput": throughput(folder), "storage": storage(folder), "memory": memory()}  # fmt: skip
     out["peak_here"] = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
     return out
@@ -154,7 +159,8 @@ def page(m):
     each = through["threads"]["1"] / m["points"]
     first, last = m["range"]
     lines = [
-        f"{m['machine']}; {m['case']}, {m['points']} points from s = {first:g} to {last:g} in chunks of {m['chunk']}.", "",
+        f"{m['machine']}; {m['case']}, {m['points']} points from s = {first:g} to {last:g} in chunks of {m['chunk']};"
+        f" load average {m['load']:.2g} before it began.", "",
         "| executor | workers | s | points/s | efficiency |", "|---|---|---|---|---|",
     ]  # fmt: skip
     for kind in ("threads", "dask"):
@@ -165,10 +171,10 @@ def page(m):
     extra = (through["dask"]["1"] - through["threads"]["1"]) / chunks
     lines += ["", f"Dask costs {extra:.3g} s per chunk of {through['threads']['1'] / chunks:.3g} s, or"
               f" {100 * extra / (through['threads']['1'] / chunks):.2g} %.", ""]  # fmt: skip
-    lines += ["| part of the cost model | steps of lanes | ns per step | s |", "|---|---|---|---|"]
+    lines += ["| cost model, one thread | steps of lanes | ns per step | processor s |", "|---|---|---|---|"]
     for name in ("plain", "tangent"):
         lines.append(f"| {name} | {c[name]:.4g} | {1e9 * t[name]:.4g} | {c[name] * t[name]:.3g} |")
-    lines += [f"| model | | | {model:.3g} |", f"| measured, one thread | | | {c['seconds']:.3g} |", "",
+    lines += [f"| model | | | {model:.3g} |", f"| measured | | | {c['seconds']:.3g} |", "",
               f"The model is {100 * (model / c['seconds'] - 1):+.2g} % off.", ""]  # fmt: skip
     lines += ["| what | on 2 cores | on 64 | on 10^4 |", "|---|---|---|---|"]
     for points in (1e6, 1e9):
@@ -192,6 +198,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--json", type=Path, help="where to write what was measured")
     parser.add_argument("--from", dest="read", type=Path, help="do not measure: read this")
+    parser.add_argument("--page", type=Path, help="page whose tables are replaced, between its two marks")
     chosen = parser.parse_args()
     if chosen.read:
         found = json.loads(chosen.read.read_text())
@@ -200,6 +207,10 @@ def main():
         if chosen.json:
             chosen.json.write_text(json.dumps(found, indent=1))
     print(page(found))
+    if chosen.page:
+        before, _, rest = chosen.page.read_text().partition(BEGIN)
+        after = rest.partition(END)[2]
+        chosen.page.write_text(f"{before}{BEGIN}\n\n{page(found)}\n\n{END}{after}")
 
 
 if __name__ == "__main__":

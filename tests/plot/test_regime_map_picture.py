@@ -23,7 +23,8 @@ def made() -> xr.Dataset:
     height = np.where(status == 0, np.log10(psi)[None, :] + 5.0 + 0 * s[:, None], np.nan)[:, :, None]
     dims = ("s", "psi")
     return xr.Dataset(
-        {"regime": (dims, regime), "status": (dims, status), "period_T": (dims, period), "evaluation": (dims, evaluation),
+        {"regime": (dims, regime), "status": (dims, status), "period_common": (dims, period),
+         "evaluation": (dims, evaluation),
          "peak_to_peak": ((*dims, "quantity"), height)},
         {"s": ("s", s, {"units": "1", "long_name": "speed ratio"}), "psi": ("psi", psi, {"units": "1"}), "quantity": ["yp"]},
     )  # fmt: skip
@@ -32,7 +33,7 @@ def made() -> xr.Dataset:
 def test_every_kind_of_point_has_its_look(made):
     names = [LOOKS[k].label for k in codes(made)[:, 0]]
     assert names == [
-        "periodic, 1T", "periodic, 2T", "periodic, 3T to 4T", "periodic, 5T to 8T", "periodic, longer", "quasi-periodic",
+        "periodic, 1", "periodic, 2", "periodic, 3 to 4", "periodic, 5 to 8", "periodic, longer", "quasi-periodic",
         "chaotic", "contact", "diverged", "unresolved", "not reached",
     ]  # fmt: skip
     assert len({look.label for look in LOOKS}) == len(LOOKS) == len(Regime) - 1 + 5 + 2 + 1 and Status.failed
@@ -57,7 +58,7 @@ def test_shares_add_up(made):
 
 def test_contours_are_of_the_amplitude_and_short_ones_are_left_out(made):
     smooth = made.isel(s=slice(0, 7)).interp(s=np.linspace(0.5, 1.3, 60), psi=np.geomspace(1e-4, 1, 50))
-    for name in ("regime", "status", "period_T", "evaluation"):
+    for name in ("regime", "status", "period_common", "evaluation"):
         smooth[name] = smooth[name].fillna(0).astype(int)
     smooth["peak_to_peak"] = (np.log10(smooth["psi"]) + 5 + 0 * smooth["peak_to_peak"]).fillna(0)
     smooth["peak_to_peak"] = smooth["peak_to_peak"].transpose("s", "psi", "quantity")

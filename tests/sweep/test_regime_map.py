@@ -19,9 +19,10 @@ from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep import executors, store
+from whirlmap.sweep.diagram import bifurcation_diagram
 from whirlmap.sweep.map import regime_map
 from whirlmap.sweep.points import Labelling, label_points
-from whirlmap.sweep.space import Chunks, Space, chunk_size, table_parameters
+from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points, table_parameters
 from whirlmap.sweep.standing import store_standing
 from whirlmap.sweep.store import Evaluation, Store, differences
 
@@ -88,7 +89,7 @@ def test_chunks_change_no_bit(duffing, whole, tmp_path, chunk):
 def test_shuffled_chunks_change_no_byte(duffing, whole, tmp_path, monkeypatch):
     in_order = executors.in_threads
     monkeypatch.setattr(
-        "whirlmap.sweep.map.in_threads",
+        "whirlmap.sweep.stored.in_threads",
         lambda job, numbers, workers: in_order(job, np.random.default_rng(3).permutation(list(numbers)).tolist(), workers),
     )
     made(duffing, tmp_path / "map")
@@ -170,12 +171,17 @@ def test_another_system_version_or_kernel_is_refused(whole, monkeypatch, duffing
     with pytest.raises(OutputError, match="x: the store has nothing, this run -1"):
         made(whirlmap.load("duffing", start={"x": -1.0}), whole, resume=True)
     with monkeypatch.context() as patch:
-        patch.setattr("whirlmap.sweep.map.__version__", "9.9")
+        patch.setattr("whirlmap.sweep.manifest.__version__", "9.9")
         with pytest.raises(OutputError, match=r"whirlmap_version: the store has .*, this run 9\.9"):
             made(duffing, whole, resume=True)
-    monkeypatch.setattr("whirlmap.sweep.map.kernel_hash", lambda *_: "0" * 64)
+    monkeypatch.setattr("whirlmap.sweep.stored.kernel_hash", lambda *_: "0" * 64)
     with pytest.raises(OutputError, match="kernel: the store has"):
         made(duffing, whole, resume=True)
+
+
+def test_other_chunks_are_refused(duffing, whole):
+    with pytest.raises(OutputError, match=r"has chunks of \(6, 1\) points, and --chunk 40 would make them \(11, 3\)"):
+        made(duffing, whole, resume=True, chunk=40)
 
 
 def test_a_worker_with_other_kernels_refuses(duffing, whole, tmp_path, monkeypatch):
@@ -197,6 +203,9 @@ def test_damage_is_found_and_mended(duffing, whole, tmp_path):
     (place / "chunks" / "receipt" / "c").joinpath(*map(str, chunks.cell(8))).unlink()
     (place / "rms" / "c" / "0" / "0.1234.partial").write_bytes(b"half")
     told = []
+    half = place / "rms" / "c" / "0" / "0.1234.partial"
+    job = Store(place)
+    assert [job._chunk_of(p) for p in (half, flipped[0], gone[5], place / "gamma" / "c" / "0")] == [0, 1, 6, -1]
     made(duffing, place, resume=True, on_chunk=lambda p: told.append(list(p.messages)))
     assert "3 damaged chunks are computed again: 1, 4, 6" in told[0]
     assert any("half-written" in message for message in told[0])
@@ -239,7 +248,7 @@ def test_a_disk_that_is_really_full(duffing, whole, tmp_path):
         with pytest.raises(OutputError, match="the disk is full"):
             made(duffing, small / "map", chunk=3)
         subprocess.run(["mount", "-o", "remount,size=64m", small], check=True)
-        made(duffing, small / "map", resume=True)
+        made(duffing, small / "map", chunk=3, resume=True)
         same(xr.open_zarr(small / "map").load(), xr.open_zarr(whole), "after the disk was full")
         subprocess.run(["mount", "-o", "remount,ro", small], check=True)
         with pytest.raises(OutputError, match="cannot be written"):
@@ -282,6 +291,8 @@ def test_a_refined_map_has_the_full_maps_boundaries(duffing, tmp_path):
         np.testing.assert_array_equal(refined[name].values[computed], full[name].values[computed], err_msg=name)
     assert (refined["regime"] != full["regime"]).mean() < 0.02
     assert np.isnan(refined["rms"].values[~computed]).all()
+    for name in ("regime", "status", "period_T", "period_common"):  # what is inferred, is so for every one of them
+        assert (refined[name] != full[name]).mean() < 0.02, name
     code = refined["regime"].values.astype(int) + 100 * refined["period_T"].values
     for axis in (0, 1):  # of neighbours with different labels, within a chunk, both were computed
         a, b = np.take(code, range(code.shape[axis] - 1), axis), np.take(code, range(1, code.shape[axis]), axis)
@@ -289,6 +300,16 @@ def test_a_refined_map_has_the_full_maps_boundaries(duffing, tmp_path):
         edge = np.arange(code.shape[axis] - 1) % 33 == 32
         inside = np.broadcast_to(~np.expand_dims(edge, 1 - axis), a.shape)
         assert both[(a != b) & inside].all()
+
+
+def test_sections_make_a_store_a_diagram(duffing, tmp_path):
+    ds = regime_map(duffing, {"gamma": GRID["gamma"]}, store=tmp_path / "map", sections=True, settling=SHORT, chunk=4)
+    diagram = bifurcation_diagram(duffing, "gamma", GRID["gamma"], settling=SHORT, lyapunov=256)
+    for name in ("section", "regime", "lyapunov", "rms"):
+        np.testing.assert_array_equal(ds[name].values, diagram[name].values, err_msg=name)
+    assert ds["section"].dims == ("gamma", "period", "state") and ds["section"].attrs == diagram["section"].attrs
+    with pytest.raises(OutputError, match="sections: the store has True, this run False"):
+        regime_map(duffing, {"gamma": GRID["gamma"]}, store=tmp_path / "map", resume=True, settling=SHORT)
 
 
 def test_progress_and_standing(duffing, tmp_path):
@@ -338,6 +359,19 @@ def test_chunks_hold_few_values_of_a_parameter_with_tables():
     assert chunk_size(Space(axes), model, 1300) == (3, 400)
 
 
+def test_the_pilot_has_few_tables_and_lies_in_the_space():
+    model = whirlmap.load("gear-psfd/machine").model
+    axes = {"psi": np.geomspace(1e-5, 1, 300), "s": np.linspace(0.3, 4, 400)}
+    psi, s = pilot_points(Space(axes), model, 64)
+    assert psi.size == s.size == 64 and np.unique(psi).size == 4 and np.unique(s).size == 16
+    assert (psi.min(), psi.max(), s.min(), s.max()) == (0, 299, 0, 399)
+    for small in ({"psi": axes["psi"]}, {"s": axes["s"]}, {"s": axes["s"][:3], "psi": axes["psi"][:2]}):
+        index, shape = pilot_points(Space(small), model, 64), Space(small).shape
+        assert len(index) == len(shape) and 1 <= index[0].size <= 64
+        assert all(i.max() < n for i, n in zip(index, shape, strict=True))
+    assert [i.size for i in pilot_points(Space(GRID), whirlmap.load("duffing").model, 1)] == [1, 1]
+
+
 def test_wrong_options_are_refused(duffing, tmp_path):
     for options, says in (
         ({"vary": {"gamma": GRID["gamma"]}, "refine": True}, "exactly two"), ({"share": (3, 2)}, "share 3/2"),
@@ -370,3 +404,14 @@ def test_the_manifest_says_what_the_store_is_of(whole):
     manifest = json.loads((whole / "chunks" / "zarr.json").read_text())["attributes"][store.MANIFEST]
     assert manifest["parameters"] == {"delta": 0.3, "alpha": -1.0, "beta": 1.0}
     assert (manifest["shape"], manifest["chunk"]) == ([11, 9], [6, 1])
+
+
+@pytest.mark.slow
+def test_a_large_refined_map_takes_a_quarter_of_the_points(duffing):
+    axes = {"gamma": np.linspace(0.1, 0.7, 400), "omega": np.linspace(0.6, 1.6, 300)}
+    refined = regime_map(duffing, axes, refine=True)
+    full = regime_map(duffing, axes)
+    computed = refined["evaluation"].values == Evaluation.computed
+    assert computed.mean() <= 0.25
+    assert (refined["regime"] != full["regime"]).mean() < 0.01
+    np.testing.assert_array_equal(refined["rms"].values[computed], full["rms"].values[computed])

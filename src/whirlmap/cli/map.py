@@ -3,7 +3,7 @@
 import shlex
 import signal
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -18,8 +18,8 @@ from whirlmap.errors import InputError, RangeError, nearest
 if TYPE_CHECKING:
 
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.map import Progress as Chunks
     from whirlmap.sweep.space import Space
+    from whirlmap.sweep.stored import Progress as Chunks
 
 SWEEP, STORE = "Sweep", "Store and machines"
 
@@ -61,6 +61,13 @@ def map(  # noqa: A001 (the command's name)
             "--refine", rich_help_panel=SWEEP,
             help="Compute every eighth point along both parameters, then only points near differing labels, down to the"
             " grid; the others get the label of their surroundings and are marked as inferred.",
+        ),
+    ] = False,
+    sections: Annotated[
+        bool,
+        typer.Option(
+            "--sections", rich_help_panel=SWEEP,
+            help="Keep the section of every point, once per T: with one --vary the store holds a bifurcation diagram.",
         ),
     ] = False,
     changes: options.Changes = None,
@@ -147,6 +154,8 @@ def map(  # noqa: A001 (the command's name)
     result is the same to the bit.
     """
     if status is not None:
+        if case or vary or draw or store:
+            raise InputError("--status reads a store that is there: expected nothing beside it but --json")
         _say_status(status, json=json)
         return
     if case is None:
@@ -160,8 +169,8 @@ def map(  # noqa: A001 (the command's name)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
     from whirlmap.analysis.settling import Settling
-    from whirlmap.sweep.map import run_sweep
     from whirlmap.sweep.points import Labelling
+    from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers=1)
@@ -171,7 +180,7 @@ def map(  # noqa: A001 (the command's name)
         with watch.bar:
             ds = run_sweep(
                 system, space, labelling, store=store, resume=resume, force=force, share=part, cluster=dask, refine=refine,
-                workers=workers, chunk=chunk, on_chunk=watch,
+                sections=sections, workers=workers, chunk=chunk, on_chunk=watch,
             )  # fmt: skip
     except KeyboardInterrupt:
         say(watch.interrupted(store))
@@ -179,6 +188,8 @@ def map(  # noqa: A001 (the command's name)
     finally:
         signal.signal(signal.SIGTERM, before)
     files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
+    if watch.last is not None and (doubts := doubtful(watch.last.verdicts)):
+        say(f"accuracy not met: {doubts}")
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.names),
         **watch.facts(space.points, refine), "store": store, "files": files,
@@ -191,6 +202,13 @@ def map(  # noqa: A001 (the command's name)
     if watch.last is not None and watch.last.failed:
         say(f"{watch.last.failed} chunks failed; --status says why, and --resume tries them again")
         raise typer.Exit(1)
+
+
+def doubtful(verdicts: Mapping[int, int]) -> str:
+    """Say how many points do not meet the accuracy, and what to try."""
+    from whirlmap.integrate.accuracy import Verdict
+
+    return "; ".join(f"{n} points: {Verdict(v).advice}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
 
 
 def _interrupt(signum: int, frame: object) -> None:  # noqa: ARG001 (a signal's handler)
@@ -236,7 +254,7 @@ class _Watch:
             "regimes": {Regime(k).label: n for k, n in now.regimes.most_common()},
         }  # fmt: skip
         if refine:
-            found |= {"computed": now.evaluated_all, "uniform_grid": points}
+            found |= {"computed": now.computed, "uniform_grid": points}
         return found
 
 
@@ -277,6 +295,8 @@ def _space(
     texts = options.assignments(draw, "--draw")
     if bool(texts) != (draws is not None):
         raise InputError("--draw and --draws go together: which parameters, and how many draws")
+    if seed and not texts:
+        raise InputError("--seed: expected --draw beside it, for nothing else is random")
     if not axes and not texts:
         raise InputError("found neither --vary nor --draw, expected one: --vary s=0.3:5:400 --vary psi=1e-5:1:300:log")
     for name in (*axes, *texts):

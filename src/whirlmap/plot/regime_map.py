@@ -14,6 +14,7 @@ from matplotlib.path import Path
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
+from whirlmap.plot.diagram import draw_diagram
 from whirlmap.plot.labels import axis_label, check_name, symbol
 from whirlmap.plot.limits import cell_edges, is_log
 from whirlmap.plot.regime_strip import draw_regime_strip, legend_handles
@@ -22,10 +23,10 @@ from whirlmap.results.regime import Regime
 
 Codes = NDArray[np.int64]
 
-#: Periodic motion by its number of T, as the lightness of its blue; longer ones are together.
+#: Periodic motion by its number of common periods, as the lightness of its blue; longer ones are together.
 PERIODIC = (
-    Look("periodic, 1T", "#BFDDF2", "o", text=INK), Look("periodic, 2T", "#86BFE6", "o", text=INK),
-    Look("periodic, 3T to 4T", SKY, "o", text=INK), Look("periodic, 5T to 8T", "#2E8FC7", "o"),
+    Look("periodic, 1", "#BFDDF2", "o", text=INK), Look("periodic, 2", "#86BFE6", "o", text=INK),
+    Look("periodic, 3 to 4", SKY, "o", text=INK), Look("periodic, 5 to 8", "#2E8FC7", "o"),
     Look("periodic, longer", BLUE, "o"),
 )  # fmt: skip
 #: Longest period of each of these but the last.
@@ -37,17 +38,17 @@ LOOKS: tuple[Look, ...] = (
 )  # fmt: skip
 
 
-#: Vertices of a contour line below which it is not drawn.
-LEAST_LINE = 40
+#: Vertices of a contour line, over the points along both axes, below which it is not drawn.
+LEAST_LINE = 0.06
 
 
 def codes(ds: xr.Dataset) -> Codes:
     """Index into `LOOKS` of every point, in the shape of ``regime``.
 
-    Reads ``regime``, ``status``, ``period_T`` and, where present, ``evaluation`` (0: not reached).
+    Reads ``regime``, ``status``, ``period_common`` and, where present, ``evaluation`` (0: not reached).
     """
     regime, status = ds["regime"].values, ds["status"].values
-    out = np.searchsorted(_UP_TO, ds["period_T"].values).astype(np.int64)
+    out = np.searchsorted(_UP_TO, ds["period_common"].values).astype(np.int64)
     for k, r in enumerate(_OTHERS):
         out[regime == r] = len(PERIODIC) + k
     for k, s in enumerate(UNFINISHED):
@@ -136,7 +137,9 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
     beside = draw_shares(ds, y, ax=fig.add_subplot(grid[1, 1], sharey=main), vertical=True)
     above.tick_params(labelbottom=False)
     beside.tick_params(labelleft=False)
-    fig.legend(handles=_legend(ds, quantity), loc="outside lower center", ncols=4)
+    common = int(ds.attrs.get("common_multiple", 1))
+    counted = "T" if common == 1 else f"common periods of {common}T"
+    fig.legend(handles=_legend(ds, quantity), loc="outside lower center", ncols=4, title=f"periods are counted in {counted}")
     if title:
         fig.suptitle(title)
     return fig
@@ -144,14 +147,21 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
 
 @styled
 def regime_line_figure(ds: xr.Dataset, quantity: str, *, title: str | None = None) -> Figure:
-    """Amplitude of a quantity over the strip of regimes, for a sweep of one dimension."""
+    """Amplitude of a quantity over the strip of regimes, for a sweep of one dimension; with sections, its diagram."""
     (x,) = (str(d) for d in ds["regime"].dims)
     at = ds[x].values.astype(float)
     fig = new_figure(WIDE, 3.6)
     above, below = fig.subplots(2, 1, height_ratios=[4, 1], sharex=True)
+    if "section" in ds and quantity in ds["state"].values:
+        draw_diagram(ds.assign_attrs(varied=x), quantity, ax=above)
+        return _finished(fig, ds, x, below, title)
     height = ds["peak_to_peak"].sel(quantity=check_name(quantity, [str(q) for q in ds["quantity"].values], "quantity"))
     above.plot(at, height.values, ls="", marker="o", ms=1.8, mew=0, color=INK, rasterized=True)
     above.set_ylabel(f"peak to peak of {symbol(quantity)}")
+    return _finished(fig, ds, x, below, title)
+
+
+def _finished(fig: Figure, ds: xr.Dataset, x: str, below: Axes, title: str | None) -> Figure:
     draw_regime_strip(ds.assign_attrs(varied=x), ax=below)
     fig.legend(handles=legend_handles(ds), loc="outside lower center", ncols=4)
     if title:
@@ -200,15 +210,15 @@ def _contours(ax: Axes, ds: xr.Dataset, x: str, y: str, quantity: str, levels: i
         ds[x].values, ds[y].values, np.ma.masked_invalid(height).T, levels=np.linspace(low, high, levels + 2)[1:-1],
         colors=INK, linewidths=0.45, alpha=0.75,
     )  # fmt: skip
-    _drop_short(lines)
-    ax.clabel(lines, fontsize=5.5, fmt="%.2g", inline_spacing=2)
+    _drop_short(lines, LEAST_LINE * sum(height.shape))
+    ax.clabel(lines, fontsize=5.5, fmt="%.2g", inline_spacing=2, inline=min(height.shape) > 40)
 
 
-def _drop_short(lines: ContourSet) -> None:
+def _drop_short(lines: ContourSet, least: float) -> None:
     """Leave out contour lines round a few points: where attractors coexist, and in chaos, they would hide the map."""
     kept = []
     for path in lines.get_paths():
-        parts = [Path(line) for line in path.to_polygons(closed_only=False) if len(np.asarray(line)) >= LEAST_LINE]
+        parts = [Path(line) for line in path.to_polygons(closed_only=False) if len(np.asarray(line)) >= least]
         kept.append(Path.make_compound_path(*parts) if parts else Path(np.empty((0, 2))))
     lines.set_paths(kept)
 

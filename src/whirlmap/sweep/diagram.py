@@ -15,7 +15,7 @@ from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
-from whirlmap.sweep.points import RETURNS, Labelling, Measured, extreme_variables, point_variables
+from whirlmap.sweep.points import RETURNS, Labelling, Measured, extreme_variables, point_variables, section_variable
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
@@ -147,10 +147,7 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.D
     rows = [*system.states, *model.outputs]
     declared = model.parameter(parameter)
     data: dict[str, Any] = {
-        "section": variable(
-            (parameter, "period", "state"), r.section.transpose(2, 0, 1), "1", "section point, once per T",
-            unit_of_each=" ".join(s.unit for s in model.states),
-        ),
+        "section": section_variable(parameter, system, m),
         **point_variables(parameter, m),
         **extreme_variables(parameter, m),
     }  # fmt: skip

@@ -6,6 +6,7 @@ A task computes one chunk and writes it into the store; only a small outcome com
 import errno
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
@@ -22,12 +23,16 @@ from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.points import Labelling, points_dataset
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
-from whirlmap.sweep.store import EVALUATION, Evaluation, Store
+from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of
 
 #: How often a chunk is tried.
 ATTEMPTS = 3
 #: Tasks that wait at the scheduler for each thread of the cluster: enough to keep them busy, few for its memory.
 AHEAD = 4
+#: Seconds in which a scheduler must answer.
+CONNECT = 10
+#: What a message about a lost cluster ends with.
+GO_ON = "\n  the chunks that are done are kept; --resume (resume=True) goes on"
 #: What the operating system says when no chunk can be written, whichever it is.
 DISK = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up", errno.EROFS: "the disk is read-only",
         errno.EACCES: "writing is not allowed", errno.EPERM: "writing is not allowed"}  # fmt: skip
@@ -42,6 +47,8 @@ class Outcome:
     number : int
     counts : mapping of int to int
         Points of each regime.
+    verdicts : mapping of int to int
+        Points by whether their steps meet the accuracy.
     evaluated : int
         Points that were computed, not inferred.
     fault : str
@@ -52,6 +59,7 @@ class Outcome:
 
     number: int
     counts: Mapping[int, int] = field(default_factory=dict)
+    verdicts: Mapping[int, int] = field(default_factory=dict)
     evaluated: int = 0
     fault: str = ""
     stop: bool = False
@@ -67,6 +75,8 @@ class Job:
         The store.
     coarse : int
         Spacing of the first lattice of `refine`; 0: every point is computed.
+    sections : bool
+        Whether the section of every point is kept.
     kernel : str
         `kernel_hash` of the process that began; a worker with another one refuses.
     """
@@ -76,6 +86,7 @@ class Job:
     space: Space
     labelling: Labelling
     coarse: int
+    sections: bool
     kernel: str
 
     @cached_property
@@ -127,20 +138,23 @@ class Job:
     def _label(self, index: tuple[NDArray[np.intp], ...]) -> xr.Dataset:
         columns = self.space.columns(index)
         measured, _ = self.labelling.measure(self.system, columns)
-        return points_dataset(self.system, columns, measured)
+        return points_dataset(self.system, columns, measured, sections=self.sections)
 
 
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
-    """What must agree for a cell to be left alone: regime, how the run ended, and the number of T."""
+    """What must agree for a cell to be left alone: regime, how the run ended, and the period, in T and in common periods."""
     return np.asarray(
         ds["regime"].values.astype(np.int64) + 10 * ds["status"].values.astype(np.int64)
-        + 100 * ds["period_T"].values.astype(np.int64)
+        + 100 * ds["period_common"].values.astype(np.int64) + 10**8 * ds["period_T"].values.astype(np.int64)
     )  # fmt: skip
 
 
 def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
     inferred = out[EVALUATION] == Evaluation.inferred
-    for name, code in (("regime", labels % 10), ("status", labels // 10 % 10), ("period_T", labels // 100)):
+    for name, code in (
+        ("regime", labels % 10), ("status", labels // 10 % 10), ("period_common", labels // 100 % 10**6),
+        ("period_T", labels // 10**8),
+    ):  # fmt: skip
         out[name][inferred] = code[inferred]
 
 
@@ -162,9 +176,8 @@ def attempt(job: Job, number: int) -> Outcome:
         except Exception as error:
             fault = f"{type(error).__name__}: {error}"
         else:
-            values, counts = np.unique(data["regime"], return_counts=True)
-            evaluated = int((data[EVALUATION] == Evaluation.computed).sum())
-            return Outcome(number, dict(zip(values.tolist(), counts.tolist(), strict=True)), evaluated)
+            regimes, verdicts, origins = (counts_of(data[name]) for name in ("regime", "step_verdict", EVALUATION))
+            return Outcome(number, regimes, verdicts, origins.get(Evaluation.computed, 0))
     return Outcome(number, fault=fault)
 
 
@@ -186,28 +199,45 @@ def in_threads(job: Job, numbers: Iterable[int], workers: int) -> Iterator[Outco
         pool.shutdown(cancel_futures=True)
 
 
-def in_dask(job: Job, numbers: Iterable[int], cluster: Any) -> Iterator[Outcome]:
-    """Compute chunks on a Dask cluster.
+@contextmanager
+def connected(cluster: Any) -> Iterator[Any]:
+    """A client of a Dask cluster; None where there is none.
 
     Parameters
     ----------
-    cluster : str, Cluster or Client
-        Address of a scheduler, a cluster object (of dask-jobqueue, for example), or a client.
+    cluster : str, Cluster, Client or None
+        Address of a scheduler, a cluster object (of dask-jobqueue, for example), or a client, which stays open.
+    """
+    if cluster is None:
+        yield None
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        raise OutputError("Dask is not installed: pip install 'whirlmap[dask]'") from None
+    if isinstance(cluster, Client):
+        yield cluster
+        return
+    try:
+        client = Client(cluster, timeout=CONNECT)
+    except (OSError, ValueError) as error:
+        raise OutputError(f"no Dask scheduler answers at {cluster}: {error}") from None
+    try:
+        yield client
+    finally:
+        client.close()
+
+
+def in_dask(job: Job, numbers: Iterable[int], client: Any) -> Iterator[Outcome]:
+    """Compute chunks on the workers of a Dask client; those of workers that die are computed by others.
 
     Notes
     -----
     The job goes out as the result of a task, which the scheduler makes again should the workers that hold it die. A chunk
     whose workers died more often than ``distributed.scheduler.allowed-failures`` (3) has failed.
     """
-    try:
-        from distributed import Client, KilledWorker, as_completed
-    except ImportError:
-        raise OutputError("Dask is not installed: pip install 'whirlmap[dask]'") from None
-    own = not isinstance(cluster, Client)
-    try:
-        client = Client(cluster) if own else cluster
-    except (OSError, ValueError) as error:
-        raise OutputError(f"no Dask scheduler answers at {cluster}: {error}") from None
+    from distributed import KilledWorker, as_completed
+
     left = iter(numbers)
     try:
         shared = client.submit(_same, job, pure=False)
@@ -224,16 +254,13 @@ def in_dask(job: Job, numbers: Iterable[int], cluster: Any) -> Iterator[Outcome]
             future = next(waiting)
             number = names.pop(future.key)
             if future.status in ("cancelled", "lost"):
-                raise OutputError(f"the Dask scheduler {client.scheduler_info().get('address', '')} is gone")
+                raise OutputError(f"the Dask scheduler is gone, and with it chunk {number}{GO_ON}")
             try:
                 yield future.result()
             except KilledWorker as error:
                 yield Outcome(number, fault=f"its workers died, again and again: {error}")
     except (OSError, TimeoutError) as error:
-        raise OutputError(f"the Dask scheduler is gone: {error}") from None
-    finally:
-        if own:
-            client.close()
+        raise OutputError(f"the Dask scheduler is gone ({type(error).__name__}){GO_ON}") from None
 
 
 def _same(job: Job) -> Job:

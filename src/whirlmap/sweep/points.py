@@ -253,8 +253,10 @@ def label_points(
     return with_attributes(ds, attributes | {"accuracy_not_met": doubtful(ds["step_verdict"].values) or None})
 
 
-def points_dataset(system: System, columns: Mapping[str, Array], measured: Measured) -> xr.Dataset:
-    """Dataset of measured points over ``point``, without their section, and without attributes of its own."""
+def points_dataset(
+    system: System, columns: Mapping[str, Array], measured: Measured, *, sections: bool = False
+) -> xr.Dataset:
+    """Dataset of measured points over ``point``, with their sections or without, and no attributes of its own."""
     model, extremes = system.model, measured.returns.extremes
     rows = [*system.states, *model.outputs]
     data = point_variables("point", measured) | extreme_variables("point", measured)
@@ -266,6 +268,10 @@ def points_dataset(system: System, columns: Mapping[str, Array], measured: Measu
         for name, column in columns.items()
     }
     coords["quantity"] = names_coordinate("quantity", rows, "state or output")
+    if sections:
+        data["section"] = section_variable("point", system, measured)
+        coords["period"] = ("period", np.arange(1, measured.returns.section.shape[0] + 1), {"long_name": "T"})
+        coords["state"] = names_coordinate("state", system.states, "state")
     bearings = [name for name in model.outputs if name.startswith(ECCENTRICITY)]
     if bearings:
         largest = extremes["maximum"][[rows.index(name) for name in bearings]].T
@@ -275,6 +281,14 @@ def points_dataset(system: System, columns: Mapping[str, Array], measured: Measu
         names = [name.removeprefix(ECCENTRICITY) for name in bearings]
         coords["bearing"] = names_coordinate("bearing", names, "bearing")
     return xr.Dataset(data, coords)
+
+
+def section_variable(dim: str, system: System, measured: Measured) -> Any:
+    """Section of every point."""
+    return variable(
+        (dim, "period", "state"), measured.returns.section.transpose(2, 0, 1), "1", "section point, once per T",
+        unit_of_each=" ".join(s.unit for s in system.model.states),
+    )  # fmt: skip
 
 
 def point_variables(dim: str, measured: Measured) -> dict[str, Any]:

@@ -169,15 +169,34 @@ def chunk_size(space: Space, model: Model, points: int) -> tuple[int, ...]:
 
     A chunk is long in a dimension that shares tables: each value of a parameter with tables costs their making.
     """
-    tabled = table_parameters(model)
-    dims, shape = space.dims, space.shape
-    costly = [d in tabled or (d == DRAW and bool(tabled & set(space.tolerances))) for d in dims]
+    dims, shape, costly = space.dims, space.shape, costly_dimensions(space, model)
     size, left = [1] * len(dims), max(points, 1)
     for k in sorted(range(len(dims)), key=lambda k: costly[k]):
         pieces = -(-shape[k] // min(shape[k], left))
         size[k] = -(-shape[k] // pieces)
         left = max(left // size[k], 1)
     return tuple(size)
+
+
+def costly_dimensions(space: Space, model: Model) -> list[bool]:
+    """Which dimensions have a table to be made for every value."""
+    tabled = table_parameters(model)
+    return [d in tabled or (d == DRAW and bool(tabled & set(space.tolerances))) for d in space.dims]
+
+
+def pilot_points(space: Space, model: Model, count: int, tables: int = 4) -> tuple[NDArray[np.intp], ...]:
+    """About so many points spread over a space, as their index along each dimension, with few tables among them.
+
+    Chunks hold few tables too: points that had one each would say that all are slow.
+    """
+    costly = costly_dimensions(space, model)
+    shapes = [tuple(n for n, c in zip(space.shape, costly, strict=True) if c == kind) for kind in (True, False)]
+    most = (tables, -(-count // tables)) if shapes[0] else (1, count)
+    at = [
+        np.unique(np.linspace(0, prod(s) - 1, min(n, prod(s))).astype(np.int64)) for s, n in zip(shapes, most, strict=True)
+    ]
+    outer, inner = (iter(np.unravel_index(flat, s) if s else ()) for flat, s in zip(at, shapes, strict=True))
+    return tuple(np.repeat(next(outer), at[1].size) if c else np.tile(next(inner), at[0].size) for c in costly)
 
 
 def table_parameters(model: Model) -> set[str]:

@@ -16,9 +16,10 @@ is forced to the disk: what a power failure tears does not fit its receipt, and 
 
 import json
 import shutil
+import threading
 import warnings
 from collections import Counter
-from collections.abc import Iterable, Mapping
+from collections.abc import Container, Iterable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
@@ -45,6 +46,9 @@ CHUNKS, MANIFEST = "chunks", "manifest"
 REASON = 1000
 #: Of the arrays of a store, those that are no results of points.
 EVALUATION = "evaluation"
+
+#: Filters of warnings are the process's, not the thread's.
+_QUIET = threading.Lock()
 
 
 class Evaluation(IntEnum):
@@ -183,17 +187,26 @@ class Store:
         """Count the values of an array, ``regime`` or ``evaluation``, over chunks."""
         counted: Counter[int] = Counter()
         for number in numbers:
-            values, counts = np.unique(np.asarray(self.arrays[name][self.chunks.box(number)]), return_counts=True)
-            counted.update(dict(zip(values.tolist(), counts.tolist(), strict=True)))
+            counted.update(counts_of(np.asarray(self.arrays[name][self.chunks.box(number)])))
         return counted
 
-    def sweep_away(self) -> int:
-        """Delete what killed processes left half-written; returns how many files that were."""
+    def sweep_away(self, numbers: Container[int] | None = None) -> int:
+        """Delete what killed processes left half-written, of some chunks or of all; returns how many files that were."""
         count = 0
         for path in self.folder.rglob("*.partial"):
-            path.unlink(missing_ok=True)
-            count += 1
+            if numbers is None or self._chunk_of(path) in numbers:
+                path.unlink(missing_ok=True)
+                count += 1
         return count
+
+    def _chunk_of(self, path: Path) -> int:
+        """Number of the chunk that a file belongs to; -1 where it belongs to none."""
+        parts = path.relative_to(self.folder).parts
+        place = parts.index("c") + 1 if "c" in parts else len(parts)
+        cell = [part.partition(".")[0] for part in parts[place : place + len(self.chunks.grid)]]
+        if len(cell) < len(self.chunks.grid) or not all(part.isdigit() for part in cell):
+            return -1
+        return int(np.ravel_multi_index([int(part) for part in cell], self.chunks.grid))
 
     def open(self) -> xr.Dataset:
         """Open as a Dataset, its arrays still on the disk."""
@@ -252,7 +265,7 @@ def create(
         "reason", shape=(*chunks.grid, REASON), chunks=(*one, REASON), dtype="u1", fill_value=0,
         dimension_names=(*places, "letter"), attributes={"units": "1", "long_name": "why a chunk failed, as text"},
     )  # fmt: skip
-    with warnings.catch_warnings():  # Zarr v3 does not define this yet; without it xarray complains at every opening
+    with _QUIET, warnings.catch_warnings():  # Zarr v3 does not define this yet; without it xarray complains at every opening
         warnings.filterwarnings("ignore", message="Consolidated metadata")
         zarr.consolidate_metadata(trial)
     try:
@@ -308,6 +321,12 @@ def _content(path: Path) -> Any:
     for name in PASSING:
         content.get("attributes", {}).pop(name, None)
     return content
+
+
+def counts_of(values: NDArray[Any]) -> dict[int, int]:
+    """How often each value occurs."""
+    found, counts = np.unique(values, return_counts=True)
+    return dict(zip(found.tolist(), counts.tolist(), strict=True))
 
 
 def variable_of(values: xr.DataArray) -> tuple[Any, ...]:

@@ -1,0 +1,78 @@
+"""What a store was made of, and whether a run may go on with it."""
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from whirlmap.errors import OutputError
+from whirlmap.integrate.loading import pieces
+from whirlmap.results.files import check_writable
+from whirlmap.results.provenance import as_json
+from whirlmap.sweep.executors import Job
+from whirlmap.sweep.store import exists, half_made, remove
+from whirlmap.version import __version__
+
+#: Format of the manifest.
+FORMAT = 1
+
+
+def claim(folder: Path, *, resume: bool, force: bool) -> None:
+    """Refuse a place for a store before anything is computed, and clear it where it is to be replaced."""
+    if exists(folder) and not (resume or force):
+        raise OutputError(
+            f"{folder}: holds a store already; --resume (resume=True) goes on with it, --force (force=True) replaces it"
+        )
+    if folder.is_dir() and any(folder.iterdir()) and not exists(folder) and not half_made(folder):
+        raise OutputError(f"{folder}: holds files that are no store of a sweep; choose another name")
+    check_writable(folder, force=True)
+    if force and folder.is_dir() and any(folder.iterdir()):
+        remove(folder)
+
+
+def manifest_of(job: Job) -> dict[str, Any]:
+    """What a store was made of: whatever decides its numbers, in words that can be compared and read."""
+    own = pieces(job.system)
+    s, labelling = asdict(job.labelling.settling), job.labelling
+    parameters = {name: entry["value"] for name, entry in own.parameters.items() if name not in job.space.names}
+    return {
+        "format": FORMAT,
+        "whirlmap_version": __version__,
+        "kernel": job.kernel,
+        "model": own.model,
+        "model_hash": own.model_hash,
+        "parameters": json.loads(as_json(parameters)),
+        "switches": dict(own.switches),
+        "start": dict(own.start),
+        **job.space.described(),
+        **{f"settling {name}": value for name, value in s.items()},
+        "lyapunov": labelling.lyapunov,
+        "steps": labelling.steps,
+        "accuracy": labelling.accuracy,
+        "method": labelling.method,
+        "refined from": job.coarse,
+        "sections": job.sections,
+    }
+
+
+def refuse_other(folder: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
+    """Refuse a store that was made of something else, saying what differs."""
+    differ = []
+    for name, value in wanted.items():
+        other = found.get(name)
+        if isinstance(value, dict) and isinstance(other, dict):
+            differ += [(k, other.get(k), value.get(k)) for k in {**other, **value} if other.get(k) != value.get(k)]
+        elif other != value:
+            differ.append((name, other, value))
+    differ += [(name, value, None) for name, value in found.items()
+               if name.startswith(("values of ", "tolerance of ", "draws")) and name not in wanted]  # fmt: skip
+    if differ:
+        lines = "".join(f"\n  {name}: the store has {_short(a)}, this run {_short(b)}" for name, a, b in differ[:8])
+        more = f"\n  and {len(differ) - 8} more" if len(differ) > 8 else ""
+        raise OutputError(f"{folder}: holds another sweep; --force replaces it, or choose another name{lines}{more}")
+
+
+def _short(value: Any) -> str:
+    text = "nothing" if value is None else str(value)
+    return text if len(text) < 64 else f"{text[:12]}..."
