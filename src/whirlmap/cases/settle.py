@@ -12,7 +12,6 @@ a lower
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import islice, product
 from typing import Any
 
 from whirlmap.cases.case import Case, Layer
@@ -176,7 +175,7 @@ class _Work:
         """Refuse a symbol that the model does not know, or does not read with these switches."""
         if given.name in self.read:
             return
-        if given.name in self._anywhere():
+        if given.name in self.family.symbols():
             if not strict:
                 return
             chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
@@ -191,17 +190,6 @@ class _Work:
             f"{given.where}: {self.family.name} has no symbol {given.name!r}.{nearest(given.name, known)}\n  "
             + "\n  ".join(lines)
         )
-
-    def _anywhere(self) -> frozenset[str]:
-        """Symbols of the family's models for every choice of switches."""
-        found = {p.name for p in self.model.parameters}
-        for choices in islice(product(*self.family.switches.values()), 64):
-            try:
-                model = self.family.model(**dict(zip(self.family.switches, choices, strict=True)))
-            except ModelError:  # a combination that the family itself refuses
-                continue
-            found |= {p.name for p in model.parameters}
-        return frozenset(found)
 
     def settled(self, case: Case) -> Settled:
         """Evaluate groups and defaults."""
