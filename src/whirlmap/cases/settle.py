@@ -142,8 +142,7 @@ class _Work:
             return
         if not fed:
             if by_hand:
-                chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
-                raise CaseError(f"{given.name} has no effect on {self.family.name} with {chosen}")
+                raise CaseError(f"{given.name} has no effect on {self._unread(given.name)}")
             return
         free = self.groups.fed_by(given.name, self.switches, beside)
         if free & self.read:
@@ -178,8 +177,7 @@ class _Work:
         if given.name in self.family.symbols():
             if not strict:
                 return
-            chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
-            raise CaseError(f"{given.where}: {self.family.name} with {chosen} does not read {given.name!r}")
+            raise CaseError(f"{given.where}: " + self._unread(given.name, f" does not read {given.name!r}"))
         parameters = [p.name for p in self.model.parameters if p.name in self.read]
         inputs = [q.name for q in self.groups.inputs] if self.groups else []
         known = [*parameters, *inputs, *self.family.switches]
@@ -190,6 +188,27 @@ class _Work:
             f"{given.where}: {self.family.name} has no symbol {given.name!r}.{nearest(given.name, known)}\n  "
             + "\n  ".join(lines)
         )
+
+    def _unread(self, name: str, verb: str = "") -> str:
+        """Name the model with the switches that count, and a change of one that would make it read a name."""
+        reader = self._reader(name)
+        count = [k for k, v in self.switches.items() if v != self.family.switches[k][0] or (reader and k == reader[0])]
+        chosen = f" with {', '.join(f'{k} = {self.switches[k]}' for k in count)}" if count else ""
+        hint = f"; {reader[0]} = {reader[1]} {'does' if verb else 'reads it'}" if reader else ""
+        return f"{self.family.name}{chosen}{verb}{hint}"
+
+    def _reader(self, name: str) -> tuple[str, str] | None:
+        """Find a switch whose change would make the model read a symbol or an input."""
+        for switch, choices in self.family.switches.items():
+            for choice in choices:
+                try:
+                    model = self.family.model(**{**self.switches, switch: choice})
+                except ModelError:
+                    continue
+                fed = self.groups.fed_by(name, model.switches) if self._input(name) and self.groups else frozenset()
+                if ({name} | fed) & {p.name for p in model.read()}:
+                    return switch, choice
+        return None
 
     def settled(self, case: Case) -> Settled:
         """Evaluate groups and defaults."""

@@ -12,6 +12,7 @@ from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.regime import regime
 from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
@@ -98,6 +99,8 @@ def bifurcation_diagram(
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     if not 0 <= lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
+    if lyapunov:
+        refuse_jumps(system.model, "a Lyapunov exponent")
     run = _Run(system, parameter, settling, lyapunov, steps, accuracy, method, workers, progress)
     if follow is None:
         measured, ensemble = run.cold(points)
