@@ -14,9 +14,9 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
-from whirlmap.cases.case import Case, Layer
+from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
-from whirlmap.equations.groups import value_of
+from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, ModelError, nearest
@@ -82,7 +82,12 @@ def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
     switches = dict(model.switches) or {**case.switches, **picked}
     if family.groups:
         switches = {**{name: choices[0] for name, choices in family.switches.items()}, **switches}
-    asked: Layer = {name: v if isinstance(v, Given) else Given(name, v) for name, v in changes.items()}
+    asked: dict[str, Given] = {}
+    for name, value in changes.items():
+        for given in spread(value if isinstance(value, Given) else Given(name, value), family):
+            if given.name in asked:
+                raise CaseError(f"found {given.name} given twice, as {asked[given.name].written} and {given.written}")
+            asked[given.name] = given
     work = _Work(family, model, switches)
     for number, layer in enumerate(case.layers, start=1):
         suits = {n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}
@@ -111,6 +116,7 @@ class _Work:
         self.given_inputs: dict[str, Given] = {}
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
+        self.routes: dict[str, Route] = {}
 
     def add(self, layer: Layer, *, by_hand: bool, strict: bool) -> None:
         """Put a layer on top.
@@ -124,6 +130,7 @@ class _Work:
             if name in self.read:
                 self.explicit[name] = given
                 self.values[name] = self._number(given, self.model.parameter(name))
+        self._choose_routes(layer)
         for name, given in layer.items():
             parameter = self._input(name)
             if parameter:
@@ -131,20 +138,84 @@ class _Work:
                 self.given_inputs[name] = given
                 self._give_way(given, frozenset(symbols), by_hand=by_hand)
 
+    def _choose_routes(self, layer: Layer) -> None:
+        """Take the way in which a layer gives an input, and forget how the layers below gave it."""
+        for target in dict.fromkeys(r.target.name for r in self.groups.routes) if self.groups else ():
+            assert self.groups
+            routes = {r.key: r for r in self.groups.routes if r.target.name == target}
+            ways = [name for name in (target, *routes) if name in layer]
+            if len(ways) > 1:
+                raise CaseError(
+                    f"{layer[ways[1]].where}: found {' and '.join(ways)} given together, but each of them says what {target}"
+                    f" is ({routes[ways[1]].target.meaning}); expected one of them"
+                )
+            for name in (target, *routes) if ways else ():
+                self.inputs.pop(name, None)
+                self.given_inputs.pop(name, None)
+            if ways:
+                self.routes.pop(target, None)
+                if ways[0] != target:
+                    self.routes[target] = routes[ways[0]]
+
+    def _follow_routes(self, case: Case) -> None:
+        """Evaluate inputs that are given in another way."""
+        for target, route in self.routes.items():
+            missing = [q.name for q in route.reads if q.name not in self.inputs]
+            if missing:
+                raise CaseError(
+                    f"{self.given_inputs[route.key].where}: {target} is to follow from {route.key} by {route.rule}, which"
+                    f" also needs {', '.join(missing)}; {case.name} does not give {'it' if len(missing) == 1 else 'them'}"
+                )
+            try:
+                value = Fraction(route.follow(*(self.inputs[q.name] for q in route.reads)))
+            except CaseError as error:
+                raise CaseError(f"{self.given_inputs[route.key].where}: {error}") from None
+            written = [self.given_inputs[q.name] for q in route.reads]
+            self.inputs[target] = value
+            self.given_inputs[target] = Given(
+                target, f"{float(value):.6g}", route.target.unit,
+                f"follows: {', '.join(f'{g.name} = {g.written}' for g in written)}; {route.rule}",
+            )  # fmt: skip
+
+    def _idle(self, name: str) -> bool:
+        """Whether an input serves ways of giving others alone, none of which is taken."""
+        if not self.groups or name in self.groups.operation:
+            return False
+        serving = [r for r in self.groups.routes if name in {q.name for q in r.reads}]
+        if not serving or any(self.routes.get(r.target.name) is r for r in serving):
+            return False
+        others = [{**self.switches, k: choice} for k, choices in self.family.switches.items() for choice in choices]
+        return not any(name in reads for switches in others for reads in self.groups.reads(switches).values())
+
+    def _fed(
+        self, name: str, explicit: frozenset[str] = frozenset(), switches: Mapping[str, str] | None = None
+    ) -> frozenset[str]:
+        """Parameters that change with an input."""
+        assert self.groups
+        return self.groups.fed_by(name, switches or self.switches, explicit, self.routes.values())
+
     def _input(self, name: str) -> Parameter | None:
         return self.groups.input(name) if self.groups else None
 
     def _give_way(self, given: Given, beside: frozenset[str], *, by_hand: bool) -> None:
         """Rule 2 of the module."""
         assert self.groups
-        fed = self.groups.fed_by(given.name, self.switches) & self.read
-        if self.groups.fed_by(given.name, self.switches, frozenset(self.explicit)) & self.read:
+        if by_hand and self._idle(given.name):
+            served = next(r for r in self.groups.routes if given.name in {q.name for q in r.reads})
+            raise CaseError(
+                f"{given.name} has no effect: {served.target.name} is not given by {served.key} here, but itself or in"
+                " another way"
+            )
+        if given.name in self.groups.operation:
+            by_hand = False
+        fed = self._fed(given.name) & self.read
+        if self._fed(given.name, frozenset(self.explicit)) & self.read:
             return
         if not fed:
             if by_hand:
                 raise CaseError(f"{given.name} has no effect on {self._unread(given.name)}")
             return
-        free = self.groups.fed_by(given.name, self.switches, beside)
+        free = self._fed(given.name, beside)
         if free & self.read:
             for name in free & self.explicit.keys():
                 del self.explicit[name], self.values[name]
@@ -205,7 +276,7 @@ class _Work:
                     model = self.family.model(**{**self.switches, switch: choice})
                 except ModelError:
                     continue
-                fed = self.groups.fed_by(name, model.switches) if self._input(name) and self.groups else frozenset()
+                fed = self._fed(name, switches=model.switches) if self._input(name) else frozenset()
                 if ({name} | fed) & {p.name for p in model.read()}:
                     return switch, choice
         return None
@@ -214,6 +285,10 @@ class _Work:
         """Evaluate groups and defaults."""
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
+        self._follow_routes(case)
+        for check in self.groups.checks if self.groups else ():
+            if fault := check(self.inputs):
+                raise CaseError(f"{case.name}: {fault}")
         known = {**self.inputs, **self.values}
         expressions = self.groups.expressions(self.switches) if self.groups else {}
         later = []
@@ -243,7 +318,7 @@ class _Work:
     def _shown_inputs(self) -> dict[str, Input]:
         shown = {}
         for q in self.groups.inputs if self.groups else ():
-            if q.name in self.inputs and not self._replaced(q.name):
+            if q.name in self.inputs and not self._replaced(q.name) and not self._idle(q.name):
                 given = self.given_inputs[q.name]
                 shown[q.name] = Input(q, float(self.inputs[q.name]), given.written, given.note)
         return shown
@@ -255,8 +330,8 @@ class _Work:
     def _replaced(self, name: str) -> bool:
         """Whether an input changes nothing because the symbols that it feeds are given themselves."""
         assert self.groups
-        fed = self.groups.fed_by(name, self.switches) & self.read
-        return bool(fed) and not self.groups.fed_by(name, self.switches, frozenset(self.explicit)) & self.read
+        fed = self._fed(name) & self.read
+        return bool(fed) and not self._fed(name, frozenset(self.explicit)) & self.read
 
     def _follow(self, p: Parameter, known: Mapping[str, Any], case: Case) -> tuple[float | Fraction, str]:
         assert self.groups
