@@ -18,23 +18,26 @@ def written(tmp_path, text, base="gear-psfd/machine"):
     return settle(read(file))
 
 
+def entry(name, value, unit=None):
+    """A line of a case file."""
+    beside = f', unit = "{unit}"' if unit else ""
+    return f'{name} = {{ value = {value}{beside}, assumed = "test" }}\n'
+
+
 # --- how they are written ----------------------------------------------------------------------------------
 
 
 def test_tables_and_shared_names_say_the_same_as_symbols(tmp_path):
     """Values that repeat at each bearing are written once."""
-    short = '[bearings]\nR = { value = 28, unit = "mm", assumed = "test" }\n[shafts]\nK = { value = 5e6, unit = "N/m", assumed = "x" }'
-    long = "".join(
-        f'{n} = {{ value = {v}, unit = "{u}", assumed = "test" }}\n'
-        for n, v, u in (("R_1", 28, "mm"), ("R_2", 28, "mm"), ("K_p", 5e6, "N/m"), ("K_g", 5e6, "N/m"))
-    )
+    short = "[bearings]\n" + entry("R", 28, "mm") + "[shafts]\n" + entry("K", 5e6, "N/m")
+    long = entry("R_1", 28, "mm") + entry("R_2", 28, "mm") + entry("K_p", 5e6, "N/m") + entry("K_g", 5e6, "N/m")
     one, other = written(tmp_path, short), written(tmp_path, long)
     assert one.values == other.values
     assert one.inputs["R_1"].value == one.inputs["R_2"].value == 0.028
 
 
 def test_switches_in_a_table_leave_their_names_to_tables(tmp_path):
-    made = written(tmp_path, '[switches]\nsuspension = "linear"\n[suspension]\nm_h = { value = 7, unit = "kg", assumed = "t" }')
+    made = written(tmp_path, '[switches]\nsuspension = "linear"\n[suspension]\n' + entry("m_h", 7, "kg"))
     assert made.switches["suspension"] == "linear"
     assert made.inputs["m_1"].value == made.inputs["m_2"].value == 7.0
 
@@ -53,7 +56,8 @@ def test_the_oil_follows_from_its_grade():
     assert "VG = 32" in made.inputs["mu"].note
     assert "ASTM D341" in made.inputs["mu"].note
     hot = settle(read(TURBO), {"T_oil": "90 degC"})
-    assert hot.values["Gamma_1"] / made.values["Gamma_1"] == pytest.approx(by_grade(32, 100, 90, 845) / by_grade(32, 100, 65, 845))
+    thinner = by_grade(32, 100, 90, 845) / by_grade(32, 100, 65, 845)
+    assert hot.values["Gamma_1"] / made.values["Gamma_1"] == pytest.approx(thinner)
     plain = settle(read(TURBO), {"mu": "0.02 Pa*s"})
     assert plain.inputs["mu"].value == 0.02
     assert "VG" not in plain.inputs
@@ -144,28 +148,27 @@ def test_a_damper_is_the_film_of_newtons_law_with_a_cage():
 # --- machines that cannot be -------------------------------------------------------------------------------
 
 BAD = [
-    ('[bearings]\nc = { value = -50, unit = "um", assumed = "t" }', "must be above 0"),
-    ('[pinion]\nz_p = { value = 0, assumed = "t" }', "must be above 0"),
-    ('[pinion]\nz_p = { value = 20.5, assumed = "t" }', "must be a whole number"),
-    ('psi = { value = -1e-3, assumed = "t" }', "psi.*must be at least 0"),
-    ('[bearings]\nR = { value = 25, assumed = "t" }', "without a unit"),
-    ('[bearings]\nR = { value = 25, unit = "kg", assumed = "t" }', "expected a unit such as m"),
-    ('[operation]\nspeed_min = { value = -500, unit = "rpm", assumed = "t" }\nspeed_max = { value = 500, unit = "rpm", assumed = "t" }',
+    ("[bearings]\n" + entry("c", -50, "um"), "must be above 0"),
+    ("[pinion]\n" + entry("z_p", 0), "must be above 0"),
+    ("[pinion]\n" + entry("z_p", 20.5), "must be a whole number"),
+    (entry("psi", -1e-3), "psi.*must be at least 0"),
+    ("[bearings]\n" + entry("R", 25), "without a unit"),
+    ("[bearings]\n" + entry("R", 25, "kg"), "expected a unit such as m"),
+    ("[operation]\n" + entry("speed_min", -500, "rpm") + entry("speed_max", 500, "rpm"),
      "speed_min: found -500 rpm, which must be above 0"),
-    ('[operation]\nspeed_min = { value = 900, unit = "rpm", assumed = "t" }\nspeed_max = { value = 500, unit = "rpm", assumed = "t" }',
+    ("[operation]\n" + entry("speed_min", 900, "rpm") + entry("speed_max", 500, "rpm"),
      "speed_min = 900 rpm and speed_max = 500 rpm"),
-    ('[unbalance]\nG_p = { value = 2.5, unit = "mm/s", assumed = "t" }\nU_p = { value = 5, unit = "g*mm", assumed = "t" }',
-     "U_p and G_p given together|G_p and U_p given together"),
-    ('[lubricant]\nmu = { value = 0.02, unit = "Pa*s", assumed = "t" }\nVG = { value = 46, assumed = "t" }', "mu and VG given together"),
-    ('[lubricant]\nVG = { value = 46, assumed = "t" }', "also needs VI, T_oil, rho"),
-    ('[lubricant]\nVG = { value = 40, assumed = "t" }\nVI = { value = 95, assumed = "t" }\nT_oil = { value = 60, unit = "degC", assumed = "t" }'
-     '\nrho = { value = 860, unit = "kg/m^3", assumed = "t" }', "nearest is 46"),
-    ('[unbalance]\nG_p = { value = 2.5, unit = "mm/s", assumed = "t" }', "also needs speed_max"),
-    ('[bearings]\nR = { value = 25, unit = "mm", assumed = "t" }\nR_2 = { value = 26, unit = "mm", assumed = "t" }', "R_2 given twice"),
-    ('[bearings]\nm_p = { value = 25, unit = "kg", assumed = "t" }', r"found m_p in \[bearings\], expected it in \[pinion\]"),
-    ('[bearing]\nR = { value = 25, unit = "mm", assumed = "t" }', r"unknown table \[bearing\].*bearings"),
-    ('suspension = "linear"\n[suspension]\nm_h = { value = 7, unit = "kg", assumed = "t" }', r"write the switch in a table \[switches\]"),
-    ('[switches]\nmesh = "lin"', "expected one of isotropic | line"),
+    ("[unbalance]\n" + entry("G_p", 2.5, "mm/s") + entry("U_p", 5, "g*mm"), "U_p and G_p given together"),
+    ("[lubricant]\n" + entry("mu", 0.02, "Pa*s") + entry("VG", 46), "mu and VG given together"),
+    ("[lubricant]\n" + entry("VG", 46), "also needs VI, T_oil, rho"),
+    ("[lubricant]\n" + entry("VG", 40) + entry("VI", 95) + entry("T_oil", 60, "degC") + entry("rho", 860, "kg/m^3"),
+     "nearest is 46"),
+    ("[unbalance]\n" + entry("G_p", 2.5, "mm/s"), "also needs speed_max"),
+    ("[bearings]\n" + entry("R", 25, "mm") + entry("R_2", 26, "mm"), "R_2 given twice"),
+    ("[bearings]\n" + entry("m_p", 25, "kg"), r"found m_p in \[bearings\], expected it in \[pinion\]"),
+    ("[bearing]\n" + entry("R", 25, "mm"), r"unknown table \[bearing\].*bearings"),
+    ('suspension = "linear"\n[suspension]\n' + entry("m_h", 7, "kg"), r"write the switch in a table \[switches\]"),
+    ('[switches]\nmesh = "lin"', "expected one of isotropic"),
     ('mesh = "line"', "F_0.*missing T_p"),
     ('backlash = "dead_zone"', "backlash = dead_zone needs mesh = line"),
 ]  # fmt: skip

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from whirlmap.errors import CaseError
-from whirlmap.models.lubricant import ISO_VG, _TABLE, at_100, by_grade, by_two_points, viscosity_index, walther
+from whirlmap.models.lubricant import _TABLE, ISO_VG, at_100, by_grade, by_two_points, viscosity_index, walther
 
 
 @pytest.mark.parametrize(("nu_40", "nu_100", "index"), [(73.30, 8.86, 92), (22.83, 5.05, 156)])

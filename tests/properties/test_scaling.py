@@ -93,7 +93,7 @@ def test_groups_do_not_depend_on_the_size_of_the_machine(name, mass, length, tim
     before = machine(name)
     changes = dict(MACHINES[name])
     for symbol, here in before.inputs.items():
-        if here.parameter.order or symbol in ABSOLUTE or here.note.startswith("follows") and symbol != "mu":
+        if here.parameter.order or symbol in ABSOLUTE or (here.note.startswith("follows") and symbol != "mu"):
             continue
         m, l, t = powers(here.parameter.unit)
         exact = Fraction(here.value) if symbol == "mu" else number_of(before, symbol)

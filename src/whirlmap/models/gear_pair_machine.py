@@ -15,8 +15,7 @@ from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
 from whirlmap.models import mesh, rub, torsion
-from whirlmap.models.operation import OPERATION, T_oil, VG, VI, limit, nu_40, nu_100, range_fault, rho, speed_max, speed_min
-from whirlmap.models.operation import viscosity_routes
+from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, speed_max, viscosity_routes
 
 z_p = Parameter("z_p", "1", "teeth of the pinion", above=0, order=True)
 z_g = Parameter("z_g", "1", "teeth of the gear", above=0, order=True)
@@ -79,9 +78,9 @@ SECTIONS = {
     "bearings": (c, R_1, L_1, R_2, L_2, H, Phi, K_r, h_r),
     "dampers": (k_c1, k_c2),
     "suspension": (m_1, m_2, k_11, k_21, k_12, k_22, c_1, c_2),
-    "lubricant": (mu, VG, VI, nu_40, nu_100, T_oil, rho),
+    "lubricant": (mu, *LUBRICANT),
     "unbalance": (e_up, e_ug, U_p, U_g, G_p, G_g),
-    "operation": (speed, g, speed_min, speed_max, limit),
+    "operation": (speed, g, *OPERATION),
 }
 SHARED = {
     "K": (K_p, K_g), "C": (C_p, C_g), "k_t": (k_tp, k_tg), "c_t": (c_tp, c_tg), "R": (R_1, R_2), "L": (L_1, L_2),
@@ -92,8 +91,7 @@ SHARED = {
 INPUTS = (
     z_p, z_g, m_p, m_g, m_1, m_2, K_p, K_g, C_p, C_g, k_11, k_21, k_12, k_22, c_1, c_2, K_m, C_m,
     e_TE, e_up, e_ug, mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g, T_p, P_t, module, alpha, beta_c, j_n,
-    J_p, J_g, k_tp, k_tg, c_tp, c_tg, k_c1, k_c2, K_r, h_r, U_p, U_g, G_p, G_g, VG, VI, nu_40, nu_100, T_oil, rho,
-    *OPERATION,
+    J_p, J_g, k_tp, k_tg, c_tp, c_tg, k_c1, k_c2, K_r, h_r, U_p, U_g, G_p, G_g, *LUBRICANT, *OPERATION,
 )  # fmt: skip
 
 ROUTES = (

@@ -12,8 +12,7 @@ from whirlmap.equations.groups import Groups, Route
 from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import jeffcott as rotor
-from whirlmap.models.operation import OPERATION, T_oil, VG, VI, limit, nu_40, nu_100, range_fault, rho, speed_max, speed_min
-from whirlmap.models.operation import viscosity_routes
+from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, rho, speed_max, viscosity_routes
 
 M = Parameter("M", "kg", "mass of the rotor", above=0)
 K = Parameter("K", "N/m", "stiffness of the shaft at each bearing, half of that at the disc", above=0)
@@ -34,7 +33,7 @@ SECTIONS = {
     "shafts": (K, C),
     "bearings": (R, L, c),
     "dampers": (K_c,),
-    "lubricant": (mu, VG, VI, nu_40, nu_100, T_oil, rho),
+    "lubricant": (mu, *LUBRICANT),
     "unbalance": (e_u, U, G),
     "operation": (speed, g, *OPERATION),
 }
@@ -63,14 +62,19 @@ def groups(switches: Mapping[str, str]) -> dict[Parameter, Expr]:
 
 def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     """Dimensional results: where the rotor runs, and how far the model's assumptions carry."""
+    clock, damper = rotor.s * sqrt(g / c), switches["bearing"] == "damper"
     made = {
         "omega_0": Output(sqrt(g / c), "rad/s", "speed at which s = 1, sqrt(g/c)"),
-        "shaft_speed": Output(rotor.s * sqrt(g / c), "rad/s", "speed of the shaft"),
+        "shaft_speed": Output(clock, "rad/s", "speed of the shaft"),
         "omega_n": Output(sqrt(2 * K / M), "rad/s", "natural frequency of the rotor on rigid bearings"),
         "slenderness": Output(L / (2 * R), "1", "length over diameter of the bearings; short is below 0.25"),
+        "film_inertia": Output(rho * clock * c**2 / mu, "1", "inertia over viscosity in the film, rho omega c^2/mu"),
+        **({} if damper else {
+            "taylor": Output(rho * clock * R * c / mu * sqrt(c / R), "1", "Re sqrt(c/R) of the film; laminar below 41.2"),
+        }),
         "specific_load": Output(W / (2 * R * L), "Pa", "load of a bearing over its projected area"),
-    }
-    if switches["bearing"] == "damper":
+    }  # fmt: skip
+    if damper:
         made |= {
             "omega_cage": Output(sqrt(2 * K_c / M), "rad/s", "natural frequency of the rigid rotor on its squirrel cages"),
             "sag": Output(W / K_c, "m", "sag of the squirrel cages under the weight"),

@@ -21,6 +21,8 @@ nu_100 = Parameter("nu_100", "m^2/s", "kinematic viscosity of the oil at 100 deg
 T_oil = Parameter("T_oil", "degC", "temperature of the film", above=-273.15)
 rho = Parameter("rho", "kg/m^3", "density of the oil at its temperature", latex=r"\rho", above=0)
 
+LUBRICANT = (VG, VI, nu_40, nu_100, T_oil, rho)
+
 
 def viscosity_routes(mu: Parameter) -> tuple[Route, ...]:
     """Ways in which data sheets give the viscosity of an oil."""
