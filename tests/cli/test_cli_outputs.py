@@ -119,6 +119,12 @@ def test_show_lists_inputs_groups_switches_clocks_and_sources():
         assert words in text
 
 
+def test_show_warns_where_a_rotor_strains_its_model():
+    content = json.loads(done("show machines/jeffcott-rig --set 'L=8 mm' --set 'mu=0.004 Pa*s' --set 'speed=6000 rpm' --json").stdout)
+    assert [w.split()[0] for w in content["warnings"]] == ["slenderness", "film_inertia"]
+    assert json.loads(done("show machines/jeffcott-rig --json").stdout)["warnings"] == []
+
+
 def test_show_warns_of_a_damper_that_carries_nothing():
     line = "show gear-psfd/intended --set arc=positive --set j_p=0 --set j_g=0 --json"
     assert any("gravity" in w for w in json.loads(done(line).stdout)["warnings"])
