@@ -58,6 +58,17 @@ def test_shares_and_counts_add_up():
     assert np.all(np.diff(found["event_time"].values) >= 0)
 
 
+def test_a_series_that_crosses_nothing():
+    """A gear pair whose teeth stay together: film tables are not asked for anything."""
+    system = whirlmap.load("machines/turbo-gearbox", backlash="dead_zone")
+    x = np.zeros((5, system.model.dimension))
+    data = xr.Dataset({"x": (("time", "state"), x)}, coords={"time": np.linspace(0, 0.01, 5), "state": list(system.states)})
+    found = switchings(system, data)
+    assert found["event_time"].size == 0
+    assert found["share"].values.tolist() == [1.0, 0.0]
+    assert found["count"].values.tolist() == [0, 0]
+
+
 def test_a_surface_may_move_with_time():
     x, w = State("x", "1", "x"), Parameter("w", "1", "w")
     model = Model("m", (x,), (w,), {x: 0 * x + cos(w * t)}, harmonics=(w,),

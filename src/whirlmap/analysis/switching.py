@@ -87,11 +87,12 @@ def _located(
     rising: NDArray[np.bool_],
 ) -> Array:  # fmt: skip
     """Times of crossings between each given sample and the next."""
+    if not sample.size:
+        return np.empty(0)
     dt = time[sample + 1] - time[sample]
     a, b = x[:, sample], x[:, sample + 1]
     rates = reference_rates(model, tables="read" if model.tables else "exact")
-    at = np.repeat(values[:, None], sample.size, axis=1)
-    fa, fb = dt * rates(time[sample], a, at), dt * rates(time[sample + 1], b, at)
+    fa, fb = dt * rates(time[sample], a, values[:, None]), dt * rates(time[sample + 1], b, values[:, None])
 
     def inside(u: Array) -> NDArray[np.bool_]:
         w = 1 - u
@@ -99,7 +100,7 @@ def _located(
         return np.asarray(_heights(model, values, time[sample] + u * dt, y)[place, np.arange(u.size)] > 0)
 
     low, high = np.zeros(sample.size), np.ones(sample.size)
-    for _ in range(BISECTIONS if sample.size else 0):
+    for _ in range(BISECTIONS):
         middle = (low + high) / 2
         before = inside(middle) != rising
         low, high = np.where(before, middle, low), np.where(before, high, middle)
