@@ -78,7 +78,7 @@ def stiffness_over_mean(stiffness: str, phase: Expr) -> Expr:
         return 1 + sum(v * (c * cos(chi) - s * sin(chi)) for (c, s), (v, chi) in zip(waves, parts, strict=True))
     if stiffness == "rectangular":
         # Two pairs carry for the part CR - 1 of the mesh period. Lanczos factors take away the overshoot of the cut
-        # series (9 % for ever, with them 1 %); the force stays smooth in time, so that steps keep their order.
+        # series (9 % for ever, with them below 2 %); the force stays smooth in time, so that steps keep their order.
         series = [
             sin(pi * n / (TERMS + 1)) * (TERMS + 1) / (pi * n) * 2 / (pi * n) * sin(pi * n * (CR - 1))
             for n in range(1, TERMS + 1)
