@@ -14,6 +14,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from typing import Any
 
+from whirlmap.cases import ways
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
 from whirlmap.equations.groups import Route, value_of
@@ -130,7 +131,8 @@ class _Work:
             if name in self.read:
                 self.explicit[name] = given
                 self.values[name] = self._number(given, self.model.parameter(name))
-        self._choose_routes(layer)
+        if self.groups:
+            self._choose_ways(self.groups.routes, layer)
         for name, given in layer.items():
             parameter = self._input(name)
             if parameter:
@@ -138,44 +140,15 @@ class _Work:
                 self.given_inputs[name] = given
                 self._give_way(given, frozenset(symbols), by_hand=by_hand)
 
-    def _choose_routes(self, layer: Layer) -> None:
+    def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
         """Take the way in which a layer gives an input, and forget how the layers below gave it."""
-        for target in dict.fromkeys(r.target.name for r in self.groups.routes) if self.groups else ():
-            assert self.groups
-            routes = {r.key: r for r in self.groups.routes if r.target.name == target}
-            ways = [name for name in (target, *routes) if name in layer]
-            if len(ways) > 1:
-                raise CaseError(
-                    f"{layer[ways[1]].where}: found {' and '.join(ways)} given together, but each of them says what {target}"
-                    f" is ({routes[ways[1]].target.meaning}); expected one of them"
-                )
-            for name in (target, *routes) if ways else ():
+        for target, route in ways.chosen(routes, layer).items():
+            for name in (target, *(r.key for r in routes if r.target.name == target)):
                 self.inputs.pop(name, None)
                 self.given_inputs.pop(name, None)
-            if ways:
-                self.routes.pop(target, None)
-                if ways[0] != target:
-                    self.routes[target] = routes[ways[0]]
-
-    def _follow_routes(self, case: Case) -> None:
-        """Evaluate inputs that are given in another way."""
-        for target, route in self.routes.items():
-            missing = [q.name for q in route.reads if q.name not in self.inputs]
-            if missing:
-                raise CaseError(
-                    f"{self.given_inputs[route.key].where}: {target} is to follow from {route.key} by {route.rule}, which"
-                    f" also needs {', '.join(missing)}; {case.name} does not give {'it' if len(missing) == 1 else 'them'}"
-                )
-            try:
-                value = Fraction(route.follow(*(self.inputs[q.name] for q in route.reads)))
-            except CaseError as error:
-                raise CaseError(f"{self.given_inputs[route.key].where}: {error}") from None
-            written = [self.given_inputs[q.name] for q in route.reads]
-            self.inputs[target] = value
-            self.given_inputs[target] = Given(
-                target, f"{float(value):.6g}", route.target.unit,
-                f"follows: {', '.join(f'{g.name} = {g.written}' for g in written)}; {route.rule}",
-            )  # fmt: skip
+            self.routes.pop(target, None)
+            if route:
+                self.routes[target] = route
 
     def _idle(self, name: str) -> bool:
         """Whether an input serves ways of giving others alone, none of which is taken."""
@@ -285,7 +258,8 @@ class _Work:
         """Evaluate groups and defaults."""
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
-        self._follow_routes(case)
+        for target, (value, made) in ways.follow(self.routes, self.inputs, self.given_inputs, case.name).items():
+            self.inputs[target], self.given_inputs[target] = value, made
         for check in self.groups.checks if self.groups else ():
             if fault := check(self.inputs):
                 raise CaseError(f"{case.name}: {fault}")
