@@ -13,7 +13,14 @@ from whirlmap.integrate.system import System
 from whirlmap.models import family
 
 RATIOS = {"r_p": 1.0, "r_g": -0.5, "r_m": 20.0, "j_p": 1.0, "j_g": -0.5}
-HARMONICS = ((0.3, 0.4), (-0.2, 1.1), (0.1, -2.0))
+STEP = {"CR": 1.6, "v_m": 0.5, "chi_m": 0.7}
+HARMONICS = {
+    "constant": (),
+    "fourier": ((0.3, 0.4), (-0.2, 1.1), (0.1, -2.0)),
+    "rectangular": tuple(
+        (0.5 * np.sinc(n / 7) * 2 * np.sin(n * np.pi * 0.6) / (n * np.pi), -0.7 * n) for n in range(1, 7)
+    ),
+}  # fmt: skip
 
 
 def random_state(rng, n):
@@ -26,14 +33,14 @@ def random_state(rng, n):
 
 def system(box, s, **switches):
     model = family("gear_pair").model(edition="physical", **switches)
-    groups = {**box.machine.groups(s, **RATIOS), **box.groups()}
+    groups = {**box.machine.groups(s, **RATIOS), **box.groups(), **STEP}
     return System(model, {p.name: groups[p.name] for p in model.parameters})
 
 
 @pytest.mark.parametrize("arc", ["fixed", "positive"])
 @pytest.mark.parametrize(
     ("stiffness", "backlash", "torsion"),
-    list(product(["constant", "fourier"], ["none", "dead_zone"], ["none", "rigid_rotors"])),
+    list(product(HARMONICS, ["none", "dead_zone"], ["none", "rigid_rotors"])),
 )
 def test_right_hand_side_is_newtons_law(stiffness, backlash, torsion, arc):
     rng = np.random.default_rng([21, len(stiffness), len(backlash), len(torsion), len(arc)])
@@ -42,7 +49,7 @@ def test_right_hand_side_is_newtons_law(stiffness, backlash, torsion, arc):
         turning = torsion == "rigid_rotors"
         box = Gearbox(
             T_p=(30.0, -30.0)[n % 2], turning=turning, K_r=2e8, mu_r=0.2, touch=10e-6, k_c1=3e6, k_c2=5e6,
-            play=8e-6 if backlash == "dead_zone" else None, harmonics=HARMONICS if stiffness == "fourier" else (),
+            play=8e-6 if backlash == "dead_zone" else None, harmonics=HARMONICS[stiffness],
         ).scattered(rng)  # fmt: skip
         s, tau = rng.uniform(0.6, 4.0), rng.uniform(0, 50)
         x = random_state(rng, 24 if turning else 20)
