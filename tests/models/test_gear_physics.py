@@ -5,10 +5,11 @@ from itertools import product
 import numpy as np
 import pytest
 from scipy.integrate import quad, solve_ivp
-from sympy import lambdify
+from sympy import lambdify, symbols
 
 from whirlmap.equations import t
 from whirlmap.errors import CaseError, ModelError
+from whirlmap.films.law import plain_fixed_force
 from whirlmap.integrate.system import System
 from whirlmap.models import family, mesh
 from whirlmap.models.gear_pair import BEYOND
@@ -49,6 +50,16 @@ SWITCHED = [
         "centring": "spring", "suspension": "linear",
     },
 ]  # fmt: skip
+
+
+ux, uy, wx, wy = symbols("ux uy wx wy", real=True)
+_FILM = lambdify((ux, uy, wx, wy), plain_fixed_force(ux, uy, wx, wy), "math")
+
+
+def film_force(u, slip, sense):
+    """Plain film with fixed half film, from velocity to force: the other way round than the model uses it."""
+    force = np.array(_FILM(u[0], sense * u[1], slip[0], sense * slip[1]))  # mirrored where the journal turns clockwise
+    return force * (1, sense)
 
 
 class Energy:
@@ -137,23 +148,15 @@ class Energy:
         if "torsion" in self.on:
             come += v["F_0"] / s2 * (q["vqp"] - q["vqg"])
             lost += 2 / v["s"] * (v["xi_tp"] * q["vqp"] ** 2 + v["xi_tg"] * q["vqg"] ** 2)
-        shafts = (q["P"] - q["H1"] - q["u1"], v["kappa_g"] * (q["G"] - q["H2"] - q["u2"]))
-        whirls = []
-        for u, w, shaft, spring, spin in (
-            (q["u1"], u_rates[:2], shafts[0], "kappa_c1", v["j_p"]), (q["u2"], u_rates[2:], shafts[1], "kappa_c2", v["j_g"])
-        ):  # fmt: skip
-            film = np.array(shaft)  # what the film carries: shaft, spring and wall
-            if "centring" in self.on:
-                film -= 2 * v[spring] * u
+        for u, w, Gamma, spin in ((q["u1"], u_rates[:2], "Gamma_1", v["j_p"]), (q["u2"], u_rates[2:], "Gamma_2", v["j_g"])):
+            slip = w - spin / 2 * np.array([-u[1], u[0]])
+            film = v[Gamma] * v["s"] * film_force(u, slip, np.sign(spin))
+            assert film @ slip <= 0, "a film takes energy from the half-speed frame, it never gives any"
+            lost -= film @ w / s2
             eps = np.hypot(*u)
             if "contact" in self.on and eps > v["eps_r"]:
                 N = 2 * v["kappa_r"] * (eps - v["eps_r"])
-                friction = -v["mu_r"] * N * np.sign(spin) * np.array([-u[1], u[0]]) / eps
-                film += -N * u / eps + friction
-                come += friction @ w / s2
-            lost += film @ w / s2
-            whirls.append(film @ (w - spin / 2 * np.array([-u[1], u[0]])))
-        assert min(whirls) >= 0, "a film takes energy from the half-speed frame, it never gives any"
+                come -= v["mu_r"] * N * np.sign(spin) * np.array([-u[1], u[0]]) @ w / eps / s2
         return come - lost, q
 
 
