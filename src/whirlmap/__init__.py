@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.settling import Settling as Settling
     from whirlmap.analysis.spectrum import full_spectrum as full_spectrum
     from whirlmap.analysis.spectrum import power_spectrum as power_spectrum
+    from whirlmap.analysis.switching import switchings as switchings
     from whirlmap.analysis.trajectory import section as section
     from whirlmap.analysis.trajectory import simulate as simulate
     from whirlmap.integrate.loading import load as load
@@ -37,6 +38,7 @@ _HOMES = {
     "floquet_multipliers": "whirlmap.analysis.floquet",
     "full_spectrum": "whirlmap.analysis.spectrum",
     "power_spectrum": "whirlmap.analysis.spectrum",
+    "switchings": "whirlmap.analysis.switching",
     "section": "whirlmap.analysis.trajectory",
     "simulate": "whirlmap.analysis.trajectory",
     "load": "whirlmap.integrate.loading",

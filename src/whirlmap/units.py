@@ -21,7 +21,8 @@ from whirlmap.errors import CaseError, nearest
 COMMON = (
     "1", "%", "kg", "g", "lb", "N", "kN", "lbf", "m", "mm", "um", "cm", "in", "mil", "s", "ms", "min", "rpm",
     "rad/s", "turn/s", "rad", "deg", "Pa", "kPa", "MPa", "Pa*s", "mPa*s", "cP", "N/m", "kN/m", "N/um",
-    "lbf/in", "N*s/m", "kN*s/m", "N/m^3", "N*m", "m^2", "mm^2", "um^2", "m/s^2", "darcy",
+    "lbf/in", "N*s/m", "kN*s/m", "N/m^3", "N*m", "m^2", "mm^2", "um^2", "m/s^2", "darcy", "mm/s", "g*mm", "mm^2/s",
+    "cSt", "kg/m^3", "kg*m^2", "kW", "MW", "N*m/rad", "N*m*s/rad", "degC", "K",
 )  # fmt: skip
 
 _PI = Fraction("3.1415926535897932384626433832795028841971693993751")
@@ -29,15 +30,26 @@ _PI = Fraction("3.1415926535897932384626433832795028841971693993751")
 #: Size in grams, metres, seconds and radians, and the powers of these.
 _UNITS: dict[tuple[int, int, int, int], dict[str, int | Fraction]] = {
     (1, 0, 0, 0): {"kg": 1000, "g": 1},
-    (0, 1, 0, 0): {"m": 1, "mm": Fraction(1, 10**3), "um": Fraction(1, 10**6)},
+    (0, 1, 0, 0): {
+        "m": 1, "mm": Fraction(1, 10**3), "um": Fraction(1, 10**6), "in": Fraction(254, 10**4),
+        "mil": Fraction(254, 10**7),  # a thousandth of an inch; to pint a mil is an angle
+    },
     (0, 2, 0, 0): {"m^2": 1, "mm^2": Fraction(1, 10**6), "um^2": Fraction(1, 10**12)},
     (0, 0, 1, 0): {"s": 1, "ms": Fraction(1, 10**3), "min": 60},
     (0, 0, 0, 1): {"rad": 1, "deg": _PI / 180},
     (0, 0, -1, 1): {"rad/s": 1, "turn/s": 2 * _PI, "rpm": _PI / 30},
     (0, 1, -2, 0): {"m/s^2": 1},
+    (0, 1, -1, 0): {"m/s": 1, "mm/s": Fraction(1, 10**3)},
+    (0, 2, -1, 0): {"m^2/s": 1, "mm^2/s": Fraction(1, 10**6), "cSt": Fraction(1, 10**6)},
+    (1, 1, 0, 0): {"kg*m": 1000, "g*mm": Fraction(1, 10**3), "kg*mm": 1},
+    (1, -3, 0, 0): {"kg/m^3": 1000, "g/cm^3": 10**6},
+    (1, 2, 0, 0): {"kg*m^2": 1000},
+    (1, 2, -3, 0): {"W": 1000, "kW": 10**6, "MW": 10**9},
+    (1, 2, -2, -1): {"N*m/rad": 1000},
+    (1, 2, -1, -1): {"N*m*s/rad": 1000},
     (1, 1, -2, 0): {"N": 10**3, "kN": 10**6},
     (1, 2, -2, 0): {"N*m": 10**3},
-    (1, 0, -2, 0): {"N/m": 10**3, "kN/m": 10**6, "N/um": 10**9},
+    (1, 0, -2, 0): {"N/m": 10**3, "N/mm": 10**6, "kN/m": 10**6, "N/um": 10**9},
     (1, -2, -2, 0): {"N/m^3": 10**3},
     (1, 0, -1, 0): {"N*s/m": 10**3, "kN*s/m": 10**6},
     (1, -1, -2, 0): {"Pa": 10**3, "kPa": 10**6, "MPa": 10**9},
@@ -57,6 +69,14 @@ _UNIT = re.compile(r"[\w\s.*/^()%°·⋅+-]*")
 _TOWER = re.compile(r"(\^|\*\*)\s*\(?\s*[-+]?\d{3,}|(\^|\*\*)[^*/ ]*(\^|\*\*)|\d{3,}")
 _LARGEST = 307
 _TOO_FAR = f"expected one between 1e-{_LARGEST} and 1e{_LARGEST} in size"
+
+
+#: Temperatures in degC: size of the unit, and where its zero lies. Differences of temperature are no inputs here.
+_ZEROS = {
+    "degC": (Fraction(1), Fraction(0)),
+    "K": (Fraction(1), Fraction("-273.15")),
+    "degF": (Fraction(5, 9), Fraction(-160, 9)),
+}
 
 
 def split(text: str) -> tuple[Fraction, str]:
@@ -147,6 +167,8 @@ def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
         if unit in ("1", "rad"):
             return number
         raise CaseError(f"found {_shown(value)} without a unit, expected a unit such as {unit}")
+    if unit == "degC" and given in _ZEROS:
+        return number * _ZEROS[given][0] + _ZEROS[given][1]
     return _sized(number * factor(given, unit))
 
 

@@ -81,7 +81,7 @@ BAD_CHANGES = [
     (
         "gear-psfd/literal",
         {"kappa_g": 2},
-        "edition = literal, film = printed, arc = fixed, contact = stop does not read",
+        "edition = literal, film = printed does not read 'kappa_g'; edition = intended does",
     ),
     ("gear-psfd/literal", {"Gamma_2": 2}, "does not read 'Gamma_2'"),
     ("gear-psfd/literal", {"R_2": "30 mm"}, "R_2 has no effect on gear_pair with edition = literal"),
@@ -115,7 +115,7 @@ BAD_CHANGES = [
     ("duffing", {"gama": 1}, "gama: duffing has no symbol 'gama'. Did you mean 'gamma'?"),
     ("duffing", {"gamma": "3 m"}, "gamma: found the unit 'm', expected no unit (forcing amplitude)"),
     ("duffing", {"gamma": [1]}, "gamma: found [1], expected a number"),
-    ("jeffcott", {"k": 3}, "jeffcott with rotor = rigid, arc = fixed does not read 'k'"),
+    ("jeffcott", {"k": 3}, "jeffcott with rotor = rigid does not read 'k'; rotor = flexible does"),
 ]
 
 

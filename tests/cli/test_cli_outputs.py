@@ -113,10 +113,17 @@ def test_show_lists_inputs_groups_switches_clocks_and_sources():
     assert {n: c["s"] / s for n, c in content["clocks"].items()} == pytest.approx({"mesh": 20, "pinion": 1, "gear": 0.5})
     assert set(content["equations"]) == set(content["states"])
     assert content["switches"]["edition"]["value"] == "physical"
-    assert content["warnings"] == []
+    assert [w.split(":")[0] for w in content["warnings"]] == ["mesh_load"]
     text = done("show gear-psfd/machine").stdout
     for words in ("Dimensional inputs", "Dimensionless groups", "Switches", "Start state", "common period"):
         assert words in text
+
+
+def test_show_warns_where_a_rotor_strains_its_model():
+    changes = "--set 'L=8 mm' --set 'mu=0.004 Pa*s' --set 'speed=6000 rpm'"
+    content = json.loads(done(f"show machines/jeffcott-rig {changes} --json").stdout)
+    assert [w.split()[0] for w in content["warnings"]] == ["slenderness", "film_inertia"]
+    assert json.loads(done("show machines/jeffcott-rig --json").stdout)["warnings"] == []
 
 
 def test_show_warns_of_a_damper_that_carries_nothing():

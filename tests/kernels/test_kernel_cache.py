@@ -298,7 +298,7 @@ def test_no_part_of_a_declaration_is_forgotten():
     """A new field of a model is either part of its digest or is said here not to reach any cached answer."""
     digested = {
         "name", "states", "parameters", "equations", "harmonics", "defaults", "outputs", "stops", "section",
-        "typical_time", "start", "bound", "tables", "clocks",
+        "typical_time", "start", "bound", "tables", "clocks", "switchings",
     }  # fmt: skip
     read_when_running = {"start_where_none", "plain", "checks", "switches", "swing", "sources"}
     assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running

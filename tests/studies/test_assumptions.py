@@ -202,3 +202,35 @@ def test_a_computed_diagram_is_read():
     strains = found(here, ds)
     assert ("eccentricity_2" in strains) == (deepest > 0.9)
     assert "not_evaluated" not in strains
+
+
+# --- the mesh along its line of action ---------------------------------------------------------------------
+
+TURBO = "machines/turbo-gearbox"
+
+
+def test_a_torque_that_holds_the_teeth_together_is_no_strain():
+    """At rest the teeth carry nearly T_p/R_bp, 1457 N; the transmission error alone pulls with K_m e, 1200 N."""
+    assert "mesh_load" not in found(system(TURBO), CALM)
+    light = found(system(TURBO, P_t="-45 kW"), CALM)["mesh_load"]
+    assert light.value < light.limit == pytest.approx(1200)
+    assert light.value == pytest.approx(45e3 / (9000 * pi / 30) / 0.0436957, rel=0.05)
+    assert "torsion = rigid_rotors" not in light.sentence
+
+
+def test_without_torsion_films_that_give_way_unload_the_teeth():
+    strain = found(system(TURBO, torsion="none"), CALM)["mesh_load"]
+    assert strain.value < strain.limit
+    assert "torsion = rigid_rotors" in strain.sentence
+
+
+def test_a_journal_that_rests_near_its_wall():
+    assert not [n for n in found(system(TURBO), CALM) if n.startswith("rest_")]
+    deep = found(system(MACHINE, psi=0.1, mu="0.008 Pa*s"), CALM)
+    assert deep["rest_eccentricity_2"].value > 0.9
+
+
+def test_a_density_that_is_given_is_used():
+    sentences = [s.sentence for s in found(system(TURBO), CALM).values() if "kg/m3" in s.sentence]
+    assert sentences
+    assert all("845 kg/m3)" in text for text in sentences)

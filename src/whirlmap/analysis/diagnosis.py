@@ -23,6 +23,7 @@ from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.measures import judge_section, multipliers, number, record_series, section_and_dimension
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
@@ -80,6 +81,7 @@ def diagnose(
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
     """
+    refuse_jumps(system.model, "a diagnosis, which rests on Lyapunov exponents,")
     settling = settling or Settling()
     n = system.model.dimension
     count = min(4, n) if exponent_count is None else exponent_count

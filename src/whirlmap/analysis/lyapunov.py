@@ -7,6 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.points import make_ensemble, run_attributes
+from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
@@ -94,6 +95,7 @@ def lyapunov_spectrum(
     A run's own block error alone is too small by up to 2.6 times on Duffing's oscillator, hence the several starts.
     An unforced system's spectrum holds the zero of its own time direction.
     """
+    refuse_jumps(system.model, "a Lyapunov exponent")
     count = system.model.dimension if count is None else count
     if not 1 <= count <= system.model.dimension:
         raise RangeError(f"{system.model.name} has {system.model.dimension} exponents; {count} were asked for")

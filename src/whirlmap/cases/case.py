@@ -5,10 +5,12 @@ A case is a TOML file::
     model = "gear_pair"                      # a stock model, or "my_rotor.py:MY_ROTOR" beside this file
     extends = "gear-psfd/machine"            # optional: a stock case, or a path relative to this file
     description = "what it is"
-    edition = "intended"                     # switches of the model
+    edition = "intended"                     # switches of the model; also in a table [switches]
     m_p = { value = 10, unit = "kg", assumed = "why" }
     psi = { value = 1e-3, source = "key of references.bib, place" }
     k   = { value = 20, assumed = "why", only = { rotor = "flexible" } }
+    [bearings]                               # optional: tables that group the entries of a machine
+    R = { value = 25, unit = "mm", source = "drawing" }   # R_1 and R_2, which have the same value
     start = { x = 0.1 }                      # optional start state
 
 What a file says replaces what the file that it extends says.
@@ -17,7 +19,7 @@ What a file says replaces what the file that it extends says.
 import hashlib
 import tomllib
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from decimal import Decimal
 from pathlib import Path
 from typing import Any
@@ -129,7 +131,7 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         family = base.family
     else:
         raise CaseError(f'{file}: found no model, expected model = "..." or extends = "..."')
-    switches, layer = _body(file, raw, table, family)
+    switches, layer = _body(file, raw, table, head.switches, family)
     digest = hashlib.sha256(raw.encode()).hexdigest()
     if not base:
         base = Case(name, path, family, digest="")
@@ -154,19 +156,25 @@ def _parse(path: Path) -> tuple[str, dict[str, Any]]:
     except UnicodeDecodeError:
         raise CaseError(f"{path}: is not text in UTF-8, expected a TOML file") from None
     except tomllib.TOMLDecodeError as error:
-        raise CaseError(f"{path}: is not valid TOML: {error}") from None
+        hint = "; a switch and a table of the same name: write the switch in a table [switches]"
+        twice = hint if "overwrite" in str(error) else ""
+        raise CaseError(f"{path}: is not valid TOML: {error}{twice}") from None
     except (ValueError, RecursionError, ArithmeticError) as error:  # endless numbers or nesting
         raise CaseError(f"{path}: cannot be read as TOML: {error}") from None
 
 
 def _body(
-    file: str, raw: str, table: Mapping[str, Any], family: Family
+    file: str, raw: str, table: Mapping[str, Any], chosen: Mapping[str, str], family: Family
 ) -> tuple[dict[str, str], dict[str, Given]]:
     """Switches and entries of a file. Which entries the model reads depends on the switches: see `settle`."""
     switches: dict[str, str] = {}
     layer: dict[str, Given] = {}
-    for key, value in table.items():
+    for key, value in (*table.items(), *chosen.items()):
         if key in entries.RESERVED:
+            continue
+        if isinstance(value, Mapping) and value and all(isinstance(v, Mapping) for v in value.values()):
+            for name, entry in _section(file, raw, key, value, family).items():
+                _put(layer, entries.given(file, raw, name, entry), family)
             continue
         if key in family.switches:
             if value not in family.switches[key]:
@@ -182,10 +190,39 @@ def _body(
                 f"{place(file, raw, key)}: found the unknown key {key!r} = {value!r}, expected one of"
                 f" {', '.join(known)}, or an entry.{nearest(key, known)}"
             )
-        given = entries.given(file, raw, key, value)
-        _refuse_unknown_switch(given, family)
-        layer[key] = given
+        _put(layer, entries.given(file, raw, key, value), family)
     return switches, layer
+
+
+def _section(file: str, raw: str, section: str, table: Mapping[str, Any], family: Family) -> Mapping[str, Any]:
+    """Entries of one table of a case file, each in the table where it belongs."""
+    known = family.groups.sections if family.groups else {}
+    if section not in known:
+        allowed = f"one of {', '.join(known)}" if known else f"none: the model {family.name} has no dimensional inputs"
+        raise CaseError(
+            f"{place(file, raw, section)}: found the unknown table [{section}], expected {allowed}.{nearest(section, known)}"
+        )
+    for name in table:
+        homes = [home for home, names in known.items() if name in names]
+        if homes and section not in homes:
+            raise CaseError(f"{place(file, raw, name)}: found {name} in [{section}], expected it in [{homes[0]}]")
+    return table
+
+
+def _put(layer: dict[str, Given], given: Given, family: Family) -> None:
+    """Add an entry, or the several that a shared name stands for."""
+    _refuse_unknown_switch(given, family)
+    for made in spread(given, family):
+        if made.name in layer:
+            both = given.name if given.name != made.name else layer[made.name].name
+            raise CaseError(f"{given.where}: found {made.name} given twice, once by {both}; expected it once")
+        layer[made.name] = made
+
+
+def spread(given: Given, family: Family) -> tuple[Given, ...]:
+    """An entry under each of the names that it stands for."""
+    names = family.groups.shared.get(given.name) if family.groups else None
+    return tuple(replace(given, name=name) for name in names) if names else (given,)
 
 
 def _refuse_unknown_switch(given: Given, family: Family) -> None:

@@ -14,7 +14,7 @@ from whirlmap.errors import CaseError, nearest
 Text = Annotated[str, Field(min_length=1)]
 
 #: Keys of a case file that are not entries.
-RESERVED = ("model", "extends", "description", "start")
+RESERVED = ("model", "extends", "description", "start", "switches")
 
 
 @dataclass(frozen=True)
@@ -83,6 +83,7 @@ class Header(BaseModel):
     extends: Text | None = None
     description: str = ""
     start: dict[str, int | Annotated[Decimal, Field(allow_inf_nan=True)] | str] = Field(default_factory=dict)
+    switches: dict[str, Text] = Field(default_factory=dict)
 
 
 def header(file: str, text: str, table: Mapping[str, Any]) -> Header:

@@ -12,12 +12,12 @@ a lower
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import islice, product
 from typing import Any
 
-from whirlmap.cases.case import Case, Layer
+from whirlmap.cases import ways
+from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
-from whirlmap.equations.groups import value_of
+from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, ModelError, nearest
@@ -83,7 +83,12 @@ def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
     switches = dict(model.switches) or {**case.switches, **picked}
     if family.groups:
         switches = {**{name: choices[0] for name, choices in family.switches.items()}, **switches}
-    asked: Layer = {name: v if isinstance(v, Given) else Given(name, v) for name, v in changes.items()}
+    asked: dict[str, Given] = {}
+    for name, value in changes.items():
+        for given in spread(value if isinstance(value, Given) else Given(name, value), family):
+            if given.name in asked:
+                raise CaseError(f"found {given.name} given twice, as {asked[given.name].written} and {given.written}")
+            asked[given.name] = given
     work = _Work(family, model, switches)
     for number, layer in enumerate(case.layers, start=1):
         suits = {n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}
@@ -112,6 +117,7 @@ class _Work:
         self.given_inputs: dict[str, Given] = {}
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
+        self.routes: dict[str, Route] = {}
 
     def add(self, layer: Layer, *, by_hand: bool, strict: bool) -> None:
         """Put a layer on top.
@@ -125,6 +131,8 @@ class _Work:
             if name in self.read:
                 self.explicit[name] = given
                 self.values[name] = self._number(given, self.model.parameter(name))
+        if self.groups:
+            self._choose_ways(self.groups.routes, layer)
         for name, given in layer.items():
             parameter = self._input(name)
             if parameter:
@@ -132,21 +140,55 @@ class _Work:
                 self.given_inputs[name] = given
                 self._give_way(given, frozenset(symbols), by_hand=by_hand)
 
+    def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
+        """Take the way in which a layer gives an input, and forget how the layers below gave it."""
+        for target, route in ways.chosen(routes, layer).items():
+            for name in (target, *(r.key for r in routes if r.target.name == target)):
+                self.inputs.pop(name, None)
+                self.given_inputs.pop(name, None)
+            self.routes.pop(target, None)
+            if route:
+                self.routes[target] = route
+
+    def _idle(self, name: str) -> bool:
+        """Whether an input serves ways of giving others alone, none of which is taken."""
+        if not self.groups or name in self.groups.operation:
+            return False
+        serving = [r for r in self.groups.routes if name in {q.name for q in r.reads}]
+        if not serving or any(self.routes.get(r.target.name) is r for r in serving):
+            return False
+        others = [{**self.switches, k: choice} for k, choices in self.family.switches.items() for choice in choices]
+        return not any(name in reads for switches in others for reads in self.groups.reads(switches).values())
+
+    def _fed(
+        self, name: str, explicit: frozenset[str] = frozenset(), switches: Mapping[str, str] | None = None
+    ) -> frozenset[str]:
+        """Parameters that change with an input."""
+        assert self.groups
+        return self.groups.fed_by(name, switches or self.switches, explicit, self.routes.values())
+
     def _input(self, name: str) -> Parameter | None:
         return self.groups.input(name) if self.groups else None
 
     def _give_way(self, given: Given, beside: frozenset[str], *, by_hand: bool) -> None:
         """Rule 2 of the module."""
         assert self.groups
-        fed = self.groups.fed_by(given.name, self.switches) & self.read
-        if self.groups.fed_by(given.name, self.switches, frozenset(self.explicit)) & self.read:
+        if by_hand and self._idle(given.name):
+            served = next(r for r in self.groups.routes if given.name in {q.name for q in r.reads})
+            raise CaseError(
+                f"{given.name} has no effect: {served.target.name} is not given by {served.key} here, but itself or in"
+                " another way"
+            )
+        if given.name in self.groups.operation:
+            by_hand = False
+        fed = self._fed(given.name) & self.read
+        if self._fed(given.name, frozenset(self.explicit)) & self.read:
             return
         if not fed:
             if by_hand:
-                chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
-                raise CaseError(f"{given.name} has no effect on {self.family.name} with {chosen}")
+                raise CaseError(f"{given.name} has no effect on {self._unread(given.name)}")
             return
-        free = self.groups.fed_by(given.name, self.switches, beside)
+        free = self._fed(given.name, beside)
         if free & self.read:
             for name in free & self.explicit.keys():
                 del self.explicit[name], self.values[name]
@@ -176,11 +218,10 @@ class _Work:
         """Refuse a symbol that the model does not know, or does not read with these switches."""
         if given.name in self.read:
             return
-        if given.name in self._anywhere():
+        if given.name in self.family.symbols():
             if not strict:
                 return
-            chosen = ", ".join(f"{k} = {v}" for k, v in self.switches.items())
-            raise CaseError(f"{given.where}: {self.family.name} with {chosen} does not read {given.name!r}")
+            raise CaseError(f"{given.where}: " + self._unread(given.name, f" does not read {given.name!r}"))
         parameters = [p.name for p in self.model.parameters if p.name in self.read]
         inputs = [q.name for q in self.groups.inputs] if self.groups else []
         known = [*parameters, *inputs, *self.family.switches]
@@ -192,21 +233,36 @@ class _Work:
             + "\n  ".join(lines)
         )
 
-    def _anywhere(self) -> frozenset[str]:
-        """Symbols of the family's models for every choice of switches."""
-        found = {p.name for p in self.model.parameters}
-        for choices in islice(product(*self.family.switches.values()), 64):
-            try:
-                model = self.family.model(**dict(zip(self.family.switches, choices, strict=True)))
-            except ModelError:  # a combination that the family itself refuses
-                continue
-            found |= {p.name for p in model.parameters}
-        return frozenset(found)
+    def _unread(self, name: str, verb: str = "") -> str:
+        """Name the model with the switches that count, and a change of one that would make it read a name."""
+        reader = self._reader(name)
+        count = [k for k, v in self.switches.items() if v != self.family.switches[k][0] or (reader and k == reader[0])]
+        chosen = f" with {', '.join(f'{k} = {self.switches[k]}' for k in count)}" if count else ""
+        hint = f"; {reader[0]} = {reader[1]} {'does' if verb else 'reads it'}" if reader else ""
+        return f"{self.family.name}{chosen}{verb}{hint}"
+
+    def _reader(self, name: str) -> tuple[str, str] | None:
+        """Find a switch whose change would make the model read a symbol or an input."""
+        for switch, choices in self.family.switches.items():
+            for choice in choices:
+                try:
+                    model = self.family.model(**{**self.switches, switch: choice})
+                except ModelError:
+                    continue
+                fed = self._fed(name, switches=model.switches) if self._input(name) else frozenset()
+                if ({name} | fed) & {p.name for p in model.read()}:
+                    return switch, choice
+        return None
 
     def settled(self, case: Case) -> Settled:
         """Evaluate groups and defaults."""
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
+        for target, (value, made) in ways.follow(self.routes, self.inputs, self.given_inputs, case.name).items():
+            self.inputs[target], self.given_inputs[target] = value, made
+        for check in self.groups.checks if self.groups else ():
+            if fault := check(self.inputs):
+                raise CaseError(f"{case.name}: {fault}")
         known = {**self.inputs, **self.values}
         expressions = self.groups.expressions(self.switches) if self.groups else {}
         later = []
@@ -236,7 +292,7 @@ class _Work:
     def _shown_inputs(self) -> dict[str, Input]:
         shown = {}
         for q in self.groups.inputs if self.groups else ():
-            if q.name in self.inputs and not self._replaced(q.name):
+            if q.name in self.inputs and not self._replaced(q.name) and not self._idle(q.name):
                 given = self.given_inputs[q.name]
                 shown[q.name] = Input(q, float(self.inputs[q.name]), given.written, given.note)
         return shown
@@ -248,8 +304,8 @@ class _Work:
     def _replaced(self, name: str) -> bool:
         """Whether an input changes nothing because the symbols that it feeds are given themselves."""
         assert self.groups
-        fed = self.groups.fed_by(name, self.switches) & self.read
-        return bool(fed) and not self.groups.fed_by(name, self.switches, frozenset(self.explicit)) & self.read
+        fed = self._fed(name) & self.read
+        return bool(fed) and not self._fed(name, frozenset(self.explicit)) & self.read
 
     def _follow(self, p: Parameter, known: Mapping[str, Any], case: Case) -> tuple[float | Fraction, str]:
         assert self.groups

@@ -2,6 +2,7 @@
 
 import re
 from fractions import Fraction
+from math import hypot
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -16,6 +17,13 @@ EXAMPLES = (
     'whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed',
     "whirlmap show duffing --equations",
     "whirlmap show my_rotor.toml --json",
+)
+
+#: Dimensional results of models without a list of assumptions of their own: name, limit, what is beyond it.
+LIMITS = (
+    ("slenderness", 0.25, "the film is that of a short bearing, and carries too much in a longer one"),
+    ("taylor", 41.2, "the flow in the film has vortices, and resists more than the model's laminar one"),
+    ("film_inertia", 1.0, "the oil's inertia, which the film law leaves out, is felt at the speed of the shaft"),
 )
 
 #: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
@@ -93,7 +101,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "clocks": _clocks(system),
         "sources": {key: references()[key].text for key in model.sources if key in references()},
     }  # fmt: skip
-    facts["warnings"] = warnings(facts)
+    facts["warnings"] = warnings(system, facts)
     if equations:
         facts["equations"] = {s.name: str(model.equations[s]) for s in model.states}
     return facts
@@ -125,29 +133,35 @@ def _rpm(value: float, unit: str) -> float | None:
     return convert(value, "rad/s", "rpm") if unit == "rad/s" else None
 
 
-def warnings(facts: dict[str, Any]) -> list[str]:
+def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
     """List what a reader should know before trusting a result."""
     made = []
     values = {name: p["value"] for name, p in facts["parameters"].items()}
     switches = {name: s["value"] for name, s in facts["switches"].items()}
+    still = [name for name in ("j_p", "j_g") if name in values and float(values[name]) == 0.0]
+    sprung = switches.get("centring") == "spring"
     if not facts["start_found"]:
-        made.append("there is no static equilibrium: a run begins beside the clearance centre instead")
+        why = "; a film that carries nothing at rest has no derivative there" if still and sprung else ""
+        made.append(f"no static equilibrium was found: a run begins beside the clearance centre instead{why}")
     if facts["common_multiple"] is None:
         made.append("an order of a harmonic is not a ratio p/q with q up to 10000: there is no common period")
-    still = [name for name in ("j_p", "j_g") if name in values and float(values[name]) == 0.0]
-    if still and switches.get("arc") == "positive":
+    if still and switches.get("arc") == "positive" and not sprung:
         made.append(
             f"{' and '.join(still)} = 0: a damper that does not rotate carries no weight; without a centring"
-            " spring gravity drives the journal to the wall"
+            " spring (centring = spring) gravity drives the journal to the wall"
         )
-    for name, limit in (("slenderness_1", 0.25), ("slenderness_2", 0.25)):
-        if facts["quantities"].get(name, {"value": 0})["value"] > limit:
-            value = facts["quantities"][name]["value"]
-            made.append(f"{name} = {value:.3g} is above {limit}: the film is that of a short bearing")
-    for name in ("ring_1", "ring_2"):
-        value = facts["quantities"].get(name, {"value": 0})["value"]
-        if value > 0.6:
-            made.append(f"{name} = {value:.3g}: a thick ring; psi is too large by about {value**2 / 3:.0%}")
+    if system.model.name == "gear_pair":
+        from whirlmap.studies.gear_psfd.assumptions import strained
+
+        left = {"static_equilibrium", "not_evaluated"}  # said above; and what a result would have to say
+        made += [f"{strain.name}: {strain.sentence}" for strain in strained(system) if strain.name not in left]
+    for name, limit, meaning in LIMITS:
+        value = facts["quantities"].get(name, {"value": 0.0})["value"]
+        if value > limit:
+            made.append(f"{name} = {value:.3g} is above {limit:g}: {meaning}")
+    rest = [facts["states"][name]["start"] for name in ("ux", "uy") if name in facts["states"]]
+    if len(rest) == 2 and facts["start"] == "static equilibrium" and hypot(*rest) > 0.9:
+        made.append(f"the journal rests at an eccentricity of {hypot(*rest):.3g}: beyond 0.9 roughness decides")
     return made
 
 

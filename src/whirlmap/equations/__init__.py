@@ -12,6 +12,7 @@ from whirlmap.equations.model import Model as Model
 from whirlmap.equations.model import Output as Output
 from whirlmap.equations.model import Section as Section
 from whirlmap.equations.model import Stop as Stop
+from whirlmap.equations.model import Switching as Switching
 from whirlmap.equations.pieces import Table as Table
 from whirlmap.equations.pieces import tabulated as tabulated
 from whirlmap.equations.pieces import when as when

@@ -6,8 +6,8 @@ them and a test can check that a change of units leaves them alone. They are eva
 the numbers as written, and rounded once.
 """
 
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache
 
@@ -17,6 +17,33 @@ from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 
 Switches = Mapping[str, str]
+
+
+@dataclass(frozen=True)
+class Route:
+    """Another way to give an input, as data sheets have it: a viscosity by its ISO VG grade.
+
+    Attributes
+    ----------
+    target : Parameter
+        The input that follows.
+    reads : tuple of Parameter
+        Inputs that it follows from; giving the first one chooses this way.
+    follow : callable
+        ``follow(*values) -> value`` in the declared units.
+    rule : str
+        What it is, with its source.
+    """
+
+    target: Parameter
+    reads: tuple[Parameter, ...]
+    follow: Callable[..., Fraction | float]
+    rule: str
+
+    @property
+    def key(self) -> str:
+        """Name of the input that chooses this way."""
+        return self.reads[0].name
 
 
 @dataclass(frozen=True)
@@ -32,11 +59,26 @@ class Groups:
     quantities : callable
         ``quantities(switches) -> {name: Output}``: dimensional results worth showing (natural frequency,
         speeds), in inputs and parameters.
+    routes : tuple of Route
+        Other ways to give some inputs. An input is given in one way alone.
+    shared : mapping of str to tuple of str
+        Names that stand for several inputs of the same value: ``R`` for ``R_1`` and ``R_2``.
+    sections : mapping of str to tuple of str
+        Tables of a case file, ``[bearings]``, and the inputs that may stand in each; parameters may stand in any.
+    operation : tuple of str
+        Inputs that say how the machine is run; they need not change any parameter.
+    checks : tuple of callables
+        ``check(inputs) -> str``: what is wrong with a set of inputs; empty where nothing is.
     """
 
     inputs: tuple[Parameter, ...]
     declare: Callable[[Switches], Mapping[Parameter, Expr]]
     quantities: Callable[[Switches], Mapping[str, Output]] = lambda _: {}
+    routes: tuple[Route, ...] = ()
+    shared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    sections: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    operation: tuple[str, ...] = ()
+    checks: tuple[Callable[[Mapping[str, Fraction]], str], ...] = ()
 
     def input(self, name: str) -> Parameter | None:
         """Return the input of that name, or None."""
@@ -46,12 +88,22 @@ class Groups:
         """Expression of each parameter that follows from the inputs, by name."""
         return dict(_declared(self.declare, tuple(sorted(switches.items())))[0])
 
-    def fed_by(self, name: str, switches: Switches, explicit: frozenset[str] = frozenset()) -> frozenset[str]:
-        """Names of the parameters that change with an input, directly or not; ``explicit`` ones are fixed."""
-        reads = _declared(self.declare, tuple(sorted(switches.items())))[1]
+    def reads(self, switches: Switches) -> dict[str, frozenset[str]]:
+        """Names that the expression of each parameter reads."""
+        return _declared(self.declare, tuple(sorted(switches.items())))[1]
+
+    def fed_by(
+        self, name: str, switches: Switches, explicit: frozenset[str] = frozenset(), routes: Iterable[Route] = ()
+    ) -> frozenset[str]:
+        """Names of the parameters that change with an input, directly or not; ``explicit`` ones are fixed.
+
+        ``routes`` are the ways in which other inputs are given.
+        """
+        reads = self.reads(switches)
+        start = {name} | {r.target.name for r in routes if name in {q.name for q in r.reads}}
         fed: set[str] = set()
         while True:
-            more = {g for g, names in reads.items() if g not in explicit | fed and names & (fed | {name})}
+            more = {g for g, names in reads.items() if g not in explicit | fed and names & (fed | start)}
             if not more:
                 return frozenset(fed)
             fed |= more

@@ -46,6 +46,7 @@ def model_digest(model: Model) -> str:
         *(f"default {p.name} {of(e)}" for p, e in model.defaults.items()),
         *(f"output {name} {of(o.expression)}" for name, o in model.outputs.items()),
         *(f"stop {name} {of(s.gap)} {of(s.reachable)}" for name, s in model.stops.items()),
+        *(f"switching {name} {of(q.surface)}" for name, q in model.switchings.items()),
         *(f"table {_shape(table)}" for table in model.tables),
         *([f"section {of(cut.surface)} {cut.direction}"] if cut else []),
         *(f"clock {name} {of(rate)}" for name, rate in model.clocks.items()),

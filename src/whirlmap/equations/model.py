@@ -2,9 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from sympy import Expr, Symbol, sympify
+from sympy import Expr, Symbol, sign, sympify
 
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
@@ -44,6 +45,19 @@ class Stop:
     reachable: Expr = field(default_factory=lambda: sympify(1))
 
 
+@dataclass(frozen=True)
+class Switching:
+    """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
+
+    ``surface`` (of states, parameters and time) is positive on one side. ``jumps`` says that the rates jump there and do
+    not merely have a kink; tangent vectors then need a saltation matrix at each crossing, which whirlmap does not apply.
+    """
+
+    surface: Expr
+    meaning: str
+    jumps: bool = False
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """States, parameters and one expression for the rate of each state.
@@ -67,6 +81,8 @@ class Model:
         What is recorded beside the states.
     stops : mapping of str to Stop
         Events that end a run, by the name of the status they give.
+    switchings : mapping of str to Switching
+        Surfaces at which the equations change their form.
     section, typical_time
         For unforced models: where to cut, and a time in which the state changes by its own size (about a turn).
     start : "states" or "equilibrium"
@@ -99,6 +115,7 @@ class Model:
     defaults: Mapping[Parameter, Expr] = field(default_factory=dict)
     outputs: Mapping[str, Output] = field(default_factory=dict)
     stops: Mapping[str, Stop] = field(default_factory=dict)
+    switchings: Mapping[str, Switching] = field(default_factory=dict)
     section: Section | None = None
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
@@ -130,6 +147,8 @@ class Model:
         self._refuse_unknown("the harmonics", map(sympify, self.harmonics), set(self.parameters))
         self._refuse_unknown("the outputs", (o.expression for o in self.outputs.values()), known)
         self._refuse_unknown("the stops", (e for s in self.stops.values() for e in (s.gap, s.reachable)), known)
+        surfaces = [q.surface for q in self.switchings.values()]
+        self._refuse_unknown("the switchings", surfaces, known | {t})
         self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
@@ -149,6 +168,13 @@ class Model:
     def forced(self) -> bool:
         """Whether time appears in the equations."""
         return bool(self.harmonics)
+
+    @property
+    def jumps(self) -> tuple[str, ...]:
+        """Where the rates jump: switchings that say so, and signs of states in the equations."""
+        states = set(self.states)
+        signs = {e for rate in self.equations.values() for e in sympify(rate).atoms(sign) if e.free_symbols & states}
+        return (*(name for name, q in self.switchings.items() if q.jumps), *sorted(map(str, signs)))
 
     @property
     def dimension(self) -> int:
@@ -177,6 +203,9 @@ class Model:
         return frozenset(p for p in self.parameters if p in used)
 
 
+#: Choices of switches that `Family.symbols` declares at most.
+TRIED = 64
+
 Named = TypeVar("Named", State, Parameter)
 
 
@@ -204,6 +233,9 @@ class Family:
         What each switch chooses.
     groups : Groups, optional
         Dimensional inputs, and the parameters that follow from them.
+    vocabulary : tuple of Parameter
+        Parameters that only some of the models have. Needed where the switches have more choices together than are
+        worth declaring (`TRIED`); found by declaring all of them otherwise.
     """
 
     name: str
@@ -212,6 +244,7 @@ class Family:
     meanings: Mapping[str, str] = field(default_factory=dict)
     default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda _: {}
     groups: "Groups | None" = None
+    vocabulary: tuple[Parameter, ...] = ()
     _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
 
     def model(self, **chosen: str) -> Model:
@@ -238,3 +271,13 @@ class Family:
         if key not in self._made:  # equal switches are the same object, so that kernels are found again
             self._made[key] = self.declare(**settled)
         return self._made[key]
+
+    def symbols(self) -> frozenset[str]:
+        """Names of the parameters of all its models, whatever the switches."""
+        found = {p.name for p in (*self.model().parameters, *self.vocabulary)}
+        for choices in islice(product(*self.switches.values()), 0 if self.vocabulary else TRIED):
+            try:
+                found |= {p.name for p in self.model(**dict(zip(self.switches, choices, strict=True))).parameters}
+            except ModelError:  # a combination that the family itself refuses
+                continue
+        return frozenset(found)

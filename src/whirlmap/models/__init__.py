@@ -5,7 +5,7 @@ from whirlmap.errors import CaseError, nearest
 from whirlmap.models.duffing import DUFFING
 from whirlmap.models.gear_backlash import GEAR_BACKLASH
 from whirlmap.models.gear_pair_machine import GEAR_PAIR_MACHINE
-from whirlmap.models.jeffcott import JEFFCOTT
+from whirlmap.models.jeffcott_machine import JEFFCOTT_MACHINE
 from whirlmap.models.lorenz import LORENZ
 from whirlmap.models.pendulum import PENDULUM
 from whirlmap.models.roessler import ROESSLER
@@ -14,7 +14,7 @@ from whirlmap.models.van_der_pol import VAN_DER_POL
 #: Every stock model, by name.
 FAMILIES: dict[str, Family] = {
     family.name: family
-    for family in (GEAR_PAIR_MACHINE, JEFFCOTT, GEAR_BACKLASH, DUFFING, PENDULUM, VAN_DER_POL, LORENZ, ROESSLER)
+    for family in (GEAR_PAIR_MACHINE, JEFFCOTT_MACHINE, GEAR_BACKLASH, DUFFING, PENDULUM, VAN_DER_POL, LORENZ, ROESSLER)
 }
 
 

@@ -3,7 +3,7 @@
 ``f`` is a dead zone of half-width 1 with unit slope outside; ``x`` is the dynamic transmission error over half the backlash.
 """
 
-from whirlmap.equations import Family, Model, Parameter, State, cos, t, when
+from whirlmap.equations import Family, Model, Parameter, State, Switching, cos, t, when
 
 x = State("x", "1", "dynamic transmission error over half the backlash", start=1.1)
 v = State("v", "1", "its rate")
@@ -24,6 +24,10 @@ def declare() -> Model:
         parameters=(zeta, F_m, F_ah, Omega),
         equations={x: v, v: F_m + F_ah * Omega**2 * cos(Omega * t) - 2 * zeta * v - dead_zone},
         harmonics=(Omega,),
+        switchings={
+            "drive_side": Switching(x - 1, "the driving flanks touch"),
+            "back_side": Switching(-x - 1, "the back flanks touch"),
+        },
         clocks={"mesh": Omega},
         swing=(x,),
         sources=("kahraman1990",),

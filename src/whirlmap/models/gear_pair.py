@@ -15,12 +15,20 @@ physical
 
 The intended and the physical edition are the same equations: their cases differ in the clock ratios r and j, and in the
 default arc. Journals are kept in Cartesian coordinates: the paper's polar form divides by the eccentricity.
+
+Beyond the paper, off unless asked for and not in the literal edition: a mesh along the line of action with torque, varying
+stiffness and backlash (`mesh.py`), torsion (`torsion.py`), a journal that rubs (`rub.py`), centring springs, a linear
+suspension.
 """
 
 from collections.abc import Mapping
 
-from whirlmap.equations import Family, Model, Output, Parameter, Stop, cos, sign, sin, sqrt, states, t
+from sympy import Expr
+
+from whirlmap.equations import Family, Model, Output, Parameter, Stop, Switching, cos, sign, sin, sqrt, states, t
+from whirlmap.errors import ModelError
 from whirlmap.films.law import FilmLaw, film_law, permeability_fault
+from whirlmap.models import mesh, rub, torsion
 
 LENGTH = "1"  # lengths are in units of the clearance c
 u1x, u1y = states("u1x u1y", LENGTH, "journal 1 relative to its bearing, over c")
@@ -65,35 +73,93 @@ j_g = Parameter("j_g", "1", "spin of journal 2 in its film over clock speed")
 chi_p = Parameter("chi_p", "rad", "phase of the pinion's unbalance", latex=r"\chi_p")
 chi_g = Parameter("chi_g", "rad", "phase of the gear's unbalance", latex=r"\chi_g")
 
+kappa_c1 = Parameter("kappa_c1", "1", "centring spring of each bearing 1, k_c1/K_p", at_least=0)
+kappa_c2 = Parameter("kappa_c2", "1", "centring spring of each bearing 2, k_c2/K_p", at_least=0)
+
 STATES = (u1x, u1y, u2x, u2y, xp, yp, xg, yg, x1, y1, x2, y2, vxp, vyp, vxg, vyg, vx1, vy1, vx2, vy2)
-SHARED = (s, psi, f, Lambda, xi_p, xi_g, xi_m, xi_1, xi_2, nu_g, nu_1, nu_2, S_1, S_2, a_1, a_2, b_p, b_g, E)
+BEFORE_CUBIC = (s, psi, f, Lambda, xi_p, xi_g, xi_m, xi_1, xi_2, nu_g, nu_1, nu_2, S_1, S_2)
+SHARED = (*BEFORE_CUBIC, a_1, a_2, b_p, b_g, E)
 CLOCKS = (r_p, r_g, r_m, j_p, j_g)
 
 # Shaft deflections over c: rotor centre less journal centre, which is housing plus u.
 d1x, d1y = xp - x1 - u1x, yp - y1 - u1y
 d2x, d2y = xg - x2 - u2x, yg - y2 - u2y
 
-# Housings on a linear and a cubic spring, a half of the shaft's force on each of two: (38)-(41) but for that force.
-housing_1x = -2 * xi_1 / (S_1 * s) * vx1 - x1 / (S_1 * s) ** 2 - a_1 / s**2 * x1**3  # (38)
-housing_1y = -2 * xi_1 / (S_1 * s) * vy1 - y1 / (S_1 * s) ** 2 - a_1 / s**2 * y1**3 - f / s**2  # (39)
-housing_2x = -2 * xi_2 / (S_2 * s) * vx2 - x2 / (S_2 * s) ** 2 - a_2 / s**2 * x2**3  # (40)
-housing_2y = -2 * xi_2 / (S_2 * s) * vy2 - y2 / (S_2 * s) ** 2 - a_2 / s**2 * y2**3 - f / s**2  # (41)
+def housing(i: int, suspension: str = "cubic") -> tuple[Expr, Expr]:
+    """Housing on a linear and a cubic spring: (38)-(41) but for the shaft's force, a half of it on each of two."""
+    S, xi, a = ((S_1, xi_1, a_1), (S_2, xi_2, a_2))[i - 1]
+    x, y, vx, vy = ((x1, y1, vx1, vy1), (x2, y2, vx2, vy2))[i - 1]
+    cubic = 0 if suspension == "linear" else a / s**2
+    return (
+        -2 * xi / (S * s) * vx - x / (S * s) ** 2 - cubic * x**3,  # (38), (40)
+        -2 * xi / (S * s) * vy - y / (S * s) ** 2 - cubic * y**3 - f / s**2,  # (39), (41)
+    )
+
+
+#: What switches add to the paper's system, and what each is where it is off.
+BEYOND = {
+    "mesh": "isotropic", "stiffness": "constant", "backlash": "none", "torsion": "none", "suspension": "cubic",
+    "centring": "none", "contact": "stop",
+}  # fmt: skip
 
 VELOCITIES = {xp: vxp, yp: vyp, xg: vxg, yg: vyg, x1: vx1, y1: vy1, x2: vx2, y2: vy2}
 
 
-def derived(law: FilmLaw) -> dict:
-    """Equations (30)-(41) as derived: editions intended and physical."""
-    # Force balance of a massless journal, -2 Gamma M w + kappa d = 0, w its velocity seen from half its spin.
-    w1x, w1y = law.velocity(u1x, u1y, d1x / (2 * Gamma_1 * s), d1y / (2 * Gamma_1 * s), psi, sign(j_p))
-    w2x, w2y = law.velocity(
-        u2x, u2y, kappa_g * d2x / (2 * Gamma_2 * s), kappa_g * d2y / (2 * Gamma_2 * s), psi, sign(j_g)
+def journal_load(i: int, ux: Expr, uy: Expr, d_x: Expr, d_y: Expr, switches: Mapping[str, str]) -> tuple[Expr, Expr]:
+    """Force on the two journals of a shaft beside their films', over K_p c: shaft, centring springs, rubbing walls.
+
+    Springs and walls stand in the housing, so that what reaches it through film, spring and wall is the shaft's force.
+    """
+    kappa_c, spin = ((kappa_c1, j_p), (kappa_c2, j_g))[i - 1]
+    if switches["centring"] == "spring":
+        d_x, d_y = d_x - 2 * kappa_c * ux, d_y - 2 * kappa_c * uy
+    if switches["contact"] == "rub":
+        n_x, n_y = rub.wall_force(ux, uy, sign(spin))
+        d_x, d_y = d_x + 2 * n_x, d_y + 2 * n_y
+    return d_x, d_y
+
+
+def tooth_deflection(switches: Mapping[str, str]) -> tuple[Expr, Expr]:
+    """Deflection of the teeth along the line of action over c, positive when pressed, and its rate."""
+    n_x, n_y = cos(mesh.phi_m), sin(mesh.phi_m)
+    delta = mesh.F_0 / Lambda + n_x * (xp - xg) + n_y * (yp - yg) - E * cos(r_m * t)
+    rate = n_x * (vxp - vxg) + n_y * (vyp - vyg) + r_m * E * sin(r_m * t)
+    if switches["torsion"] == "rigid_rotors":
+        delta, rate = delta + torsion.qp - torsion.qg, rate + torsion.vqp - torsion.vqg
+    return delta, rate
+
+
+def tooth_force(switches: Mapping[str, str]) -> Expr:
+    """Force W along the line of action, per m_p c (clock speed)^2."""
+    delta, rate = tooth_deflection(switches)
+    k = mesh.stiffness_over_mean(switches["stiffness"], r_m * t)
+    return 2 * xi_m / s * rate + Lambda / s**2 * k * mesh.engaged(delta, switches["backlash"])
+
+
+def mesh_force(switches: Mapping[str, str]) -> tuple[Expr, Expr]:
+    """Force of the mesh on the gear, per m_p c (clock speed)^2; the printed (34) and (36) have -E sin."""
+    if switches["mesh"] == "line":
+        W = tooth_force(switches)
+        return W * cos(mesh.phi_m), W * sin(mesh.phi_m)
+    return (
+        2 * xi_m / s * (vxp - vxg + r_m * E * sin(r_m * t)) + Lambda / s**2 * (xp - xg - E * cos(r_m * t)),
+        2 * xi_m / s * (vyp - vyg - r_m * E * cos(r_m * t)) + Lambda / s**2 * (yp - yg - E * sin(r_m * t)),
     )
-    # Mesh force on the pinion, per m_p c (clock speed)^2; the printed (34) and (36) have -E sin.
-    w_x = 2 * xi_m / s * (vxp - vxg + r_m * E * sin(r_m * t)) + Lambda / s**2 * (xp - xg - E * cos(r_m * t))
-    w_y = 2 * xi_m / s * (vyp - vyg - r_m * E * cos(r_m * t)) + Lambda / s**2 * (yp - yg - E * sin(r_m * t))
+
+
+def derived(law: FilmLaw, switches: Mapping[str, str] = BEYOND) -> dict:
+    """Equations (30)-(41) as derived, with the switched physics: editions intended and physical."""
+    l1x, l1y = journal_load(1, u1x, u1y, d1x, d1y, switches)
+    l2x, l2y = journal_load(2, u2x, u2y, kappa_g * d2x, kappa_g * d2y, switches)
+    # Force balance of a massless journal, -2 Gamma M w + load = 0, w its velocity seen from half its spin.
+    w1x, w1y = law.velocity(u1x, u1y, l1x / (2 * Gamma_1 * s), l1y / (2 * Gamma_1 * s), psi, sign(j_p))
+    w2x, w2y = law.velocity(u2x, u2y, l2x / (2 * Gamma_2 * s), l2y / (2 * Gamma_2 * s), psi, sign(j_g))
+    w_x, w_y = mesh_force(switches)
     unbalance_p, unbalance_g = b_p * r_p**2, b_g * r_g**2  # beta and beta_g of the paper
     k_g = kappa_g / (nu_g * s**2)
+    housing_1x, housing_1y = housing(1, switches["suspension"])
+    housing_2x, housing_2y = housing(2, switches["suspension"])
+    turning = torsion.equations(tooth_force(switches), mesh.F_0, s) if switches["torsion"] == "rigid_rotors" else {}
     return {
         u1x: -j_p * u1y / 2 + w1x,  # (30), (31)
         u1y: +j_p * u1x / 2 + w1y,
@@ -108,6 +174,7 @@ def derived(law: FilmLaw) -> dict:
         vy1: housing_1y + d1y / (2 * nu_1 * s**2),  # (39)
         vx2: housing_2x + kappa_g * d2x / (2 * nu_2 * s**2),  # (40)
         vy2: housing_2y + kappa_g * d2y / (2 * nu_2 * s**2),  # (41)
+        **turning,
     }
 
 
@@ -122,6 +189,8 @@ def printed(law: FilmLaw) -> dict:
     e2x, e2y = law.misprint_33(u2x, u2y, q2x, q2y, psi)
     cos_m, sin_m = cos(r_m * t), sin(r_m * t)  # cos(phi), sin(phi)
     beta, beta_g = b_p * r_p**2, b_g * r_g**2
+    housing_1x, housing_1y = housing(1)
+    housing_2x, housing_2y = housing(2)
     return {
         u1x: -j_p * u1y / 2 + w1x + e1x,  # (30), (31); y_2 read as y_p
         u1y: +j_p * u1x / 2 + w1y + e1y,
@@ -154,32 +223,57 @@ def spin_suits_arc(values: Mapping[str, float]) -> str:
     return ""
 
 
-def declare(*, edition: str, film: str, arc: str, contact: str, plain: bool = False) -> Model:
+def refuse_combination(switches: Mapping[str, str]) -> None:
+    """Refuse switches that contradict each other."""
+    on = [name for name, off in BEYOND.items() if switches[name] != off]
+    if switches["edition"] == "literal":
+        if switches["arc"] == "positive":
+            raise ModelError(
+                "edition = literal has no arc = positive: equations (30)-(33) as printed are written for the half film"
+                " fixed at 0..pi; use edition = intended"
+            )
+        if on:
+            asked = ", ".join(f"{name} = {switches[name]}" for name in on)
+            raise ModelError(
+                f"edition = literal has no {asked}: it is equations (30)-(41) as printed and nothing else; use edition ="
+                " intended or physical"
+            )
+    for name in ("stiffness", "backlash", "torsion"):
+        if name in on and switches["mesh"] != "line":
+            raise ModelError(
+                f"{name} = {switches[name]} needs mesh = line: the isotropic mesh has no line of action to act along"
+            )
+
+
+def declare(*, plain: bool = False, **switches: str) -> Model:
     """Declare the gear pair for one choice of its switches.
 
     ``plain`` replaces the film's tables by the closed forms that hold at psi = 0.
     """
-    from whirlmap.errors import ModelError
-
-    if edition == "literal" and arc == "positive":
-        raise ModelError(
-            "edition = literal has no arc = positive: equations (30)-(33) as printed are written for the half film"
-            " fixed at 0..pi; use edition = intended"
-        )
+    refuse_combination(switches)
+    film, arc = switches["film"], switches["arc"]
     law = film_law(film, arc, plain=plain)
-    literal = edition == "literal"
-    switches = {"edition": edition, "film": film, "arc": arc, "contact": contact}
-    wall = "the journal touches its bearing"
+    literal = switches["edition"] == "literal"
+    line, turning = switches["mesh"] == "line", switches["torsion"] == "rigid_rotors"
+    rubs, sprung = switches["contact"] == "rub", switches["centring"] == "spring"
+    teeth = mesh.reads(switches["stiffness"], switches["backlash"]) if line else mesh.Mesh((), {})
+    shared = SHARED if switches["suspension"] == "cubic" else (*BEFORE_CUBIC, b_p, b_g, E)
+    wall = "the journal touches its bearing" if not rubs else "the journal is pressed through to its bearing"
     reachable = psi if film == "porous" else 1  # a plain film never lets the journal through; the printed one always
     return Model(
         name="gear_pair",
-        states=STATES,
-        parameters=(*SHARED, xi_5, Gamma_1, *CLOCKS)
+        states=(*STATES, *(torsion.STATES if turning else ())),
+        parameters=(*shared, xi_5, Gamma_1, *CLOCKS)
         if literal
-        else (*SHARED, kappa_g, Gamma_1, Gamma_2, *CLOCKS, chi_p, chi_g),
-        equations=printed(law) if literal else derived(law),
+        else (
+            *shared, kappa_g, Gamma_1, Gamma_2, *CLOCKS, chi_p, chi_g, *teeth.parameters,
+            *(torsion.PARAMETERS if turning else ()),
+            *(rub.PARAMETERS if rubs else ()),
+            *((kappa_c1, kappa_c2) if sprung else ()),
+        ),
+        equations=printed(law) if literal else derived(law, switches),
         harmonics=(r_p, r_g, r_m),
-        defaults={xi_5: xi_m / nu_g} if literal else {chi_p: 0, chi_g: 0},
+        defaults={xi_5: xi_m / nu_g} if literal else {chi_p: 0, chi_g: 0, **teeth.defaults},
         outputs={
             "eps_1": Output(sqrt(u1x**2 + u1y**2), "1", "eccentricity of journal 1"),
             "eps_2": Output(sqrt(u2x**2 + u2y**2), "1", "eccentricity of journal 2"),
@@ -188,6 +282,7 @@ def declare(*, edition: str, film: str, arc: str, contact: str, plain: bool = Fa
             "contact_1": Stop(1 - u1x**2 - u1y**2, f"journal 1: {wall}", reachable),
             "contact_2": Stop(1 - u2x**2 - u2y**2, f"journal 2: {wall}", reachable),
         },
+        switchings=switchings(switches),
         start="equilibrium",
         start_where_none={u1x: 0.1, u2x: 0.1},
         bound=1e6,
@@ -196,12 +291,31 @@ def declare(*, edition: str, film: str, arc: str, contact: str, plain: bool = Fa
         checks=(
             *((spin_suits_arc,) if arc == "fixed" and film == "porous" else ()),
             *((permeability_fault,) if film == "porous" else ()),
+            *(mesh.faults(switches["stiffness"], switches["backlash"]) if line else ()),
+            *((torsion.held,) if turning else ()),
+            *((rub.slides,) if rubs else ()),
         ),
         switches=switches,
         clocks={"mesh": r_m, "pinion": r_p, "gear": r_g},
         swing=(yp, yg, y1, y2),
-        sources=("changjian-psfd", "capone1991", "morgan1957"),
-    )
+        sources=(
+            "changjian-psfd", "capone1991", "morgan1957",
+            *(("kahraman1990",) if line else ()), *(("chu1998",) if rubs else ()),
+        ),
+    )  # fmt: skip
+
+
+def switchings(switches: Mapping[str, str]) -> dict[str, Switching]:
+    """Where the equations have kinks; none of them jumps."""
+    found = {}
+    if switches["backlash"] == "dead_zone":
+        delta, _ = tooth_deflection(switches)
+        found["drive_side"] = Switching(delta, "the driving flanks touch")
+        found["back_side"] = Switching(-delta - mesh.B_m, "the back flanks touch")
+    if switches["contact"] == "rub":
+        for i, (ux, uy) in enumerate(((u1x, u1y), (u2x, u2y)), start=1):
+            found[f"rub_{i}"] = Switching(sqrt(ux**2 + uy**2) - rub.eps_r, f"journal {i} rubs its bearing")
+    return found
 
 
 GEAR_PAIR = Family(
@@ -211,14 +325,30 @@ GEAR_PAIR = Family(
         "edition": ("intended", "literal", "physical"),
         "film": ("porous", "printed"),
         "arc": ("fixed", "positive"),
-        "contact": ("stop",),
+        "contact": ("stop", "rub"),
+        "mesh": ("isotropic", "line"),
+        "stiffness": ("constant", "fourier", "rectangular"),
+        "backlash": ("none", "dead_zone"),
+        "torsion": ("none", "rigid_rotors"),
+        "suspension": ("cubic", "linear"),
+        "centring": ("none", "spring"),
     },
     meanings={
         "edition": "equations as printed, as derived, or as derived with each shaft on its own clock",
         "film": "with h^3 + 12 Phi H, or as printed with h^3 dropped",
         "arc": "half film fixed at 0..pi, or where the pressure is positive",
-        "contact": "what happens when a journal reaches its bearing",
+        "contact": "whether a journal that reaches its bearing ends the run, or rubs from the roughness on",
+        "mesh": "teeth without direction or load, or along the line of action with a transmitted torque",
+        "stiffness": "mesh stiffness that is constant, a Fourier series, or that of one pair of teeth and two",
+        "backlash": "teeth without play, or that leave each other inside a dead zone",
+        "torsion": "rotors that turn uniformly, or that swing about it",
+        "suspension": "housings on a linear and a cubic spring, or on the linear one alone",
+        "centring": "journals without or with a spring beside the film",
     },
+    vocabulary=(
+        xi_5, kappa_g, Gamma_2, chi_p, chi_g, a_1, a_2, kappa_c1, kappa_c2, *torsion.PARAMETERS, *rub.PARAMETERS,
+        *(p for k in ("fourier", "rectangular") for p in mesh.reads(k, "dead_zone").parameters),
+    ),
     default=lambda chosen: {
         "arc": "positive" if chosen["edition"] == "physical" else "fixed",
         "film": "printed" if chosen["edition"] == "literal" else "porous",

@@ -2,18 +2,20 @@
 
 Definitions are those of `studies/gear_psfd/audit.md`, section 3.1. Lengths are over the clearance c (the same
 in both bearings; each shaft has two identical bearings in two identical housings), time is counted in radians
-of the clock.
+of the clock. The pinion turns counter-clockwise.
 """
 
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sympy import Expr, Rational, pi, sqrt
+from sympy import Abs, Expr, Rational, cos, pi, sign, sqrt
 
-from whirlmap.equations.groups import Groups
+from whirlmap.equations.groups import Groups, Route
 from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
+from whirlmap.models import mesh, rub, torsion
+from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, speed_max, viscosity_routes
 
 z_p = Parameter("z_p", "1", "teeth of the pinion", above=0, order=True)
 z_g = Parameter("z_g", "1", "teeth of the gear", above=0, order=True)
@@ -47,17 +49,77 @@ Phi = Parameter("Phi", "m^2", "permeability of the porous ring", latex=r"\Phi", 
 speed = Parameter("speed", "rad/s", "speed of the pinion's shaft", above=0)
 g = Parameter("g", "m/s^2", "gravity", at_least=0)
 
+J_p = Parameter("J_p", "kg*m^2", "polar inertia of the pinion and what turns with it", above=0)
+J_g = Parameter("J_g", "kg*m^2", "polar inertia of the gear and what turns with it", above=0)
+k_tp = Parameter("k_tp", "N*m/rad", "torsional stiffness between pinion and driver", at_least=0)
+k_tg = Parameter("k_tg", "N*m/rad", "torsional stiffness between gear and load", at_least=0)
+c_tp = Parameter("c_tp", "N*m*s/rad", "torsional damping between pinion and driver", at_least=0)
+c_tg = Parameter("c_tg", "N*m*s/rad", "torsional damping between gear and load", at_least=0)
+T_p = Parameter("T_p", "N*m", "torque into the pinion along its rotation; negative where the gear drives")
+P_t = Parameter("P_t", "W", "power through the mesh at speed_max; negative where the gear drives")
+module = Parameter("module", "m", "transverse module of the teeth", above=0)
+alpha = Parameter("alpha", "rad", "transverse pressure angle", latex=r"\alpha", at_least=0, below=float(pi / 2))
+beta_c = Parameter("beta_c", "rad", "direction from pinion to gear, from x (horizontal)", latex=r"\beta_c")
+j_n = Parameter("j_n", "m", "backlash along the line of action", above=0)
+k_c1 = Parameter("k_c1", "N/m", "centring spring of each bearing 1", at_least=0)
+k_c2 = Parameter("k_c2", "N/m", "centring spring of each bearing 2", at_least=0)
+K_r = Parameter("K_r", "N/m", "stiffness of a bearing's wall against a rubbing journal", at_least=0)
+h_r = Parameter("h_r", "m", "film thickness at which the surfaces touch", above=0)
+U_p = Parameter("U_p", "kg*m", "unbalance of the pinion", at_least=0)
+U_g = Parameter("U_g", "kg*m", "unbalance of the gear", at_least=0)
+G_p = Parameter("G_p", "m/s", "balance quality grade of the pinion, e omega at speed_max", at_least=0)
+G_g = Parameter("G_g", "m/s", "balance quality grade of the gear, e omega at its speed for speed_max", at_least=0)
+
+SECTIONS = {
+    "pinion": (z_p, m_p, J_p),
+    "gear": (z_g, m_g, J_g),
+    "mesh": (K_m, C_m, e_TE, T_p, P_t, module, alpha, beta_c, j_n),
+    "shafts": (K_p, K_g, C_p, C_g, k_tp, k_tg, c_tp, c_tg),
+    "bearings": (c, R_1, L_1, R_2, L_2, H, Phi, K_r, h_r),
+    "dampers": (k_c1, k_c2),
+    "suspension": (m_1, m_2, k_11, k_21, k_12, k_22, c_1, c_2),
+    "lubricant": (mu, *LUBRICANT),
+    "unbalance": (e_up, e_ug, U_p, U_g, G_p, G_g),
+    "operation": (speed, g, *OPERATION),
+}
+SHARED = {
+    "K": (K_p, K_g), "C": (C_p, C_g), "k_t": (k_tp, k_tg), "c_t": (c_tp, c_tg), "R": (R_1, R_2), "L": (L_1, L_2),
+    "k_c": (k_c1, k_c2), "m_h": (m_1, m_2), "k_1": (k_11, k_21), "k_3": (k_12, k_22), "c_h": (c_1, c_2),
+    "e_u": (e_up, e_ug), "U": (U_p, U_g), "G": (G_p, G_g),
+}  # fmt: skip
+
 INPUTS = (
     z_p, z_g, m_p, m_g, m_1, m_2, K_p, K_g, C_p, C_g, k_11, k_21, k_12, k_22, c_1, c_2, K_m, C_m,
-    e_TE, e_up, e_ug, mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g,
+    e_TE, e_up, e_ug, mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g, T_p, P_t, module, alpha, beta_c, j_n,
+    J_p, J_g, k_tp, k_tg, c_tp, c_tg, k_c1, k_c2, K_r, h_r, U_p, U_g, G_p, G_g, *LUBRICANT, *OPERATION,
 )  # fmt: skip
+
+ROUTES = (
+    *viscosity_routes(mu),
+    Route(e_up, (U_p, m_p), lambda U, m: U / m, "e = U/m"),
+    Route(e_ug, (U_g, m_g), lambda U, m: U / m, "e = U/m"),
+    Route(e_up, (G_p, speed_max), lambda G, w: G / w, "e = G/omega at speed_max, ISO 21940-11"),
+    Route(e_ug, (G_g, speed_max, z_p, z_g), lambda G, w, zp, zg: G * zg / (w * zp), "e = G/omega, ISO 21940-11"),
+    Route(T_p, (P_t, speed_max), lambda P, w: P / w, "T = P/omega at speed_max"),
+)
 
 omega_0 = sqrt(K_p / m_p)  # natural frequency of the pinion on a rigid bearing
 
 
 def groups(switches: Mapping[str, str]) -> dict[Parameter, Expr]:
     """Every dimensionless parameter of one edition, as an expression of the inputs and of each other."""
-    return {**clocks(switches["edition"]), **MACHINE}
+    made = {**clocks(switches["edition"]), **MACHINE}
+    if switches["mesh"] == "line":
+        made |= LINE
+    if switches["backlash"] == "dead_zone":
+        made |= {mesh.B_m: j_n / c}
+    if switches["torsion"] == "rigid_rotors":
+        made |= TURNING
+    if switches["contact"] == "rub":
+        made |= {rub.eps_r: 1 - h_r / c, rub.kappa_r: K_r / K_p}
+    if switches["centring"] == "spring":
+        made |= {pair.kappa_c1: k_c1 / K_p, pair.kappa_c2: k_c2 / K_p}
+    return made
 
 
 def clocks(edition: str) -> dict[Parameter, Expr]:
@@ -96,9 +158,32 @@ MACHINE: dict[Parameter, Expr] = {
 }
 
 
-def quantities(switches: Mapping[str, str]) -> dict[str, Output]:  # noqa: ARG001
+R_bp = module * z_p * cos(alpha) / 2  # base radii
+R_bg = module * z_g * cos(alpha) / 2
+
+LINE: dict[Parameter, Expr] = {
+    mesh.F_0: Abs(T_p) / (R_bp * K_p * c),
+    # The flank that pushes the gear: ahead of the pinion's motion, or behind it where the gear drives.
+    mesh.phi_m: beta_c + sign(T_p) * (pi / 2 - alpha),
+}
+TURNING: dict[Parameter, Expr] = {
+    torsion.iota_p: J_p / (m_p * R_bp**2),
+    torsion.iota_g: J_g / (m_p * R_bg**2),
+    torsion.kappa_tp: k_tp / (K_p * R_bp**2),
+    torsion.kappa_tg: k_tg / (K_p * R_bg**2),
+    torsion.xi_tp: c_tp / (2 * m_p * omega_0 * R_bp**2),
+    torsion.xi_tg: c_tg / (2 * m_p * omega_0 * R_bg**2),
+}
+
+
+def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     """Dimensional results: where the machine runs, and how far the model's assumptions carry."""
     clock = pair.s * omega_0
+    loaded = {
+        "mesh_load": Output(Abs(T_p) / R_bp, "N", "transmitted tooth force T_p/R_bp along the line of action"),
+        "transmitted_power": Output(T_p * pair.r_p * clock, "W", "torque times speed of the pinion"),
+        "base_radius_p": Output(R_bp, "m", "base radius of the pinion"),
+    }
     return {
         "omega_0": Output(omega_0, "rad/s", "natural frequency sqrt(K_p/m_p)"),
         "clock_speed": Output(clock, "rad/s", "speed of the clock, which s counts"),
@@ -115,10 +200,22 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:  # noqa: ARG00
         ),
         "ring_1": Output(pi * H / L_1, "1", "pi H/L_1; psi is too large by about a third of its square"),
         "ring_2": Output(pi * H / L_2, "1", "pi H/L_2; psi is too large by about a third of its square"),
+        **(loaded if switches["mesh"] == "line" else {}),
     }
 
 
 #: The gear pair with its dimensional inputs: what case files call ``gear_pair``.
 GEAR_PAIR_MACHINE = replace(
-    pair.GEAR_PAIR, groups=Groups(inputs=INPUTS, declare=groups, quantities=quantities)
+    pair.GEAR_PAIR,
+    groups=Groups(
+        inputs=INPUTS,
+        declare=groups,
+        quantities=quantities,
+        routes=ROUTES,
+        shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},
+        sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()}
+        | {"bearings": (*(q.name for q in SECTIONS["bearings"]), "R", "L")},
+        operation=tuple(q.name for q in OPERATION),
+        checks=(range_fault,),
+    ),
 )

@@ -1,4 +1,4 @@
-"""A Jeffcott rotor on two plain short journal bearings, rigid or on a flexible shaft.
+"""A Jeffcott rotor on two plain short journal bearings, or squeeze-film dampers; rigid or on a flexible shaft.
 
 The clock is the shaft, lengths are in units of the clearance, s = omega sqrt(c/g), and each bearing carries half of the
 weight. Gamma s = A omega/W is the film group, with A = mu R L^3/(2 c^2) and W the load of one bearing.
@@ -7,6 +7,10 @@ rigid
     The rotor moves with its journals, which carry its mass: the oil-whip problem of the textbooks. Fixed half film.
 flexible
     Massless journals, as in the gear pair; k = K c/W is the shaft's stiffness at each bearing.
+
+With ``bearing = damper`` the journals are the outer rings of rolling bearings: they do not turn, so that the film carries
+nothing at rest, and a squirrel cage of stiffness k_c = K_c c/W each stands beside it. The film has the arc of positive
+pressure.
 """
 
 from whirlmap.equations import Family, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
@@ -21,6 +25,7 @@ s = Parameter("s", "1", "speed ratio omega sqrt(c/g)", above=0)
 Gamma = Parameter("Gamma", "1", "film group A sqrt(g/c)/W, at s = 1", latex=r"\Gamma", above=0)
 b = Parameter("b", "1", "unbalance eccentricity over c", at_least=0)
 k = Parameter("k", "1", "shaft stiffness K c/W", above=0)
+k_c = Parameter("k_c", "1", "squirrel cage of one damper, K_c c/W", above=0)
 xi = Parameter("xi", "1", "damping of the rotor, C/(2 M) sqrt(c/g)", latex=r"\xi", at_least=0)
 
 
@@ -42,25 +47,28 @@ def rigid() -> Model:
         stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
         start="equilibrium",
         start_where_none={ux: 0.1},
-        switches={"rotor": "rigid", "arc": "fixed"},
+        switches={"rotor": "rigid", "arc": "fixed", "bearing": "journal"},
         clocks={"shaft": 1},
         swing=(uy,),
         sources=("capone1991", "childs1993"),
     )
 
 
-def flexible(arc: str) -> Model:
+def flexible(arc: str, bearing: str) -> Model:
     """Declare the rotor on a flexible shaft with massless journals."""
     law = film_law("porous", arc, plain=True)
     d_x, d_y = x - ux, y - uy
-    w_x, w_y = law.velocity(ux, uy, k * d_x / (2 * Gamma * s), k * d_y / (2 * Gamma * s), 0, 1)
+    damper = bearing == "damper"
+    cage, spin = (k_c, 0) if damper else (0, 1)
+    load_x, load_y = k * d_x - cage * ux, k * d_y - cage * uy
+    w_x, w_y = law.velocity(ux, uy, load_x / (2 * Gamma * s), load_y / (2 * Gamma * s), 0, spin)
     return Model(
         name="jeffcott",
         states=(ux, uy, x, y, vx, vy),
-        parameters=(s, Gamma, b, k, xi),
+        parameters=(s, Gamma, b, k, xi, *((k_c,) if damper else ())),
         equations={
-            ux: -uy / 2 + w_x,
-            uy: +ux / 2 + w_y,
+            ux: -spin * uy / 2 + w_x,
+            uy: +spin * ux / 2 + w_y,
             x: vx,
             y: vy,
             vx: -2 * xi / s * vx - k * d_x / s**2 + b * cos(t),
@@ -69,20 +77,26 @@ def flexible(arc: str) -> Model:
         harmonics=(1,),
         outputs={"eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal")},
         stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
-        start="equilibrium",
-        start_where_none={ux: 0.1},
+        # A film that carries nothing at rest has no derivative there, so that no Newton step finds the sag in the cage.
+        start="states" if damper else "equilibrium",
+        start_where_none={} if damper else {ux: 0.1},
         tables=law.tables,
-        switches={"rotor": "flexible", "arc": arc},
+        switches={"rotor": "flexible", "arc": arc, "bearing": bearing},
         clocks={"shaft": 1},
         swing=(y, uy),
         sources=("capone1991", "childs1993"),
     )
 
 
-def declare(*, rotor: str, arc: str) -> Model:
+def declare(*, rotor: str, arc: str, bearing: str) -> Model:
     """Declare the rotor for one choice of its switches."""
+    if bearing == "damper" and (rotor, arc) != ("flexible", "positive"):
+        raise ModelError(
+            "bearing = damper needs rotor = flexible and arc = positive: the half film 0..pi follows the spin of a journal,"
+            " and a damper has none"
+        )
     if rotor == "flexible":
-        return flexible(arc)
+        return flexible(arc, bearing)
     if arc != "fixed":
         raise ModelError("rotor = rigid has arc = fixed only; use rotor = flexible for the arc of positive pressure")
     return rigid()
@@ -91,9 +105,11 @@ def declare(*, rotor: str, arc: str) -> Model:
 JEFFCOTT = Family(
     name="jeffcott",
     declare=declare,
-    switches={"rotor": ("rigid", "flexible"), "arc": ("fixed", "positive")},
+    switches={"rotor": ("rigid", "flexible"), "arc": ("fixed", "positive"), "bearing": ("journal", "damper")},
     meanings={
         "rotor": "rigid, its mass on the journals; or on a flexible shaft with massless journals",
         "arc": "half film fixed at 0..pi, or where the pressure is positive",
+        "bearing": "journals that turn in their film, or dampers that do not, with a squirrel cage",
     },
+    default=lambda chosen: {"rotor": "flexible", "arc": "positive"} if chosen["bearing"] == "damper" else {},
 )

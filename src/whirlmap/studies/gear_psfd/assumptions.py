@@ -18,7 +18,7 @@ from whirlmap.errors import CaseError
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
 
-OIL_DENSITY = 870.0  # kg/m^3; assumed, no case gives it
+OIL_DENSITY = 870.0  # kg/m^3; assumed where a case does not give it
 SHORT = 0.25  # length over diameter
 DEEP = 0.9  # eccentricity
 THICK_RING = 0.63  # pi H/L, at which tanh(x)/x = 0.886
@@ -95,9 +95,10 @@ def strained(system: System, diagrams: Results = None) -> list[Strain]:
     found = [
         *_slenderness(facts),
         *_eccentricity(runs),
+        *_at_rest(system),
         *_flow(facts),
         *_ring(facts),
-        _mesh_load(facts),
+        *_mesh_load(system, facts),
         *_fixed_arc(facts),
         *_clocks(facts),
         *_equilibrium(system, runs),
@@ -147,6 +148,19 @@ def _eccentricity(runs: list[xr.Dataset]) -> Iterator[Strain]:
             )  # fmt: skip
 
 
+def _at_rest(system: System) -> Iterator[Strain]:
+    """Eccentricities of the static equilibrium, where there is one."""
+    x, found = start_states(system.plain_model(), system.vector[:, None])
+    for i in (1, 2):
+        value = float(np.hypot(*(x[system.states.index(f"u{i}{axis}"), 0] for axis in "xy")))
+        if found[0] and value > DEEP:
+            yield Strain(
+                f"rest_eccentricity_{i}", value, DEEP,
+                f"Journal {i} rests at an eccentricity of {value:.3g}: above {DEEP} roughness, misalignment, elastic"
+                " bearings and warm oil, which the model leaves out, decide.",
+            )  # fmt: skip
+
+
 def _largest(runs: list[xr.Dataset], output: str) -> tuple[float, str]:
     """Largest finite value of an output, and where along the diagrams it was found."""
     best, place = -inf, ""
@@ -172,16 +186,17 @@ def _place(run: xr.Dataset, index: Mapping[Any, Any]) -> str:
 
 
 def _flow(facts: _Facts) -> Iterator[Strain]:
-    """Laminar flow without inertia, with an assumed density."""
+    """Laminar flow without inertia, with the case's density or an assumed one."""
     mu, c, clock = facts.inputs.get("mu"), facts.inputs.get("c"), facts.clock
     if mu is None or c is None or clock is None:
         return
-    said = f"(oil of {OIL_DENSITY:g} kg/m3 assumed)"
+    density = facts.inputs.get("rho", OIL_DENSITY)
+    said = f"(oil of {density:g} kg/m3{'' if 'rho' in facts.inputs else ' assumed'})"
     for i, spin in ((1, "j_p"), (2, "j_g")):
         R = facts.inputs.get(f"R_{i}")
         if R is None:
             continue
-        value = OIL_DENSITY * abs(facts.values[spin]) * clock * R * c / mu
+        value = density * abs(facts.values[spin]) * clock * R * c / mu
         limit = TAYLOR * sqrt(R / c)
         if value > limit:
             yield Strain(
@@ -190,7 +205,7 @@ def _flow(facts: _Facts) -> Iterator[Strain]:
                 " the flow has vortices, and the film resists more than the model's laminar one.",
             )  # fmt: skip
     fastest = max(abs(facts.values[r]) for r in ("r_p", "r_g", "r_m")) * clock
-    value = OIL_DENSITY * fastest * c**2 / mu
+    value = density * fastest * c**2 / mu
     if value > FILM_INERTIA:
         yield Strain(
             "film_inertia", value, FILM_INERTIA,
@@ -215,18 +230,44 @@ def _ring(facts: _Facts) -> Iterator[Strain]:
             )  # fmt: skip
 
 
-def _mesh_load(facts: _Facts) -> Strain:
-    """Say that no transmitted torque holds the teeth together: true of every system of this model."""
+def _mesh_load(system: System, facts: _Facts) -> Iterator[Strain]:
+    """Compare what presses the teeth together at rest with what the transmission error pulls at them."""
     unit = facts.inputs["K_p"] * facts.inputs["c"] if {"K_p", "c"} <= facts.inputs.keys() else None
     force = facts.values["Lambda"] * abs(facts.values["E"])
     limit = force if unit is None else force * unit
-    written = f"{limit:.3g} {'K_p c' if unit is None else 'N'}"
-    return Strain(
+    name = "K_p c" if unit is None else "N"
+    written = f"{limit:.3g} {name}"
+    if facts.switches.get("mesh") == "line":
+        load = _tooth_load_at_rest(system) * (1.0 if unit is None else unit)
+        if load <= limit:
+            beside = "" if facts.switches["torsion"] == "rigid_rotors" else (
+                " Without torsion the rotors turn uniformly, so that a film that gives way unloads the teeth; torsion ="
+                " rigid_rotors lets them follow."
+            )  # fmt: skip
+            yield Strain(
+                "mesh_load", load, limit,
+                f"The teeth carry {load:.3g} {name} at rest, and the transmission error alone pulls at them with {written}"
+                f" with both gears held: they part.{beside}",
+            )  # fmt: skip
+        return
+    yield Strain(
         "mesh_load", 0.0, limit,
-        "The model transmits no torque, so no load holds the teeth together, and its mesh spring pulls as well"
+        "The isotropic mesh transmits no torque, so no load holds the teeth together, and its spring pulls as well"
         " as pushes: real teeth stay in contact only under a load above the dynamic mesh force, which is"
         f" {written} from the transmission error alone with both gears held.",
     )  # fmt: skip
+
+
+def _tooth_load_at_rest(system: System) -> float:
+    """Static force along the line of action over K_p c; the transmitted one where no equilibrium is found."""
+    values = {name: float(value) for name, value in system.values.items()}
+    x, found = start_states(system.plain_model(), system.vector[:, None])
+    if not found[0]:
+        return values["F_0"]
+    q = dict(zip(system.states, x[:, 0], strict=True))
+    away = np.cos(values["phi_m"]) * (q["xp"] - q["xg"]) + np.sin(values["phi_m"]) * (q["yp"] - q["yg"])
+    away += q.get("qp", 0.0) - q.get("qg", 0.0)
+    return float(values["F_0"] + values["Lambda"] * away)
 
 
 def _fixed_arc(facts: _Facts) -> Iterator[Strain]:

@@ -1,0 +1,61 @@
+"""Inputs that data sheets give in several ways: a viscosity by its grade, an unbalance by its quality."""
+
+from collections.abc import Mapping
+from fractions import Fraction
+
+from whirlmap.cases.case import Layer
+from whirlmap.cases.entries import Given
+from whirlmap.equations.groups import Route
+from whirlmap.errors import CaseError
+
+
+def chosen(routes: tuple[Route, ...], layer: Layer) -> dict[str, Route | None]:
+    """The way in which a layer gives each input that has several: a route, or None where the input itself stands there.
+
+    Raises
+    ------
+    CaseError
+        Where a layer gives one input in two ways, naming both.
+    """
+    found: dict[str, Route | None] = {}
+    for target in dict.fromkeys(r.target.name for r in routes):
+        ways: dict[str, Route | None] = {target: None} | {r.key: r for r in routes if r.target.name == target}
+        given = [name for name in ways if name in layer]
+        if len(given) > 1:
+            meaning = next(r.target.meaning for r in routes if r.target.name == target)
+            raise CaseError(
+                f"{layer[given[1]].where}: found {' and '.join(given)} given together, but each of them says what {target}"
+                f" is ({meaning}); expected one of them"
+            )
+        if given:
+            found[target] = ways[given[0]]
+    return found
+
+
+def follow(
+    routes: Mapping[str, Route], inputs: Mapping[str, Fraction], written: Mapping[str, Given], case: str
+) -> dict[str, tuple[Fraction, Given]]:
+    """Evaluate the inputs that follow from others: value, and what stands for what was written.
+
+    Raises
+    ------
+    CaseError
+        Where an input is missing, or does not suit the rule.
+    """
+    made: dict[str, tuple[Fraction, Given]] = {}
+    for target, route in routes.items():
+        where = written[route.key].where
+        missing = [q.name for q in route.reads if q.name not in inputs]
+        if missing:
+            raise CaseError(
+                f"{where}: {target} is to follow from {route.key} by {route.rule}, which also needs {', '.join(missing)};"
+                f" {case} does not give {'it' if len(missing) == 1 else 'them'}"
+            )
+        try:
+            value = Fraction(route.follow(*(inputs[q.name] for q in route.reads)))
+        except CaseError as error:
+            raise CaseError(f"{where}: {error}") from None
+        origin = ", ".join(f"{q.name} = {written[q.name].written}" for q in route.reads)
+        note = f"follows: {origin}; {route.rule}"
+        made[target] = value, Given(target, f"{float(value):.6g}", route.target.unit, note)
+    return made
