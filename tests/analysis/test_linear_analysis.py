@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.errors import RangeError
+from whirlmap.errors import CaseError, RangeError
 from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared
 
 
@@ -55,3 +55,8 @@ def test_bracket_without_a_threshold_is_refused(bracket, words):
 def test_model_without_equilibrium_is_refused():
     with pytest.raises(RangeError, match="no static equilibrium"):
         whirlmap.linear_analysis(whirlmap.load("lorenz"))
+
+
+def test_unknown_parameter_is_refused():
+    with pytest.raises(CaseError, match="no parameter 'speed'"):
+        whirlmap.stability_threshold(rotor(0.3, 2.6), "speed", (2.0, 3.0))

@@ -1,5 +1,7 @@
 """The value of a parameter at which the static equilibrium loses its stability."""
 
+from typing import Any
+
 import numpy as np
 
 from whirlmap.analysis.linear import linearised
@@ -34,7 +36,9 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     low, high = (float(end) for end in bracket)
     if not (np.isfinite([low, high]).all() and low < high and 1e-14 <= tolerance < 1):
         raise RangeError("the bracket must be (low, high) with low < high, and the tolerance at least 1e-14 and below 1")
-    system.replace(**{name: low}), system.replace(**{name: high})  # refuses unknown names and values out of range
+    for end in (low, high):
+        at_end: dict[str, Any] = {name: end}
+        system.replace(**at_end)  # refuses an unknown name, and a value that the model cannot take
     model, row = system.plain_model(), system.parameters.index(name)
     while high - low > tolerance * max(abs(low), abs(high)):
         grid = np.linspace(low, high, VALUES)
