@@ -148,12 +148,13 @@ def _settle_unforced(
         alive = ensemble.running[left]
         values, h = ensemble.values[:, left], ensemble.period[left] / ensemble.steps
         points, times = crossings(ensemble.model, values, x, h)
-        shared = int(np.isfinite(times).sum(axis=0)[alive].min(initial=points.shape[0]))
-        most, these = min(window, shared) // 2, left[alive]
-        if these.size and most:
+        count = np.where(alive, np.isfinite(times).sum(axis=0), 0)
+        for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
+            columns = np.flatnonzero(count == shared)
+            these = left[columns]
             found = return_multiple(
-                points[:shared, :, alive], scale=positive(scale[:, these]), tolerance=settling.tolerance, most=most,
-                cyclic=cyclic,
+                points[:shared][:, :, columns], scale=positive(scale[:, these]), tolerance=settling.tolerance,
+                most=int(min(window, shared)) // 2, cyclic=cyclic,
             )  # fmt: skip
             multiple[these], distance[these] = found["multiple"].values, found["distance"].values
         left = left[ensemble.running[left] & (multiple[left] == 0)]

@@ -81,8 +81,7 @@ def run_with_section(
     rates : array, shape (period, exponent, point)
         Per unit of time; NaN in points that ended.
     section : array, shape (time, state, point)
-        Once per common period, or the crossings of an unforced model, as many as all points share that have at least
-        `LEAST`; NaN in points that ended, or have fewer.
+        Once per common period, or the crossings of an unforced model, as many as each point has: the rows beyond are NaN.
     """
     common = ensemble.common_multiple
     ensemble.advance(align * common, progress=progress)
@@ -111,12 +110,19 @@ def _with_crossings(
         for k in range(ensemble.points):
             found[k].append(points[np.isfinite(times[:, k]), :, k])
     joined = [np.concatenate(parts) for parts in found]
-    enough = [len(p) for p, on in zip(joined, ensemble.running, strict=True) if on and len(p) >= LEAST]
-    section = np.full((min(enough, default=0), ensemble.model.dimension, ensemble.points), np.nan)
+    section = np.full((max(map(len, joined), default=0), ensemble.model.dimension, ensemble.points), np.nan)
     for k, p in enumerate(joined):
-        if len(p) >= len(section):
-            section[:, :, k] = p[: len(section)]
+        section[: len(p), :, k] = p
     return np.concatenate(growth), section
+
+
+def _shared(section: Array, running: NDArray[np.bool_]) -> Array:
+    """As many rows as all runs share that have at least `LEAST`; NaN in runs that have fewer."""
+    count = np.isfinite(section[:, 0]).sum(axis=0)
+    enough = count >= LEAST
+    section = section[: count[enough & running].min(initial=section.shape[0]) if (enough & running).any() else 0].copy()
+    section[:, :, count < section.shape[0]] = np.nan
+    return section
 
 
 def exponents_to_error(
@@ -143,7 +149,7 @@ def exponents_to_error(
     while True:
         rates, section = run_with_section(ensemble, stretch, align=16 if not pieces else 0, progress=progress)
         pieces.append(rates)
-        sections.append(section)
+        sections.append(_shared(section, ensemble.running))
         done += stretch
         rates = np.concatenate(pieces)
         good = ensemble.running

@@ -64,12 +64,12 @@ def reproduce(
 
 def longest(quality: str) -> int:
     """Periods T that a reproduction takes at most, over all points."""
+    from whirlmap.analysis.diagnosis import RUNS
     from whirlmap.integrate.loading import load
-    from whirlmap.kernels.source import LANES
     from whirlmap.studies.gear_psfd.evidence import EDITIONS, PSI, quality_named, speeds
 
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling
     points = speeds(level).size * (sweep.transient + 4 * sweep.most + 2 * level.exponent_periods)
-    lanes = LANES * (orbit.transient + 4 * orbit.most + level.most_periods) + level.points
-    return sum(load(edition.case).common_multiple for edition in EDITIONS) * len(PSI) * (points + lanes)
+    runs = RUNS * (orbit.transient + 4 * orbit.most + level.most_periods) + level.points
+    return sum(load(edition.case).common_multiple for edition in EDITIONS) * len(PSI) * (points + runs)

@@ -8,43 +8,17 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.lyapunov import mean_and_error
-from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
-from whirlmap.analysis.regime import regime
-from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.points import run_attributes
 from whirlmap.analysis.settling import Settling
-from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import Verdict, doubtful
+from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.results.regime import Regime
-from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
+from whirlmap.results.schema import names_coordinate, variable, with_attributes
+from whirlmap.sweep.points import RETURNS, Labelling, Measured, extreme_variables, point_variables
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
-
-#: A motion that contracts is given the time to shrink by this before it is tested once more, but no more than so many
-#: times the length of its exponent's run.
-SHRINK, PATIENCE = 1e-9, 4
-
-
-@dataclass(frozen=True)
-class _Measured:
-    """One direction of a diagram, before it becomes a Dataset."""
-
-    returns: Returns
-    status: NDArray[np.int8]
-    end_time: Array
-    exponent: Array
-    exponent_error: Array
-    confidence: Array
-    winding: Array
-    start_found: NDArray[np.bool_]
-    steps: NDArray[np.int64]
-    step_error: Array
-    step_verdict: NDArray[np.int8]
-
 
 def bifurcation_diagram(
     system: System,
@@ -132,83 +106,29 @@ class _Run:
     workers: int | None
     progress: Callable[[int], None] | None
 
-    def cold(self, points: Array, starts: Array | None = None) -> tuple[_Measured, Ensemble]:
+    def cold(self, points: Array, starts: Array | None = None) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start."""
-        ensemble, found = make_ensemble(
-            self.system, {self.parameter: points}, starts=starts, steps=self.steps, accuracy=self.accuracy,
-            method=self.method, workers=self.workers,
-        )  # fmt: skip
-        returns = settle_and_record(ensemble, self.settling, cyclic=cyclic_states(self.system), progress=self.progress)
-        exponent, error, winding = (np.full(points.size, np.nan) for _ in range(3))
-        confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
-        open_points = np.flatnonzero(returns.regime == Regime.undecided)
-        open_points = open_points[ensemble.running[open_points]]
-        if self.lyapunov and open_points.size:
-            tangent, _ = make_ensemble(
-                self.system, {self.parameter: points[open_points]}, starts=ensemble.x[:, open_points],
-                steps=tangent_steps(ensemble)[open_points], method=ensemble.method.name, tangents=1, workers=self.workers,
-            )  # fmt: skip
-            rates, section = run_with_section(
-                tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=self.progress
-            )
-            mean, spread = mean_and_error(rates[:, 0])
-            exponent[open_points], error[open_points] = mean, spread
-            judged = regime(
-                tangent.status, np.zeros(open_points.size, dtype=np.int64), exponent=mean, exponent_error=spread,
-                duration=self.lyapunov * tangent.common_multiple * tangent.period, section=section,
-                cyclic=cyclic_states(self.system),
-            )  # fmt: skip
-            label = returns.regime.copy()
-            # A point that reaches contact only now has no time of contact: it stays undecided.
-            label[open_points] = np.where(tangent.running, judged["regime"].values, Regime.undecided)
-            confidence[open_points] = np.where(tangent.running, judged["confidence"].values, 0.0)
-            winding[open_points] = judged["winding"].values
-            returns = replace(returns, regime=label)
-            contracts = open_points[(label[open_points] == Regime.undecided) & (mean < -3 * spread)]
-            returns = self._given_time(ensemble, returns, contracts, exponent)
-            confidence[returns.regime == Regime.periodic] = 1.0
-        return _Measured(
-            returns, ensemble.status, ensemble.end_time, exponent, error, confidence, winding, found, ensemble.point_steps,
-            ensemble.step_error, ensemble.step_verdict,
-        ), ensemble  # fmt: skip
+        labelling = Labelling(self.settling, self.lyapunov, self.steps, self.accuracy, self.method, self.workers)
+        return labelling.measure(self.system, {self.parameter: points}, starts=starts, progress=self.progress)
 
-    def _given_time(self, ensemble: Ensemble, returns: Returns, points: NDArray[np.intp], exponent: Array) -> Returns:
-        """Test points once more whose motion contracts but has not returned, after the time that this takes."""
-        if not points.size:
-            return returns
-        part = ensemble.subset(points)
-        common = part.common_multiple * part.period
-        extra = min(int(np.max(np.log(SHRINK) / (exponent[points] * common))) + 1, PATIENCE * self.lyapunov)
-        later = replace(self.settling, transient=extra)
-        again = settle_and_record(part, later, cyclic=cyclic_states(self.system), progress=self.progress)
-        ensemble.absorb(part, points)
-        joined = {}
-        for name in ("section", "regime", "period", "multiple", "distance", "waited"):
-            joined[name] = getattr(returns, name).copy()
-            joined[name][..., points] = getattr(again, name)
-        extremes = {k: v.copy() for k, v in returns.extremes.items()}
-        for k, v in again.extremes.items():
-            extremes[k][..., points] = v
-        return replace(returns, **joined, extremes=extremes)
-
-    def chain(self, points: Array, *, downwards: bool) -> tuple[_Measured, Ensemble]:
+    def chain(self, points: Array, *, downwards: bool) -> tuple[Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""
         order = range(points.size - 1, -1, -1) if downwards else range(points.size)
         starts: Array | None = None
-        made: dict[int, _Measured] = {}
+        made: dict[int, Measured] = {}
         for i in order:
             made[i], ensemble = self.cold(points[i : i + 1], starts)
             starts = ensemble.x.copy() if ensemble.running[0] else None
         return _joined([made[i] for i in range(points.size)]), ensemble
 
 
-def _joined(parts: list[_Measured]) -> _Measured:
+def _joined(parts: list[Measured]) -> Measured:
     first = parts[0]
     returns = replace(
         first.returns,
         **{
             name: np.concatenate([getattr(p.returns, name) for p in parts], axis=-1)
-            for name in ("section", "regime", "period", "multiple", "distance", "waited")
+            for name in RETURNS
         },
         extremes={k: np.concatenate([p.returns.extremes[k] for p in parts], axis=-1) for k in first.returns.extremes},
     )
@@ -219,10 +139,10 @@ def _joined(parts: list[_Measured]) -> _Measured:
             "step_error", "step_verdict",
         )
     }  # fmt: skip
-    return _Measured(returns, **rest)
+    return Measured(returns, **rest)
 
 
-def _dataset(system: System, parameter: str, points: Array, m: _Measured) -> xr.Dataset:
+def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.Dataset:
     model, r = system.model, m.returns
     rows = [*system.states, *model.outputs]
     declared = model.parameter(parameter)
@@ -231,29 +151,9 @@ def _dataset(system: System, parameter: str, points: Array, m: _Measured) -> xr.
             (parameter, "period", "state"), r.section.transpose(2, 0, 1), "1", "section point, once per T",
             unit_of_each=" ".join(s.unit for s in model.states),
         ),
-        "status": status_variable(parameter, m.status),
-        "regime": regime_variable(parameter, r.regime),
-        "period_T": variable(parameter, r.period, "T", "smallest return, 0 where none was found"),
-        "period_common": variable(parameter, r.multiple, "1", "smallest return in common periods, 0 where none"),
-        "return_distance": variable(parameter, r.distance, "1", "return distance over the range of each state"),
-        "lyapunov": variable(parameter, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
-        "lyapunov_error": variable(parameter, m.exponent_error, "1/time", "one standard error of it, from block means"),
-        "confidence": variable(parameter, m.confidence, "1", "share of the indicators asked that speak for the regime"),
-        "winding": variable(parameter, m.winding, "1", "rotation number of the section of points that do not return"),
-        "end_time": variable(parameter, m.end_time, "time", "time at which the run ended early"),
-        "start_found": variable(parameter, m.start_found.astype(np.int8), "1", "whether the default start exists"),
-        "settled_after": variable(parameter, r.waited, "1", "common periods run before the record"),
-        "steps": variable(parameter, m.steps, "1/T", "steps per T"),
-        "step_error": variable(parameter, m.step_error, "1", "measured error over one common period"),
-        "step_verdict": variable(
-            parameter, m.step_verdict, "1", "whether the steps meet the accuracy",
-            flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
-        ),
+        **point_variables(parameter, m),
+        **extreme_variables(parameter, m),
     }  # fmt: skip
-    for name, meaning in (
-        ("minimum", "smallest value"), ("maximum", "largest value"), ("mean", "mean"), ("rms", "rms about the mean"),
-    ):  # fmt: skip
-        data[name] = variable((parameter, "quantity"), r.extremes[name].T, "1", f"{meaning} over the record")
     return xr.Dataset(
         data,
         coords={

@@ -1,0 +1,311 @@
+"""Labels of operating points anywhere in parameter space: what diagrams, maps and draws are made of.
+
+The numbers of a point depend on its own parameters and start alone: not on the points computed with it, their number or
+order, nor on the number of threads.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
+from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes, tangent_steps
+from whirlmap.analysis.regime import regime
+from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.settling import POOL, Settling
+from whirlmap.analysis.tangent_run import run_with_section
+from whirlmap.errors import RangeError
+from whirlmap.integrate.accuracy import Verdict, doubtful
+from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.integrate.system import System
+from whirlmap.kernels.routine import LANES
+from whirlmap.results.regime import Regime
+from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
+
+Array = NDArray[np.float64]
+Progress = Callable[[int], None]
+
+#: A motion that contracts is given the time to shrink by this before it is tested once more, but no more than so many
+#: times the length of its exponent's run.
+SHRINK, PATIENCE = 1e-9, 4
+
+#: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
+POOLS = 4
+
+#: Outputs with this beginning are eccentricities, in clearances: ``eps_1`` is that of bearing 1.
+ECCENTRICITY = "eps_"
+
+#: What the extremes over the record are called in Datasets, and what they are.
+EXTREMES = {
+    "minimum": "smallest value", "maximum": "largest value", "mean": "mean", "rms": "rms about the mean",
+}  # fmt: skip
+
+#: Arrays over the points of `Returns` that can be replaced by those of a later look.
+RETURNS = ("section", "regime", "period", "multiple", "distance", "waited")
+
+
+@dataclass(frozen=True)
+class Measured:
+    """What was measured of points, before it becomes a Dataset; arrays of shape (point,) beside those of `Returns`."""
+
+    returns: Returns
+    status: NDArray[np.int8]
+    end_time: Array
+    exponent: Array
+    exponent_error: Array
+    confidence: Array
+    winding: Array
+    start_found: NDArray[np.bool_]
+    steps: NDArray[np.int64]
+    step_error: Array
+    step_verdict: NDArray[np.int8]
+
+
+@dataclass(frozen=True)
+class Labelling:
+    """How points are measured: the options of `label_points`."""
+
+    settling: Settling
+    lyapunov: int
+    steps: int | None = None
+    accuracy: float | None = None
+    method: str | None = None
+    workers: int | None = None
+
+    def __post_init__(self) -> None:
+        """Refuse a length of the exponent's run that gives no error."""
+        if not (self.lyapunov == 0 or BLOCKS <= self.lyapunov <= 10_000_000):
+            raise RangeError(f"lyapunov must be 0, or from {BLOCKS} to 10000000 common periods, not {self.lyapunov}")
+
+    def measure(
+        self,
+        system: System,
+        values: Mapping[str, ArrayLike],
+        *,
+        starts: Array | None = None,
+        progress: Progress | None = None,
+    ) -> tuple[Measured, Ensemble]:
+        """Measure points, each from its own start; the ensemble stands where they were left."""
+        cyclic = cyclic_states(system)
+        ensemble, found = make_ensemble(
+            system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
+        )
+        returns = settle_and_record(ensemble, self.settling, cyclic=cyclic, progress=progress)
+        exponent, error, winding = (np.full(ensemble.points, np.nan) for _ in range(3))
+        confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
+        open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
+        if self.lyapunov and open_points.size:
+            tangent, _ = make_ensemble(
+                system, {name: np.atleast_1d(np.asarray(v, dtype=float))[open_points] for name, v in values.items()},
+                starts=ensemble.x[:, open_points], steps=tangent_steps(ensemble)[open_points], method=ensemble.method.name,
+                tangents=1, workers=self.workers,
+            )  # fmt: skip
+            rates, section = run_with_section(tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=progress)
+            mean, spread = mean_and_error(rates[:, 0])
+            exponent[open_points], error[open_points] = mean, spread
+            judged = _judge(tangent, mean, spread, self.lyapunov, section, cyclic)
+            label = returns.regime.copy()
+            # A point that reaches contact only now has no time of contact: it stays undecided.
+            label[open_points] = np.where(tangent.running, judged["regime"], Regime.undecided)
+            confidence[open_points] = np.where(tangent.running, judged["confidence"], 0.0)
+            winding[open_points] = judged["winding"]
+            returns = replace(returns, regime=label)
+            contracts = open_points[(label[open_points] == Regime.undecided) & (mean < -3 * spread)]
+            returns = self._given_time(ensemble, returns, contracts, exponent, cyclic, progress)
+            confidence[returns.regime == Regime.periodic] = 1.0
+        return Measured(
+            returns, ensemble.status, ensemble.end_time, exponent, error, confidence, winding, found, ensemble.point_steps,
+            ensemble.step_error, ensemble.step_verdict,
+        ), ensemble  # fmt: skip
+
+    def _given_time(
+        self,
+        ensemble: Ensemble,
+        returns: Returns,
+        points: NDArray[np.intp],
+        exponent: Array,
+        cyclic: dict[int, float],
+        progress: Progress | None,
+    ) -> Returns:
+        """Test points once more whose motion contracts but has not returned, after the time that this takes.
+
+        The time of each is a power of two of common periods, so that few lengths are run, and none depends on other points.
+        """
+        needed = np.log(SHRINK) / (exponent[points] * (ensemble.common_multiple * ensemble.period)[points])
+        extra = np.minimum(2 ** np.ceil(np.log2(np.maximum(needed, 1))), PATIENCE * self.lyapunov).astype(np.int64)
+        joined: dict[str, Any] = {name: getattr(returns, name).copy() for name in RETURNS}
+        extremes = {k: v.copy() for k, v in returns.extremes.items()}
+        for length in np.unique(extra):
+            these = points[extra == length]
+            part = ensemble.subset(these)
+            longer = replace(self.settling, transient=int(length))
+            again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
+            ensemble.absorb(part, these)
+            for name, values in joined.items():
+                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
+            for name, values in extremes.items():
+                values[..., these] = again.extremes[name]
+        return replace(returns, **joined, extremes=extremes)
+
+
+def _judge(
+    tangent: Ensemble, exponent: Array, error: Array, lyapunov: int, section: Array, cyclic: dict[int, float]
+) -> dict[str, Array]:
+    """Regime, confidence and winding of open points, each from as many section points as it has itself."""
+    count = np.isfinite(section[:, 0]).sum(axis=0)
+    count = np.where(count >= LEAST, count, 0)
+    duration = lyapunov * tangent.common_multiple * tangent.period
+    out = {name: np.full(tangent.points, np.nan) for name in ("regime", "confidence", "winding")}
+    for rows in np.unique(count):  # forced: all points of a run that reach its end have the same
+        these = np.flatnonzero(count == rows)
+        judged = regime(
+            tangent.status[these], np.zeros(these.size, dtype=np.int64), exponent=exponent[these],
+            exponent_error=error[these], duration=duration[these], section=section[:rows, :, these], cyclic=cyclic,
+        )  # fmt: skip
+        for name, values in out.items():
+            values[these] = judged[name].values
+    return out
+
+
+def label_points(
+    system: System,
+    values: Mapping[str, ArrayLike],
+    *,
+    settling: Settling | None = None,
+    lyapunov: int = 256,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    starts: Array | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Label operating points anywhere in parameter space.
+
+    Parameters
+    ----------
+    values : mapping of str to array, shape (point,)
+        The parameters that differ between points, in any order; all columns of the same length.
+    settling : Settling, optional
+        Transient, windows and tolerance.
+    lyapunov : int
+        Common periods over which points that do not return have their largest exponent measured and their section
+        recorded, which tells quasi-periodic from chaotic; less than 256 section points leave them undecided, 0
+        measures nothing.
+    steps, accuracy, method, workers
+        As in `make_ensemble`.
+    starts : array, shape (state, point), optional
+        Start states, at phase zero; the model's default start where absent.
+    progress : callable, optional
+        Called with the number of points x periods T done since the last call.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
+        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``,
+        ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
+        ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
+        ``(point, bearing)``, where the model has outputs named ``eps_*``: ``max_eccentricity`` and ``min_film``, in
+        clearances. No section is kept.
+
+    Raises
+    ------
+    RangeError
+        Where a name or a value is not the model's, lengths differ, or there is no point.
+
+    Notes
+    -----
+    The numbers of a point do not depend, by a bit, on the points in its company. Points that ended early have NaN for
+    what needs a whole record, and their ``status`` says why.
+    """
+    columns = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in values.items()}
+    if not columns:
+        raise RangeError("values: found no parameter, expected at least one, as in {'s': [0.5, 1.0]}")
+    for name, column in columns.items():
+        if column.ndim != 1 or not column.size or not np.isfinite(column).all():
+            raise RangeError(f"values of {name!r} must be a list of one or more finite numbers")
+    points = parameter_values(system, columns).shape[1]
+    if starts is not None and np.shape(starts) != (system.model.dimension, points):
+        raise RangeError(f"starts have shape {np.shape(starts)}, expected {(system.model.dimension, points)}")
+    labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers)
+    size = POOLS * POOL * LANES * (workers or cores())
+    parts = []
+    for first in range(0, points, size):
+        batch = slice(first, first + size)
+        measured, ensemble = labelling.measure(
+            system, {name: column[batch] for name, column in columns.items()},
+            starts=None if starts is None else np.asarray(starts, dtype=float)[:, batch], progress=progress,
+        )  # fmt: skip
+        parts.append(points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured))
+    ds = parts[0] if len(parts) == 1 else xr.concat(parts, "point", data_vars="minimal", coords="minimal", join="exact")
+    s = labelling.settling
+    attributes = run_attributes(
+        system, ensemble, varied=" ".join(columns), transient=s.transient, most=s.most, tolerance=s.tolerance,
+        common_multiple=ensemble.common_multiple, lyapunov_periods=lyapunov,
+    )  # fmt: skip
+    attributes.pop("accuracy_not_met", None)  # of the last batch; this is of all
+    return with_attributes(ds, attributes | {"accuracy_not_met": doubtful(ds["step_verdict"].values) or None})
+
+
+def points_dataset(system: System, columns: Mapping[str, Array], measured: Measured) -> xr.Dataset:
+    """Dataset of measured points over ``point``, without their section, and without attributes of its own."""
+    model, extremes = system.model, measured.returns.extremes
+    rows = [*system.states, *model.outputs]
+    data = point_variables("point", measured) | extreme_variables("point", measured)
+    over = ("point", "quantity")
+    swing = (extremes["maximum"] - extremes["minimum"]).T
+    data["peak_to_peak"] = variable(over, swing, "1", "largest less smallest value over the record")
+    coords: dict[str, Any] = {
+        name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
+        for name, column in columns.items()
+    }
+    coords["quantity"] = names_coordinate("quantity", rows, "state or output")
+    bearings = [name for name in model.outputs if name.startswith(ECCENTRICITY)]
+    if bearings:
+        largest = extremes["maximum"][[rows.index(name) for name in bearings]].T
+        over = ("point", "bearing")
+        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
+        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
+        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
+        coords["bearing"] = names_coordinate("bearing", names, "bearing")
+    return xr.Dataset(data, coords)
+
+
+def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
+    """Variables with one number for each point."""
+    m, r = measured, measured.returns
+    return {
+        "status": status_variable(dim, m.status),
+        "regime": regime_variable(dim, r.regime),
+        "period_T": variable(dim, r.period, "T", "smallest return, 0 where none was found"),
+        "period_common": variable(dim, r.multiple, "1", "smallest return in common periods, 0 where none"),
+        "return_distance": variable(dim, r.distance, "1", "return distance over the range of each state"),
+        "lyapunov": variable(dim, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
+        "lyapunov_error": variable(dim, m.exponent_error, "1/time", "one standard error of it, from block means"),
+        "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
+        "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
+        "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
+        "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),
+        "settled_after": variable(dim, r.waited, "1", "common periods run before the record"),
+        "steps": variable(dim, m.steps, "1/T", "steps per T"),
+        "step_error": variable(dim, m.step_error, "1", "measured error over one common period"),
+        "step_verdict": variable(
+            dim, m.step_verdict, "1", "whether the steps meet the accuracy",
+            flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
+        ),
+    }  # fmt: skip
+
+
+def extreme_variables(dim: str, measured: Measured) -> dict[str, Any]:
+    """Variables with one number for each state and output of each point."""
+    extremes = measured.returns.extremes
+    return {
+        name: variable((dim, "quantity"), extremes[name].T, "1", f"{meaning} over the record")
+        for name, meaning in EXTREMES.items()
+    }
