@@ -12,12 +12,14 @@ if TYPE_CHECKING:
     from whirlmap.analysis.diagnosis import diagnose as diagnose
     from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
     from whirlmap.analysis.floquet import floquet_multipliers as floquet_multipliers
+    from whirlmap.analysis.linear import linear_analysis as linear_analysis
     from whirlmap.analysis.lyapunov import lyapunov_spectrum as lyapunov_spectrum
     from whirlmap.analysis.series import diagnose_series as diagnose_series
     from whirlmap.analysis.settling import Settling as Settling
     from whirlmap.analysis.spectrum import full_spectrum as full_spectrum
     from whirlmap.analysis.spectrum import power_spectrum as power_spectrum
     from whirlmap.analysis.switching import switchings as switchings
+    from whirlmap.analysis.threshold import stability_threshold as stability_threshold
     from whirlmap.analysis.trajectory import section as section
     from whirlmap.analysis.trajectory import simulate as simulate
     from whirlmap.integrate.loading import load as load
@@ -32,6 +34,8 @@ if TYPE_CHECKING:
 _HOMES = {
     "diagnose": "whirlmap.analysis.diagnosis",
     "correlation_dimension": "whirlmap.analysis.dimension",
+    "linear_analysis": "whirlmap.analysis.linear",
+    "stability_threshold": "whirlmap.analysis.threshold",
     "lyapunov_spectrum": "whirlmap.analysis.lyapunov",
     "Settling": "whirlmap.analysis.settling",
     "diagnose_series": "whirlmap.analysis.series",

@@ -1,0 +1,62 @@
+"""The linearised whole system against the closed oil-whip results of the rigid rotor."""
+
+import numpy as np
+import pytest
+
+import whirlmap
+from whirlmap.errors import CaseError, RangeError
+from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared
+
+
+def rotor(eps, s):
+    """Return the rigid rotor whose static eccentricity is eps at the speed s."""
+    return whirlmap.load("jeffcott", s=s, Gamma=1 / (s * float(linear_film(eps, 0.0).load)))
+
+
+@pytest.mark.parametrize(("eps", "expected"), [(0.1, 2.7413), (0.3, 2.6058), (0.5, 2.5417), (1e-3, 2.763953)])
+def test_threshold_is_the_known_one(eps, expected):
+    found = whirlmap.stability_threshold(rotor(eps, expected), "s", (0.9 * expected, 1.1 * expected))
+    assert found == pytest.approx(expected, rel=1e-4)
+
+
+@pytest.mark.parametrize("arc", ["fixed", "positive"])
+def test_flexible_shaft_lowers_the_threshold_as_springs_in_series(arc):
+    eps, k = 0.3, 20.0
+    p, nu2 = float(whip_threshold(eps, 0.0)), float(whirl_ratio_squared(linear_film(eps, 0.0)))
+    kappa = p**2 * nu2  # the film's stiffness in the whirl; the shaft's k is in series with it
+    expected = p / np.sqrt(1 + kappa / k)
+    gamma = 1 / (expected * float(linear_film(eps, 0.0).load))
+    flexible = whirlmap.load("jeffcott", rotor="flexible", arc=arc, s=expected, Gamma=gamma, k=k, xi=0, b=0)
+    found = whirlmap.stability_threshold(flexible, "s", (0.9 * expected, 1.1 * expected))
+    assert found == pytest.approx(expected, rel=1e-4)
+
+
+def test_whirl_at_the_threshold_has_the_known_ratio():
+    least = whirlmap.linear_analysis(rotor(0.3, 2.6058)).eigenvalues[0]
+    assert abs(least.real) < 1e-4
+    assert abs(least.imag) == pytest.approx(0.51942, abs=1e-4)
+
+
+def test_jacobian_is_the_film_of_the_closed_integrals():
+    film, s = linear_film(0.5, 0.0), 2.0
+    small = whirlmap.linear_analysis(rotor(0.5, s))
+    assert np.hypot(*small.equilibrium[:2]) == pytest.approx(0.5, rel=1e-9)
+    turn = np.array([[0.0, -1.0], [1.0, 0.0]])  # the film's x is the load's direction, -y of the model
+    for block, exact in ((small.jacobian[2:, :2], film.K), (small.jacobian[2:, 2:], film.C)):
+        assert -(s**2) * turn @ block @ turn.T == pytest.approx(exact, rel=1e-6)
+
+
+@pytest.mark.parametrize(("bracket", "words"), [((1.0, 1.5), "is stable"), ((3.5, 4.0), "is unstable"), ((2, 1), "low <")])
+def test_bracket_without_a_threshold_is_refused(bracket, words):
+    with pytest.raises(RangeError, match=words):
+        whirlmap.stability_threshold(rotor(0.3, 2.6058), "s", bracket)
+
+
+def test_model_without_equilibrium_is_refused():
+    with pytest.raises(RangeError, match="no static equilibrium"):
+        whirlmap.linear_analysis(whirlmap.load("lorenz"))
+
+
+def test_unknown_parameter_is_refused():
+    with pytest.raises(CaseError, match="no parameter 'speed'"):
+        whirlmap.stability_threshold(rotor(0.3, 2.6), "speed", (2.0, 3.0))
