@@ -4,9 +4,9 @@ With one coordinate it is the polynomial through Chebyshev-Lobatto points, so th
 the Chebyshev series of what such points give, cut off at the total degree: as accurate as the whole tensor product with
 half of its terms, but neighbours join only to the table's accuracy.
 
-A table that is dear to fit has panels (`Table.panel`): the coefficients of each cell, in its own coordinate from -1 to 1, are
-analytic in the logarithm of the parameter, and a new value takes its own from those of `NODES` Chebyshev points of the panel,
-fitted once and kept on disk. Every value is interpolated, the points' too, so that its bits depend on nothing else.
+A table that is dear to fit has panels (`Table.panel`): the coefficients of each cell, in its own coordinate from -1 to 1,
+are analytic in the logarithm of the parameter, and a new value takes its own from those of `NODES` Chebyshev points of the
+panel, fitted once and kept on disk. Every value is interpolated, so that its bits depend on nothing else.
 """
 
 import hashlib
@@ -150,7 +150,8 @@ def _panel(table: Table, panel: tuple[float, float]) -> Array:
     """
     low, high = np.log(panel)
     nodes = np.exp(low + 0.5 * (high - low) * (1.0 + chebyshev.chebpts1(NODES)))
-    shape = (NODES, *(e.size - 1 for e in table.edges(float(nodes[0]))), len(table.outputs), table.terms // len(table.outputs))
+    outputs = len(table.outputs)
+    shape = (NODES, *(e.size - 1 for e in table.edges(float(nodes[0]))), outputs, table.terms // outputs)
 
     def solve() -> Array:
         return np.stack([fitted(table, float(p)) for p in nodes])
