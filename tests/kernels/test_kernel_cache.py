@@ -108,8 +108,9 @@ def test_size_and_clear_of_the_chosen_folder(tmp_path, monkeypatch):
     (tmp_path / "k").mkdir()
     (tmp_path / "k" / "kernel_0123.o").write_text("pass\n")
     (tmp_path / "k" / "lowered_0123.json").write_text("{}")
+    (tmp_path / "k" / "table_0123.f8").write_text("1\n")
     (tmp_path / "k" / "mine.txt").write_text("keep")
-    assert cache.size() == 11
+    assert cache.size() == 13
     assert cache.counts() == (1, 1)
     assert cache.clear() == (1, 1)
     assert [f.name for f in (tmp_path / "k").iterdir()] == ["mine.txt"]

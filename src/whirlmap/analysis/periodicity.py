@@ -172,7 +172,9 @@ def shrinking(
     """Whether a shorter return is still on its way, shape (lane,): then the multiple found is not yet the smallest.
 
     A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
-    after one. On an orbit of m common periods differences over fewer repeat after m: the last one is compared with that.
+    after one, and a spiral that turns by nearly a third of a round returns after three. On an orbit of m common periods
+    differences over fewer repeat after m: the largest of the last m is compared with the largest of m a whole number of
+    returns earlier, as many as the window holds.
     Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
     """
     period = _periods(cyclic, section.shape[1])
@@ -188,7 +190,10 @@ def shrinking(
 
         for d in range(1, int(m)):
             if m % d == 0:
-                out[lanes] |= change(-1, d) < SHRINKS * change(-1 - int(m), d)
+                phases = range(max(min(int(m), x.shape[0] - int(m) - d), 1))
+                returns = (x.shape[0] - d - len(phases)) // int(m)
+                late, early = (np.max([change(-1 - p - b * int(m), d) for p in phases], axis=0) for b in (0, returns))
+                out[lanes] |= late < SHRINKS * early
     return out
 
 
@@ -336,6 +341,16 @@ def _scales(
     own = np.maximum(own, floor * own.max(axis=0, keepdims=True))
     size[:, finite] = np.where(own > 0, own, 1.0)  # all zero: the differences are zero too
     return size
+
+
+def scales(section: Array, scale: Array, period: Array, floor: float = 1e-6) -> Array:
+    """By what `return_multiple` divides differences: the given scale with its floors, shape (state, lane)."""
+    return _scales(section, scale, period, floor, np.asarray(np.isfinite(section).all(axis=(0, 1))))
+
+
+def period_of(cyclic: Mapping[int, float] | None, states: int) -> Array:
+    """Period of each state, infinite where it is not cyclic."""
+    return _periods(cyclic, states)
 
 
 def _largest_within_classes(

@@ -50,6 +50,8 @@ class Returns:
         The return distance that decided.
     waited : array of int
         Common periods that each point ran before the record (of an unforced model: typical times).
+    accelerated : array of bool
+        Whether its approach was cut short (`acceleration`).
     extremes : dict of arrays, shape (row, point)
         Of every state and output over the recorded stretch.
     """
@@ -60,6 +62,7 @@ class Returns:
     multiple: Integers
     distance: Array
     waited: Integers
+    accelerated: NDArray[np.bool_]
     extremes: dict[str, Array]
 
 
@@ -85,7 +88,10 @@ def settle_and_record(
     forced = ensemble.model.forced
     period = _periods_in_T(section, multiple, settled.scale, common, settling, cyclic) if forced else multiple.copy()
     period = np.where(ensemble.running, period, 0)
-    return Returns(section, _labels(ensemble, multiple), period, multiple, settled.distance, settled.waited, extremes)
+    return Returns(
+        section, _labels(ensemble, multiple), period, multiple, settled.distance, settled.waited, settled.accelerated,
+        extremes,
+    )  # fmt: skip
 
 
 def _extremes(
@@ -125,6 +131,7 @@ def _settle_accurately(
         settled.multiple[left], settled.distance[left] = again.multiple, again.distance
         settled.scale[:, left] = again.scale
         settled.waited[left] += again.waited
+        settled.accelerated[left] |= again.accelerated
     return settled
 
 
@@ -161,7 +168,7 @@ def _settle_unforced(
         if window >= 2 * settling.most:
             break
         window = min(2 * window, 2 * settling.most)
-    return Settled(multiple, distance, scale, waited)
+    return Settled(multiple, distance, scale, waited, np.zeros(n, dtype=np.bool_))
 
 
 def _periods_in_T(

@@ -8,7 +8,9 @@ is looked at on its own, by its own history:
 2. A return counts once what is left of the transient is small as well: where successive differences shrink by a factor r
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
-3. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
+3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
+   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
+4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 """
@@ -16,11 +18,12 @@ Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.acceleration import LONGEST_RETURN, Trials
+from whirlmap.analysis.extrapolation import DIFFERENCES
 from whirlmap.analysis.periodicity import distance_to_limit, return_multiple, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
@@ -52,6 +55,8 @@ class Settling:
         Least number of T that are recorded once settled; at least two common periods are.
     tolerance : float
         Largest difference that counts as a return, relative to the range of each state.
+    accelerate : bool
+        Whether slow approaches may be cut short.
     """
 
     transient: int = 100
@@ -59,6 +64,7 @@ class Settling:
     most: int = 64
     keep: int = 64
     tolerance: float = 1e-6
+    accelerate: bool = True
 
     def __post_init__(self) -> None:
         """Refuse counts that make no sense, naming the one."""
@@ -88,13 +94,16 @@ class Settled:
     scale : array, shape (state, point)
         Range of each state over the last round.
     waited : array of int
-        Common periods run.
+        Common periods run, trials included.
+    accelerated : array of bool
+        Whether the approach was cut short.
     """
 
     multiple: Integers
     distance: Array
     scale: Array
     waited: Integers
+    accelerated: NDArray[np.bool_]
 
 
 def settle(
@@ -136,13 +145,19 @@ class _Pool:
         self.waiting = 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
-        longest = -(-max(2 * settling.most, settling.first_window) // ROUND) * ROUND
+        longest = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
+        longest = -(-longest // ROUND) * ROUND
         self.history = np.full((longest, states, self.size), np.nan)
         self.slot = np.full(n, -1, dtype=np.intp)
         self.free = list(range(self.size))
+        self.ran = np.zeros(n, dtype=np.int64)  # common periods without those of trials
         self.settled = Settled(
-            np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64)
-        )
+            np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64),
+            np.zeros(n, dtype=np.bool_),
+        )  # fmt: skip
+        self.trials = Trials(
+            ensemble, self.slot, self.size, every=ROUND, tolerance=settling.tolerance, cyclic=self.cyclic
+        )  # fmt: skip
         self.fill()
 
     def fill(self) -> None:
@@ -159,21 +174,41 @@ class _Pool:
     def look(self, saved: Array, size: Array) -> None:
         """Take over a round's section points, and let the points that are done leave."""
         at, s = self.active, self.settled
-        rows = (s.waited[at] + np.arange(ROUND)[:, None]) % self.history.shape[0]
-        self.history[rows, :, self.slot[at]] = saved.transpose(0, 2, 1)
         s.waited[at] += ROUND
         s.scale[:, at] = size[: s.scale.shape[0]]
-        alive = self.ensemble.running[at]
-        for k, window in enumerate(self.windows):
-            due = (s.waited[at] % window == 0) if k else (s.waited[at] >= window)
-            due |= (s.waited[at] >= self.settling.longest) & (s.waited[at] >= window)
-            these = at[alive & due & (s.multiple[at] == 0)]
-            if these.size:
-                self.search(these, window)
-        done = ~alive | (s.multiple[at] > 0) | (s.waited[at] >= self.settling.longest)
+        trying = self.trials.multiple[at] > 0
+        self.end_trials(at[trying], saved[:, :, trying])
+        self.look_plainly(at[~trying], saved[:, :, ~trying])
+        done = ~self.ensemble.running[at] | (s.multiple[at] > 0) | (self.ran[at] >= self.settling.longest)
+        if self.settling.accelerate and not self.ensemble.tangents:
+            self.trials.begin(at[~done & ~trying], self.ran, self.last, positive(s.scale))
         self.free += self.slot[at[done]].tolist()
         self.active = at[~done]
         self.fill()
+
+    def end_trials(self, at: NDArray[np.intp], saved: Array) -> None:
+        """Take over a round of points on trial, and the labels of those that have passed."""
+        s = self.settled
+        passed, multiple, distance = self.trials.look(at, saved, positive(s.scale))
+        s.multiple[passed], s.distance[passed], s.accelerated[passed] = multiple, distance, True
+
+    def look_plainly(self, at: NDArray[np.intp], saved: Array) -> None:
+        """Take over a round of points that run plainly, and search the windows that are due."""
+        rows = (self.ran[at] + np.arange(ROUND)[:, None]) % self.history.shape[0]
+        self.history[rows, :, self.slot[at]] = saved.transpose(0, 2, 1)
+        self.ran[at] += ROUND
+        ran, alive = self.ran[at], self.ensemble.running[at]
+        for k, window in enumerate(self.windows):
+            due = (ran % window == 0) if k else (ran >= window)
+            due |= (ran >= self.settling.longest) & (ran >= window)
+            these = at[alive & due & (self.settled.multiple[at] == 0)]
+            if these.size:
+                self.search(these, window)
+
+    def last(self, points: NDArray[np.intp], count: int) -> Array:
+        """Last section points of plain running, shape (count, state, point)."""
+        rows = (self.ran[points] - count + np.arange(count)[:, None]) % self.history.shape[0]
+        return self.history[rows, :, self.slot[points]].transpose(0, 2, 1)
 
     @cached_property
     def windows(self) -> list[int]:
@@ -186,17 +221,22 @@ class _Pool:
     def search(self, points: NDArray[np.intp], window: int) -> None:
         """Look for a return in the last ``window`` section points."""
         s, tolerance = self.settled, self.settling.tolerance
-        rows = (s.waited[points] - window + np.arange(window)[:, None]) % self.history.shape[0]
-        x = self.history[rows, :, self.slot[points]].transpose(0, 2, 1)
+        x = self.last(points, window)
         scale = positive(s.scale[:, points])
         found = return_multiple(x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic)
         multiple = found["multiple"].values
         s.distance[points] = found["distance"].values
         returned = np.flatnonzero(multiple > 0)
-        these: Any = {"scale": scale[:, returned], "cyclic": self.cyclic}
-        near = distance_to_limit(x[:, :, returned], multiple[returned], **these) <= tolerance
-        near &= ~shrinking(x[:, :, returned], multiple[returned], **these)
-        s.multiple[points[returned[near]]] = multiple[returned[near]]
+        multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
+        near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance
+        # a spiral of nearly m to the round looks like an orbit of m in one window, and not in two
+        longer = (self.ran[returned] >= 2 * window) & (2 * window <= self.history.shape[0])
+        for length in (window, 2 * window):
+            at = np.flatnonzero(near & (longer == (length > window)))
+            if at.size:
+                x = self.last(returned[at], length)
+                near[at] = ~shrinking(x, multiple[at], scale=scale[:, at], cyclic=self.cyclic)
+        s.multiple[returned[near]] = multiple[near]
 
 
 def positive(size: Array) -> Array:

@@ -46,6 +46,10 @@ class Table:
         the last one the polynomial of the outermost cell goes on.
     degree : int
         Degree of the polynomial in a cell; with two coordinates the total degree.
+    panel : callable, optional
+        ``panel(parameter) -> (low, high)``, or None where the parameter lies in no panel: ends of the stretch of the
+        parameter in which there are equally many cells and everything is analytic in its logarithm, so that the
+        coefficients of a new value are interpolated between those of a few. Left out where fitting costs little.
     """
 
     name: str
@@ -55,6 +59,7 @@ class Table:
     samples: Callable[..., tuple[Array, ...]]
     edges: Callable[[float], tuple[Array, ...]]
     degree: int
+    panel: Callable[[float], tuple[float, float] | None] | None = None
 
     def __post_init__(self) -> None:
         """Refuse what the kernels cannot lower."""

@@ -23,6 +23,7 @@ FIXED_ARC = Table(
 POSITIVE_ARC = Table(
     "positive_arc", ("xi", "z"), ("ahead", "aside"),
     exact=tables.positive_arc, samples=tables.positive_arc_samples, edges=tables.positive_arc_edges, degree=6,
+    panel=tables.positive_arc_panel,
 )  # fmt: skip
 
 Vector = tuple[Expr, Expr]

@@ -223,7 +223,8 @@ def positive_arc_velocity(
     1. Refresh the half film with the last direction and solve M w = q: this is Newton's step, for the ends
        of the arc carry no pressure and add nothing to the derivative of M e.
     2. The sign of e x w says on which side of e the solution lies: shrink the bracket.
-    3. Take the direction of w if it lies inside the bracket, else the middle of the bracket.
+    3. Take the direction of w if it lies inside the bracket and the step is shorter than the one before, else the
+       middle of the bracket: next to the wall two directions can lead to each other.
     """
     ux, uy, qx, qy, psi = _floats(ux, uy, qx, qy, psi)
     shape = ux.shape
@@ -265,7 +266,7 @@ def unit_load_velocity(
     beta = beta - np.arctan2(4.0 * eta, np.pi * np.maximum(1.0 - xi, 1e-9))
     # the step after one of 1e-12 is below rounding, and rounding turns w by about 1e-16 / sqrt(thinnest film)
     tolerance = 1e-12 + 1e-15 / np.sqrt(gap + 0.75 * np.cbrt(psi))
-    todo = np.arange(size)
+    todo, before = np.arange(size), np.full(size, np.inf)
     for _ in range(_MAX_NEWTON):
         e_r, e_t = np.cos(beta), np.sin(beta)
         G, B, D = _integrals(eps[todo], gap[todo], psi[todo], np.arctan2(e_r, -e_t))
@@ -275,11 +276,11 @@ def unit_load_velocity(
         turn = np.arctan2(e_r * new_t - e_t * new_r, e_r * new_r + e_t * new_t)
         low, high = np.where(turn > 0.0, beta, low), np.where(turn < 0.0, beta, high)
         candidate = beta + turn
-        inside = (candidate > low) & (candidate < high)
+        inside = (candidate > low) & (candidate < high) & (np.abs(turn) < 0.75 * before)
         w_r[todo], w_t[todo] = new_r, new_t
         going = ~(np.abs(turn) <= tolerance[todo])  # keeps NaN going, so that it is reported
         beta = np.where(inside, candidate, 0.5 * (low + high))[going]
-        low, high, todo = low[going], high[going], todo[going]
+        low, high, todo, before = low[going], high[going], todo[going], np.abs(turn)[going]
         if todo.size == 0:
             return w_r, w_t
     at = todo[0]

@@ -31,6 +31,7 @@ Floats = NDArray[np.float64]
 
 _WIDTH_FIXED, _WIDTH_POSITIVE = 0.15, 0.12  # of a cell in log T, for polynomials of degree 7 and 6
 _ACROSS = 20  # cells of z
+_PANELS = 2  # panels in a decade of psi
 _THINNEST = 2e-7  # T at which the table of a plain film ends: there is no film at T = 0
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(96)  # B/eps and (G-D)/eps^2 are sharper than G, B, D
 
@@ -104,13 +105,13 @@ def fixed_arc_edges(psi: float) -> tuple[Floats]:
     """Edges of the cells of eps^2, from the centre to eps = 1 + 0.3 k."""
     k = scaled.root_of(psi)
     wall = (1.0 - (1.0 + scaled.BEYOND * k) ** 2) / 2.0
-    edges = 1.0 - 2.0 * _gaps(0.5, wall, k, _WIDTH_FIXED)
+    edges = 1.0 - 2.0 * _gaps(0.5, wall, k, _cells(0.5, wall, k, _WIDTH_FIXED))
     edges[0] = 0.0  # not by a rounding below
     return (edges,)
 
 
-def _gaps(widest: float, thinnest: float, k: float, width: float) -> Floats:
-    """Gaps that are equidistant in log T.
+def _cells(widest: float, thinnest: float, k: float, width: float) -> int:
+    """Number of cells between two gaps, none wider than ``width`` in log T.
 
     Raises
     ------
@@ -119,9 +120,18 @@ def _gaps(widest: float, thinnest: float, k: float, width: float) -> Floats:
     """
     if 0.0 < k < scaled.root_of(scaled.SMALLEST):
         raise RangeError(f"psi = {k**3:g} is too small for a table: expected 0 or at least {scaled.SMALLEST:g}")
+    start, stop = _ends(widest, thinnest, k)
+    return int(np.ceil(np.log(start / stop) / width))
+
+
+def _gaps(widest: float, thinnest: float, k: float, cells: int) -> Floats:
+    """Gaps that are equidistant in log T."""
+    return scaled.folded(np.geomspace(*_ends(widest, thinnest, k), 1 + cells), k)
+
+
+def _ends(widest: float, thinnest: float, k: float) -> tuple[float, float]:
     start, stop = (float(scaled.unfolded(np.asarray(gap), k)) for gap in (widest, thinnest))
-    stop = max(stop, _THINNEST)
-    return scaled.folded(np.geomspace(start, stop, 1 + int(np.ceil(np.log(start / stop) / width))), k)
+    return start, max(stop, _THINNEST)
 
 
 def positive_arc(psi: float, xi: ArrayLike, z: ArrayLike) -> tuple[Floats, Floats]:
@@ -136,8 +146,19 @@ def positive_arc_samples(psi: float, xi: ArrayLike, z: ArrayLike) -> tuple[Float
     return T**2.5 * F, T**1.5 * H
 
 
+def positive_arc_panel(psi: float) -> tuple[float, float] | None:
+    """Half decade of psi that shares its number of cells, the one that the lower end asks for; None for psi = 0."""
+    if psi < scaled.SMALLEST:
+        return None
+    panel = np.floor(_PANELS * np.log10(psi))
+    return float(10.0 ** (panel / _PANELS)), float(10.0 ** ((panel + 1.0) / _PANELS))
+
+
 def positive_arc_edges(psi: float) -> tuple[Floats, Floats]:
     """Edges of the cells of xi, from the wall behind the load to the one ahead of it, and of z."""
+    panel = positive_arc_panel(psi)
+    low = scaled.root_of(panel[0] if panel else psi)
+    cells = _cells(2.0 + scaled.BEYOND * low, -scaled.BEYOND * low, low, _WIDTH_POSITIVE)
     k = scaled.root_of(psi)
     far = 1.0 + scaled.BEYOND * k
-    return 1.0 - _gaps(1.0 + far, 1.0 - far, k, _WIDTH_POSITIVE), np.linspace(0.0, far / (1.0 + scaled.HAT * k), 1 + _ACROSS)
+    return 1.0 - _gaps(1.0 + far, 1.0 - far, k, cells), np.linspace(0.0, far / (1.0 + scaled.HAT * k), 1 + _ACROSS)

@@ -5,6 +5,7 @@ of llvmlite, and of the processor with its features (`machine.platform`). A chan
 
 Entries (`remembered`) are what SymPy worked out before a kernel can be called: the module's text, the functions beside
 it. Their name is the hash of the question, of the source of every layer that writes the answer, and of the versions.
+Tables are the films that were solved (`tabulate`), under the hash of the source that solves them.
 """
 
 import hashlib
@@ -50,9 +51,9 @@ def counts() -> tuple[int, int]:
 
 
 def clear() -> tuple[int, int]:
-    """Delete every cached kernel and entry; returns how many there were of each."""
+    """Delete every cached kernel, entry and table; returns how many kernels and entries there were."""
     here, deleted = folder(), counts()
-    for f in [*here.glob("kernel_*"), *here.glob("lowered_*")]:
+    for f in [*here.glob("kernel_*"), *here.glob("lowered_*"), *here.glob("table_*")]:
         f.unlink(missing_ok=True)
     return deleted
 
@@ -97,15 +98,20 @@ def stored(name: str, make: Callable[[], bytes], sound: Callable[[bytes], bool] 
 @cache
 def _written_by() -> str:
     """Hash of the source that writes entries, and the versions of what it writes them with."""
-    import numpy
     import sympy
+
+    return hashlib.sha256(f"sympy {sympy.__version__} {source_of(WRITERS)}".encode()).hexdigest()
+
+
+@cache
+def source_of(layers: tuple[str, ...]) -> str:
+    """Hash of the source of some layers, and of the versions of this package, NumPy and Python."""
+    import numpy
 
     from whirlmap.version import __version__
 
-    digest = hashlib.sha256(
-        f"{__version__} sympy {sympy.__version__} numpy {numpy.__version__} {machine.python_version()}".encode()
-    )
-    for layer in WRITERS:
+    digest = hashlib.sha256(f"{__version__} numpy {numpy.__version__} {machine.python_version()}".encode())
+    for layer in layers:
         for f in sorted(files("whirlmap").joinpath(layer).iterdir(), key=lambda f: f.name):
             if f.name.endswith(".py"):
                 digest.update(f"\n{layer}/{f.name}\n".encode() + f.read_bytes())

@@ -3,24 +3,73 @@
 With one coordinate it is the polynomial through Chebyshev-Lobatto points, so that neighbouring cells join. With two it is
 the Chebyshev series of what such points give, cut off at the total degree: as accurate as the whole tensor product with
 half of its terms, but neighbours join only to the table's accuracy.
+
+A table that is dear to fit has panels (`Table.panel`): the coefficients of each cell, in its own coordinate from -1 to 1,
+are analytic in the logarithm of the parameter, and a new value takes its own from those of `NODES` Chebyshev points of the
+panel, fitted once and kept on disk. Every value is interpolated, so that its bits depend on nothing else.
 """
 
-from collections.abc import Sequence
-from functools import lru_cache
+import hashlib
+import threading
+from collections import OrderedDict
+from collections.abc import Callable, Sequence
+from functools import cache
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 
 from whirlmap.equations.pieces import Table
+from whirlmap.kernels.cache import source_of, stored
 
 Array = NDArray[np.float64]
 
 #: Numbers that a cell's record begins with for each coordinate: lower edge, upper edge, centre.
 EDGES = 3
+#: Values of the parameter in a panel that are fitted; the others are interpolated between them.
+NODES = 10
+#: Layers whose source decides what a fitted panel holds.
+SOLVERS = ("equations", "films", "kernels")
+#: Bytes of tables, and of fitted panels, that a process keeps at hand.
+KEPT = 96_000_000
 
 
+class Shelf:
+    """Arrays at hand; beyond a number of bytes those go that were not asked for the longest."""
+
+    def __init__(self, most: int) -> None:
+        self.most, self.size = most, 0
+        self._arrays: OrderedDict[Any, Array] = OrderedDict()
+        self._lock = threading.Lock()
+
+    def get(self, key: Any, make: Callable[[], Array]) -> Array:
+        """Return the array of a key, made where it is not at hand; it cannot be written to."""
+        with self._lock:
+            if key in self._arrays:
+                self._arrays.move_to_end(key)
+                return self._arrays[key]
+        made = make()  # two threads may make the same, to the same bits
+        made.setflags(write=False)
+        with self._lock:
+            self.size += made.nbytes if key not in self._arrays else 0
+            self._arrays[key] = made
+            while self.size > self.most and len(self._arrays) > 1:
+                self.size -= self._arrays.popitem(last=False)[1].nbytes
+        return made
+
+    def clear(self) -> None:
+        """Forget all."""
+        with self._lock:
+            self._arrays.clear()
+            self.size = 0
+
+
+_ENTRIES, _PANELS = Shelf(KEPT), Shelf(KEPT)
+
+
+@cache
 def _points(degree: int) -> tuple[Array, Array, Array]:
     """Lobatto points of [-1, 1], the matrix from values there to Chebyshev coefficients, and that on to powers."""
     points = chebyshev.chebpts2(degree + 1)
@@ -30,9 +79,8 @@ def _points(degree: int) -> tuple[Array, Array, Array]:
     return points, np.asarray(np.linalg.inv(chebyshev.chebvander(points, degree)), dtype=float), powers
 
 
-@lru_cache(maxsize=64)
 def entries(table: Table, parameter: float) -> Array:
-    """Entries of a table at one value of its parameter.
+    """Entries of a table at one value of its parameter; the same bits whatever was asked before.
 
     Returns
     -------
@@ -41,21 +89,20 @@ def entries(table: Table, parameter: float) -> Array:
         fastest, its record: `EDGES` numbers for each coordinate, and for each output the coefficients of the powers.
         The outermost edges in the records are infinite.
     """
-    n = table.degree + 1
-    points, series, powers = _points(table.degree)
+    return _ENTRIES.get((table, parameter), lambda: _entries(table, parameter))
+
+
+def _entries(table: Table, parameter: float) -> Array:
     edges = table.edges(parameter)
     centres = [(e[1:] + e[:-1]) / 2 for e in edges]
-    halves = [np.diff(e) / 2 for e in edges]
-    places = [c[:, None] + np.multiply.outer(h, points) for c, h in zip(centres, halves, strict=True)]
-    scaled = [powers / h[:, None, None] ** np.arange(n)[:, None] for h in halves]  # (cell, power, order)
+    scales = [(np.diff(e) / 2)[:, None] ** -np.arange(table.degree + 1.0) for e in edges]  # (cell, power)
+    panel = table.panel(parameter) if table.panel else None
+    local = _between(table, panel, parameter) if panel else fitted(table, parameter)
     if len(edges) == 1:
-        values = np.stack(table.samples(parameter, places[0]))  # (output, cell, point)
-        coefficients = np.einsum("ocp,sp,cks->cok", values, series, scaled[0], optimize=True)
+        coefficients = local * scales[0][:, None, :]
     else:
-        values = np.stack(table.samples(parameter, places[0][:, None, :, None], places[1][None, :, None, :]))
-        sums = np.einsum("oijab,sa,tb->ijost", values, series, series, optimize=True)
-        kept = np.add.outer(np.arange(n), np.arange(n)) < n
-        coefficients = np.einsum("ijost,iks,jlt->ijokl", sums * kept, *scaled, optimize=True)[..., kept]
+        first, second = np.nonzero(_kept(table.degree))
+        coefficients = local * scales[0][:, None, None, first] * scales[1][None, :, None, second]
     cells = tuple(c.size for c in centres)
     bounds = []
     for axis, e in enumerate(edges):
@@ -64,9 +111,59 @@ def entries(table: Table, parameter: float) -> Array:
         shape[axis] = cells[axis]
         bounds.append(np.broadcast_to(rows.reshape(*shape, EDGES), (*cells, EDGES)))
     records = np.concatenate([*bounds, coefficients.reshape(*cells, -1)], axis=-1)
-    out = np.concatenate([np.array(cells, dtype=float), *(e[1:-1] for e in edges), records.ravel()])
-    out.setflags(write=False)
-    return out
+    return np.concatenate([np.array(cells, dtype=float), *(e[1:-1] for e in edges), records.ravel()])
+
+
+def fitted(table: Table, parameter: float) -> Array:
+    """Coefficients of the powers of each cell's own coordinate, from -1 to 1: shape (cell..., output, term)."""
+    points, series, powers = _points(table.degree)
+    places = [
+        ((e[1:] + e[:-1]) / 2)[:, None] + np.multiply.outer(np.diff(e) / 2, points) for e in table.edges(parameter)
+    ]
+    if len(places) == 1:
+        values = np.stack(table.samples(parameter, places[0]))  # (output, cell, point)
+        return np.einsum("ocp,sp,ks->cok", values, series, powers, optimize=True)
+    values = np.stack(table.samples(parameter, places[0][:, None, :, None], places[1][None, :, None, :]))
+    sums = np.einsum("oijab,sa,tb->ijost", values, series, series, optimize=True)
+    kept = _kept(table.degree)
+    return np.einsum("ijost,ks,lt->ijokl", sums * kept, powers, powers, optimize=True)[..., kept]
+
+
+def _kept(degree: int) -> NDArray[np.bool_]:
+    return np.add.outer(np.arange(degree + 1), np.arange(degree + 1)) <= degree
+
+
+def _between(table: Table, panel: tuple[float, float], parameter: float) -> Array:
+    """`fitted`, interpolated in the logarithm of the parameter between the Chebyshev points of its panel."""
+    low, high = np.log(panel)
+    place = 2.0 * (np.log(parameter) - low) / (high - low) - 1.0
+    nodes = chebyshev.chebvander(chebyshev.chebpts1(NODES), NODES - 1)
+    weights = (chebyshev.chebvander(place, NODES - 1) @ np.linalg.inv(nodes))[0]
+    between: Array = np.einsum("j,j...->...", weights, _panel(table, panel))
+    return between
+
+
+def _panel(table: Table, panel: tuple[float, float]) -> Array:
+    """`fitted` at the Chebyshev points of a panel, shape (node, cell..., output, term).
+
+    Tables of this package are kept on disk under the hash of its source; the source of others is not known well enough.
+    """
+    low, high = np.log(panel)
+    nodes = np.exp(low + 0.5 * (high - low) * (1.0 + chebyshev.chebpts1(NODES)))
+    outputs = len(table.outputs)
+    shape = (NODES, *(e.size - 1 for e in table.edges(float(nodes[0]))), outputs, table.terms // outputs)
+
+    def solve() -> Array:
+        return np.stack([fitted(table, float(p)) for p in nodes])
+
+    def read() -> Array:
+        question = f"{source_of(SOLVERS)}\n{table.name} {panel}"
+        name = f"table_{hashlib.sha256(question.encode()).hexdigest()[:32]}.f8"
+        size = 8 * int(np.prod(shape))
+        data = stored(name, lambda: solve().astype("<f8").tobytes(), lambda found: len(found) == size)
+        return np.frombuffer(data, dtype="<f8").reshape(shape)
+
+    return _PANELS.get((table, panel), read if table.samples.__module__.startswith("whirlmap.") else solve)
 
 
 def reading(table: Table, parameter: float, *coordinates: Array) -> tuple[Array, ...]:

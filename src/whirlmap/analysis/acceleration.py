@@ -1,0 +1,167 @@
+"""Short cuts of weakly damped motion to its periodic orbit, each proved by a plain run or taken back.
+
+A point whose section approaches an orbit slowly is put where its own last differences lead (`extrapolation.limit`), and goes
+on as plainly as before. It has settled there only if all of these hold:
+
+1. The multipliers that its approach shows lie inside the unit circle, and its last three differences shrink as they say:
+   the orbit is stable, and the one that the point was contracting to.
+2. `STAYS` returns of the plain run from there stay within the tolerance, and what is left of the approach at the rate of the
+   leading multiplier is within it too.
+3. The multiple is the smallest: no shorter return is within ten tolerances.
+
+Otherwise the point goes back to the state before, and plain settling goes on as though nothing had been tried.
+
+A full monodromy matrix would cost as much as 17 common periods for the twenty states of the gear pair, and a second kernel;
+the plain run that is needed anyway says as much of the directions that the motion can leave in.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.extrapolation import DIFFERENCES, limit, wrapped
+from whirlmap.analysis.periodicity import period_of, scales
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+Points = NDArray[np.intp]
+
+#: Returns that the plain run from an accepted point stays within the tolerance.
+STAYS = 5
+#: Largest return, in common periods, that is extrapolated.
+LONGEST_RETURN = 4
+#: A short cut is tried where plain settling is expected to take this many times what the trial costs.
+WORTH = 1.5
+#: After a trial that failed, plain periods until the next one, over those run so far.
+PAUSE = 0.15
+#: Above this scaled size differences are not those of a linear approach.
+LINEAR = 0.1
+
+
+class Trials:
+    """Points of a pool that are on trial, and what they go back to.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Points without tangent vectors.
+    slot : array of int, shape (point,)
+        Place of each point in the pool, kept by the pool.
+    size : int
+        Places of the pool.
+    every : int
+        Common periods between two looks at a point.
+    tolerance : float
+    cyclic : mapping of state index to period
+        States that are angles.
+
+    Attributes
+    ----------
+    multiple : array of int, shape (point,)
+        Return of each point that is on trial, in common periods; 0 of the others.
+    """
+
+    def __init__(
+        self, ensemble: Ensemble, slot: Points, size: int, *, every: int, tolerance: float, cyclic: dict[int, float]
+    ) -> None:
+        n, states = ensemble.points, ensemble.model.dimension
+        self.ensemble, self.slot, self.every, self.tolerance = ensemble, slot, every, tolerance
+        self.period = period_of(cyclic, states)
+        self.multiple = np.zeros(n, dtype=np.int64)
+        self._next = np.full(n, DIFFERENCES + 1, dtype=np.int64)  # plain periods at which a point may try (again)
+        self._ran, self._turns = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+        self._leading = np.full(n, np.nan)
+        self._before = np.full((states, size), np.nan)
+        self._points = np.full((self.needs(LONGEST_RETURN) + 1, states, size), np.nan)
+
+    def needs(self, multiple: int) -> int:
+        """Common periods that a trial takes."""
+        return -(-STAYS * multiple // self.every) * self.every
+
+    def begin(self, members: Points, ran: NDArray[np.int64], last: Callable[[Points, int], Array], size: Array) -> None:
+        """Put the points on trial for which it is worth it.
+
+        Parameters
+        ----------
+        members : array of int
+            Points that run and have not returned.
+        ran : array of int, shape (all points,)
+            Plain common periods.
+        last : callable
+            ``last(points, count)``: their last section points, shape (count, state, point).
+        size : array, shape (state, all points)
+            Range of each state.
+        """
+        left = members[ran[members] >= self._next[members]]
+        for m in range(1, LONGEST_RETURN + 1):
+            left = left[ran[left] >= m * DIFFERENCES + 1]
+            if not left.size:
+                return
+            x = last(left, m * DIFFERENCES + 1)[::m]
+            scale = scales(x, size[:, left], self.period)
+            change = np.abs(wrapped(np.diff(x, axis=0), self.period) / scale).max(axis=1)
+            first, end = change[:4].max(axis=0), change[-4:].max(axis=0)
+            slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
+            rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
+            slow &= m * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8 > WORTH * self.needs(m)
+            at = np.flatnonzero(slow)
+            if not at.size:
+                continue
+            found = limit(x[:, :, at], scale[:, at], self.period, self.tolerance / 4)
+            good = np.isfinite(found.error)
+            chosen = left[at[good]]
+            self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
+            self._start(chosen, m, found.x[:, good], found.leading[good])
+            left = np.delete(left, at[good])
+
+    def _start(self, points: Points, multiple: int, x: Array, leading: Array) -> None:
+        e, slot = self.ensemble, self.slot[points]
+        self._before[:, slot], self._turns[points] = e.x[:, points], e.turns[points]
+        self._points[0, :, slot], self._ran[points] = x.T, 0
+        self.multiple[points], self._leading[points] = multiple, leading
+        e.x[:, points] = x
+
+    def look(self, members: Points, saved: Array, size: Array) -> tuple[Points, NDArray[np.int64], Array]:
+        """Take over a round of the points on trial; return those that have settled, their multiples and distances.
+
+        ``saved`` has shape (period, state, member), ``size`` (state, all points). Points that failed are as they were.
+        """
+        rows = self._ran[members] + 1 + np.arange(self.every)[:, None]
+        self._points[rows, :, self.slot[members]] = saved.transpose(0, 2, 1)
+        self._ran[members] += self.every
+        distance = np.full(members.size, np.inf)
+        multiple = self.multiple[members]
+        alive = self.ensemble.running[members]
+        over = ~alive
+        for m in range(1, LONGEST_RETURN + 1):
+            at = np.flatnonzero(alive & (multiple == m) & (self._ran[members] >= self.needs(m)))
+            x = self._points[: self.needs(m) + 1, :, self.slot[members[at]]]
+            distance[at] = self._distance(x, m, size[:, members[at]], self._leading[members[at]])
+            over[at] = True
+        passed = distance <= self.tolerance
+        self._take_back(members[over & ~passed])
+        self.multiple[members[over]] = 0
+        return members[passed], multiple[passed], distance[passed]
+
+    def _distance(self, x: Array, m: int, size: Array, leading: Array) -> Array:
+        """Largest scaled distance from the point on trial and its successors; infinite where a condition fails."""
+        if not x.shape[2]:
+            return np.zeros(0)
+        scale = scales(x, size, self.period)
+
+        def apart(a: Array, b: Array) -> Array:
+            largest: Array = np.abs(wrapped(a - b, self.period) / scale).max(axis=(0, 1))
+            return largest
+
+        bad = apart(x[-1:], x[-1 - m : -m]) * leading / (1 - leading) > self.tolerance
+        for d in range(1, m):
+            if m % d == 0:
+                bad |= apart(x[d:], x[:-d]) < 10 * self.tolerance
+        return np.where(bad, np.inf, apart(x, x[np.arange(x.shape[0]) % m]))
+
+    def _take_back(self, points: Points) -> None:
+        e = self.ensemble
+        e.x[:, points], e.turns[points] = self._before[:, self.slot[points]], self._turns[points]
+        e.status[points], e.end_time[points], e.end_stop[points] = Status.ok, np.nan, -1

@@ -1,0 +1,184 @@
+"""Short cuts to an orbit end where plain settling ends, or are taken back to the bit."""
+
+import numpy as np
+import pytest
+
+from whirlmap.analysis import acceleration, settling
+from whirlmap.analysis.extrapolation import DIFFERENCES, limit
+from whirlmap.analysis.floquet import floquet_multipliers
+from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.settling import Settling, settle
+from whirlmap.integrate.loading import load
+
+FREE = np.array([np.inf, np.inf])
+
+
+def settled(system, vary, *, steps=24, start=None, **how):
+    """How points settle, plainly (first) and accelerated; their ensembles."""
+    cyclic = {i: float(s.cyclic) for i, s in enumerate(system.model.states) if s.cyclic is not None}
+    out = []
+    for accelerate in (False, True):
+        e = make_ensemble(system, vary, steps=steps, method="dop853")[0]
+        if start is not None:
+            e.x[:] = start
+        out.append((settle(e, Settling(most=16, accelerate=accelerate, **how), cyclic=cyclic), e))
+    return out
+
+
+def assert_same(plain, fast):
+    """Labels are equal, and the point is one of plain settling's section points of the orbit."""
+    (p, ep), (a, ea) = plain, fast
+    np.testing.assert_array_equal(a.multiple, p.multiple)
+    assert not p.accelerated.any() and (a.multiple[a.accelerated] > 0).all()
+    for i in np.flatnonzero(p.multiple > 0):
+        one, common = ep.subset(np.array([i])), ep.common_multiple
+        orbit = one.advance(int(p.multiple[i]) * common, save_periods=common).saved[:, :, 0]
+        apart = orbit - ea.x[:, i]
+        for k, state in enumerate(ep.model.states):
+            if state.cyclic is not None:
+                apart[:, k] -= float(state.cyclic) * np.rint(apart[:, k] / float(state.cyclic))
+        assert (np.abs(apart) / settling.positive(p.scale[:, i])).max(axis=1).min() < 4e-6
+
+
+# --- the limit of a sequence ------------------------------------------------------------------------------
+
+
+def spiral(*multipliers, size=1e-3):
+    """Points x_k = 1 + the sum of decays; a complex multiplier turns both states, a real one stretches one direction."""
+    k = np.arange(DIFFERENCES + 1)
+    x = np.ones((k.size, 2), dtype=float)
+    for i, z in enumerate(multipliers):
+        power = size * complex(z) ** k
+        x += np.stack([power.real, power.imag], axis=1) if np.iscomplexobj(z) else np.outer(power.real, [1.0, 0.5 * i - 1])
+    return x[:, :, None]
+
+
+@pytest.mark.parametrize("multipliers", [(0.9,), (-0.95,), (0.99, 0.5), (0.97, -0.96), (0.95 * np.exp(1j),)], ids=str)
+def test_the_limit_of_a_linear_approach(multipliers):
+    found = limit(spiral(*multipliers), np.ones((2, 1)), FREE, 1e-7)
+    np.testing.assert_allclose(found.x[:, 0], 1.0, atol=1e-9)
+    assert found.error[0] < 1e-9
+    assert found.leading[0] == pytest.approx(np.max(np.abs(multipliers)), abs=1e-6)
+
+
+@pytest.mark.parametrize("multipliers", [(1.02,), (-1.02, 0.5), (-1.0,), (np.exp(0.7j),), (1.01 * np.exp(1j),)], ids=str)
+def test_no_limit_is_given_where_the_motion_does_not_contract(multipliers):
+    assert np.isinf(limit(spiral(*multipliers), np.ones((2, 1)), FREE, 1e-7).error[0])
+
+
+def test_no_limit_of_noise_and_of_rest():
+    rng = np.random.default_rng(0)
+    noise = rng.normal(size=(DIFFERENCES + 1, 2, 500))
+    assert np.isinf(limit(noise, np.ones((2, 500)), FREE, 1e-4).error).all()
+    assert np.isinf(limit(np.ones((DIFFERENCES + 1, 2, 1)), np.ones((2, 1)), FREE, 1e-4).error).all()
+
+
+def test_cyclic_states_take_the_shorter_way_round():
+    """An angle that gains whole turns approaches its limit all the same, up to whole turns."""
+    x = spiral(0.9) + 2 * np.pi * np.arange(DIFFERENCES + 1)[:, None, None] * np.array([1.0, 0.0])[:, None]
+    found = limit(x, np.ones((2, 1)), np.array([2 * np.pi, np.inf]), 1e-7)
+    assert np.remainder(found.x[0, 0] - 1.0 + 1.0, 2 * np.pi) == pytest.approx(1.0, abs=1e-9)
+
+
+def test_a_lane_never_sees_its_neighbours():
+    rng = np.random.default_rng(1)
+    x = np.concatenate([spiral(z) for z in rng.uniform(0.3, 0.99, 40)], axis=2) + 1e-9 * rng.normal(size=(13, 2, 40))
+    scale = np.ones((2, 40))
+    every = limit(x, scale, FREE, 1e-6)
+    assert np.isfinite(every.error).sum() > 30
+    for i in range(40):
+        alone = limit(x[:, :, i : i + 1], scale[:, :1], FREE, 1e-6)
+        np.testing.assert_array_equal(alone.x[:, 0], every.x[:, i])
+
+
+# --- systems ------------------------------------------------------------------------------------------------
+
+
+def test_weakly_damped_duffing():
+    """Slow spirals, one of them towards a fixed point that a single window takes for an orbit of three."""
+    plain, fast = settled(load("duffing").replace(delta=0.01), {"gamma": np.linspace(0.05, 0.12, 24)}, transient=2000)
+    assert_same(plain, fast)
+    assert fast[0].accelerated.sum() > 12
+    cut = fast[0].accelerated
+    assert (plain[0].waited - fast[0].waited)[cut].mean() > 100
+    system = load("duffing").replace(delta=0.01)
+    for i in np.flatnonzero(cut)[:3]:  # stable by all multipliers, not only by those that the approach shows
+        at = system.replace(gamma=float(np.linspace(0.05, 0.12, 24)[i]))
+        assert floquet_multipliers(at, fast[1].x[:, i], fast[0].multiple[i] * at.period).stable
+
+
+def test_coexisting_orbits_of_duffing():
+    """Thirty starts, several attractors: every point ends on the orbit that it was contracting to."""
+    rng = np.random.default_rng(2)
+    start = rng.uniform(-1.5, 1.5, (2, 30))
+    plain, fast = settled(load("duffing").replace(delta=0.05), {"gamma": np.full(30, 0.1)}, start=start, transient=600)
+    assert_same(plain, fast)
+    ends = plain[1].x[:, plain[0].multiple == 1]
+    assert np.unique(np.round(ends, 3), axis=1).shape[1] > 1, "one attractor only: the test is not about coexistence"
+    assert fast[0].accelerated.sum() > 10
+
+
+def test_alternating_transients_near_period_doublings():
+    """Next to a doubling plain settling needs more than a thousand periods; given them, it finds the same."""
+    plain, fast = settled(load("duffing"), {"gamma": np.linspace(0.265, 0.295, 40)}, transient=3000)
+    assert_same(plain, fast)
+    assert plain[0].waited[plain[0].multiple == 2].max() > 400
+    assert set(plain[0].multiple) >= {1, 2}
+    assert fast[0].accelerated.any()
+
+
+def test_pendulum_and_its_cyclic_angle():
+    plain, fast = settled(load("pendulum").replace(q=0.05), {"g": np.linspace(0.1, 0.6, 16)}, steps=30, transient=400)
+    assert_same(plain, fast)
+    assert fast[0].accelerated.any()
+
+
+def test_locked_van_der_pol():
+    system = load("van_der_pol")
+    own = {"omega": np.linspace(0.93, 0.99, 16)}
+    plain, fast = settled(system, own, steps=40, transient=400)
+    assert (plain[0].multiple == 1).sum() > 4
+    assert_same(plain, fast)
+
+
+def test_gear_pair_where_it_settles_slowly():
+    plain, fast = settled(load("gear-psfd/intended").replace(psi=1e-3), {"s": np.linspace(3.0, 4.0, 32)}, transient=200)
+    assert_same(plain, fast)
+    assert fast[0].waited.mean() <= plain[0].waited.mean()
+    assert fast[0].waited.mean() < 200 / 3
+
+
+# --- trials ---------------------------------------------------------------------------------------------------
+
+
+def test_a_failed_trial_leaves_no_trace(monkeypatch):
+    """Where every short cut leads astray, labels and bits are those of plain settling; the time is not."""
+    right = acceleration.limit
+
+    def astray(points, scale, period, tolerance):
+        found = right(points, scale, period, tolerance)
+        return type(found)(found.x + 1e-3 * scale, found.error, found.leading)
+
+    monkeypatch.setattr(acceleration, "limit", astray)
+    plain, fast = settled(load("duffing").replace(delta=0.03), {"gamma": np.linspace(0.1, 0.2, 10)}, transient=600)
+    assert (fast[0].waited > plain[0].waited).any() and not fast[0].accelerated.any()
+    np.testing.assert_array_equal(fast[0].multiple, plain[0].multiple)
+    np.testing.assert_array_equal(fast[1].x, plain[1].x)
+
+
+@pytest.mark.parametrize("size", [1, 7])
+def test_bits_of_short_cuts_do_not_depend_on_the_pool(monkeypatch, size):
+    def run():
+        e = make_ensemble(
+            load("duffing").replace(delta=0.03), {"gamma": np.linspace(0.1, 0.3, 20)}, steps=24, method="dop853", workers=1
+        )[0]
+        return settle(e, Settling(transient=100, most=8)), e.x
+
+    wanted, x = run()
+    assert wanted.accelerated.any() and not wanted.accelerated.all()
+    monkeypatch.setattr(settling, "POOL", 1)
+    monkeypatch.setattr(settling, "LANES", size)
+    got, y = run()
+    np.testing.assert_array_equal(got.waited, wanted.waited)
+    np.testing.assert_array_equal(got.accelerated, wanted.accelerated)
+    np.testing.assert_array_equal(y, x)
