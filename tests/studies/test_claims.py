@@ -8,10 +8,12 @@ import pytest
 import xarray as xr
 
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd.claims import JUDGES, claims, judge, safe_windows
-from whirlmap.studies.gear_psfd.evidence import EDITIONS, PSI, QUALITIES, S_ORBIT, Evidence, speeds
+from whirlmap.results.status import Status
+from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, WORDS, claims, judge_all
+from whirlmap.studies.gear_psfd.evidence import EDITIONS, QUALITIES, Evidence, speeds
+from whirlmap.studies.gear_psfd.labelled import PSI, S_ORBIT
+from whirlmap.studies.gear_psfd.verdicts import judge, labelled, safe_windows
 
-WORDS = {"holds", "fails", "partly", "cannot be evaluated"}
 
 
 def diagram(chaotic, *, swing=lambda s: 0.1 * s, ended=lambda s: np.zeros(s.shape, bool)):
@@ -24,6 +26,7 @@ def diagram(chaotic, *, swing=lambda s: 0.1 * s, ended=lambda s: np.zeros(s.shap
     return xr.Dataset(
         {
             "regime": ("s", regime), "period_T": ("s", np.where(where, 0, 8)),
+            "status": ("s", np.where(ended(s), Status.contact, Status.ok)),
             "lyapunov": ("s", np.where(where, 0.1, np.nan)), "lyapunov_error": ("s", np.where(where, 0.01, np.nan)),
             "maximum": (("s", "quantity"), pp[:, None]), "minimum": (("s", "quantity"), 0 * pp[:, None]),
         },
@@ -96,7 +99,7 @@ def test_contact_everywhere_is_no_motion_to_judge():
         {(psi, y): {} for psi in PSI for y in ("yp", "y2")},
     )  # fmt: skip
     words = {v.claim.id: v.word for v in judge(e)}
-    assert set(words.values()) <= WORDS
+    assert set(words.values()) <= set(WORDS)
     assert "holds" not in words.values()
     for claim in ("fig2-nonperiodic", "fig2-amplitude-grows", "fig67-lyapunov", "permeability-suppresses-amplitude"):
         assert words[claim] == "cannot be evaluated"
@@ -110,7 +113,7 @@ def test_the_wrong_dimension_fails():
 
 
 def test_safe_windows_are_the_stretches_that_return():
-    windows = safe_windows(as_the_paper_says().diagrams[1e-4])
+    windows = safe_windows(labelled(as_the_paper_says()), PSI.index(1e-4))
     assert [(round(a, 1), round(b, 1)) for a, b, _ in windows] == [(0.3, 1.2), (1.6, 3.1)]
 
 

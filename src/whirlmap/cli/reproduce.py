@@ -66,7 +66,8 @@ def longest(quality: str) -> int:
     """Periods T that a reproduction takes at most, over all points."""
     from whirlmap.integrate.loading import load
     from whirlmap.kernels.source import LANES
-    from whirlmap.studies.gear_psfd.evidence import EDITIONS, PSI, quality_named, speeds
+    from whirlmap.studies.gear_psfd.evidence import EDITIONS, quality_named, speeds
+    from whirlmap.studies.gear_psfd.labelled import PSI
 
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling

@@ -18,21 +18,17 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT
 from whirlmap.sweep.diagram import bifurcation_diagram
 
 Array = NDArray[np.float64]
 
-#: Permeabilities of Figures 2 to 5, and the speed of Figures 6 and 7.
-PSI = (0.0, 1e-4, 1e-3, 0.1)
-S_ORBIT = 3.27
 #: Speeds drawn; the paper names speeds from 1.18 to 3.27 and shows at least those.
 S_RANGE = (0.3, 4.0)
 #: Speeds that a claim names by themselves, always among those computed.
 S_NAMED = (1.60, 1.61, 1.62)
 #: Fourth-order Runge-Kutta, as in the paper, which does not say its steps.
 PAPERS_METHOD: Any = {"method": "rk4", "steps": 100}
-#: Coordinates of Figures 6 and 7, with the figure's number.
-ORBITS = {"yp": 6, "y2": 7}
 
 
 @dataclass(frozen=True)

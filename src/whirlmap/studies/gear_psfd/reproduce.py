@@ -6,11 +6,12 @@ from typing import Any
 
 from whirlmap.integrate.ensemble import cores
 from whirlmap.results.files import write
-from whirlmap.studies.gear_psfd.claims import Verdict, judge
-from whirlmap.studies.gear_psfd.evidence import EDITIONS, ORBITS, PSI, Evidence, gather, quality_named
+from whirlmap.studies.gear_psfd.evidence import EDITIONS, Evidence, gather, quality_named
 from whirlmap.studies.gear_psfd.figures import DIAGRAM_NUMBER, Studio, plans
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI
 from whirlmap.studies.gear_psfd.output import Folder
 from whirlmap.studies.gear_psfd.report import Picture, write_report
+from whirlmap.studies.gear_psfd.verdicts import Verdict, judge
 
 REPORT = "report.html"
 
