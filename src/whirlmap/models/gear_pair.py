@@ -166,6 +166,11 @@ def declare(*, edition: str, film: str, arc: str, contact: str, plain: bool = Fa
             "edition = literal has no arc = positive: equations (30)-(33) as printed are written for the half film"
             " fixed at 0..pi; use edition = intended"
         )
+    if contact == "ignore" and film != "printed":
+        raise ModelError(
+            "contact = ignore needs film = printed: only the film without h^3 goes on beyond an eccentricity of one;"
+            " use contact = stop"
+        )
     law = film_law(film, arc, plain=plain)
     literal = edition == "literal"
     switches = {"edition": edition, "film": film, "arc": arc, "contact": contact}
@@ -187,7 +192,9 @@ def declare(*, edition: str, film: str, arc: str, contact: str, plain: bool = Fa
         stops={
             "contact_1": Stop(1 - u1x**2 - u1y**2, f"journal 1: {wall}", reachable),
             "contact_2": Stop(1 - u2x**2 - u2y**2, f"journal 2: {wall}", reachable),
-        },
+        }
+        if contact == "stop"
+        else {},
         start="equilibrium",
         start_where_none={u1x: 0.1, u2x: 0.1},
         bound=1e6,
@@ -211,13 +218,13 @@ GEAR_PAIR = Family(
         "edition": ("intended", "literal", "physical"),
         "film": ("porous", "printed"),
         "arc": ("fixed", "positive"),
-        "contact": ("stop",),
+        "contact": ("stop", "ignore"),
     },
     meanings={
         "edition": "equations as printed, as derived, or as derived with each shaft on its own clock",
         "film": "with h^3 + 12 Phi H, or as printed with h^3 dropped",
         "arc": "half film fixed at 0..pi, or where the pressure is positive",
-        "contact": "what happens when a journal reaches its bearing",
+        "contact": "whether a run ends when a journal reaches its bearing, or goes on as the printed film does",
     },
     default=lambda chosen: {
         "arc": "positive" if chosen["edition"] == "physical" else "fixed",

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from scipy.stats import rankdata
 
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd.labelled import PSI, Array, Labelled, Mask, median_of
+from whirlmap.studies.gear_psfd.labelled import PSI, Array, Labelled, Mask, median_of, positive
 
 #: Verdicts by their number.
 WORDS = ("fails", "partly", "holds", "cannot be evaluated")
@@ -96,9 +96,8 @@ def rank_correlation(d: Labelled) -> Array:
     out = np.full(len(pp), np.nan)
     if usable.any():
         ok, pp = ok[usable], pp[usable]
-        ranks = [
-            np.asarray(rankdata(np.where(ok, v, np.nan), axis=-1, nan_policy="omit")) for v in (pp, np.broadcast_to(d.s, pp.shape))
-        ]
+        both = (np.where(ok, v, np.nan) for v in (pp, np.broadcast_to(d.s, pp.shape)))
+        ranks = [np.asarray(rankdata(v, axis=-1, nan_policy="omit")) for v in both]
         a, b = (np.where(ok, r - np.nanmean(r, axis=-1, keepdims=True), 0.0) for r in ranks)
         out[usable] = (a * b).sum(axis=-1) / np.sqrt((a**2).sum(axis=-1) * (b**2).sum(axis=-1))
     return out
@@ -163,10 +162,10 @@ def three_windows(psi: float) -> Callable[[Labelled, Claim], Judgement]:
 
 
 def lyapunov_positive(d: Labelled, _claim: Claim) -> Judgement:
-    """Largest exponent at s = 3.27 for every psi, three standard errors above zero or not."""
+    """Largest exponent at s = 3.27 for every psi, above zero or not."""
     o = d.orbits
+    votes = positive(o.exponent, o.error, o.least)
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        votes = o.exponent > 3 * o.error
         z = np.clip(np.nan_to_num(o.exponent / o.error), -30, 30)
     asked = np.isfinite(o.exponent) | (o.regime == Regime.periodic)  # a stable cycle has no positive exponent
     word = np.where((votes & asked).all(axis=-1), HOLDS, np.where(votes.any(axis=-1), PARTLY_HOLDS, FAILS))
@@ -214,11 +213,11 @@ def regularises(d: Labelled, _claim: Claim) -> Judgement:
 
 def suppressed(d: Labelled) -> tuple[Mask, Array, Array]:
     """Speeds that run through at every psi; median amplitude there at each psi; share of them where it is smaller."""
-    shared = np.isfinite(d.amplitude).all(axis=1)
+    shared: Mask = np.asarray(np.isfinite(d.amplitude).all(axis=1))
     median = median_of(d.amplitude, shared[:, None, :])
     with np.errstate(invalid="ignore"):
         less = (d.amplitude[:, -1] < d.amplitude[:, 0]) & shared
-    return shared, median, less.sum(axis=-1) / np.maximum(shared.sum(axis=-1), 1)
+    return shared, median, np.asarray(less.sum(axis=-1) / np.maximum(shared.sum(axis=-1), 1))
 
 
 def suppresses(d: Labelled, _claim: Claim) -> Judgement:

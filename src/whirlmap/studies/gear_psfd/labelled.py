@@ -4,6 +4,7 @@ A reproduction judges one set with many speeds, a search thousands of sets with 
 here. Arrays have the shape (set, psi, speed), or (set, psi) at the speed of Figures 6 and 7.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -11,6 +12,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.regime import BREATHING
 from whirlmap.results.regime import Regime
 
 Array = NDArray[np.float64]
@@ -36,6 +38,8 @@ class Orbits:
         Spectral lines of y_p above the floor, and the share of power beside them; NaN where no spectrum was taken.
     dimension : mapping of coordinate to (D2, error)
         In the plane (y, y'); NaN where there is none.
+    least : float
+        Smallest exponent that is growth.
     """
 
     regime: NDArray[np.int8]
@@ -44,6 +48,7 @@ class Orbits:
     lines: Array
     broadband: Array
     dimension: Mapping[str, tuple[Array, Array]]
+    least: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -64,6 +69,8 @@ class Labelled:
         scores, never a verdict.
     forced : int
         T in the common period of the forcing: 8 in the paper's clock.
+    least : float
+        Smallest exponent that is growth (`least_exponent`).
     orbits : Orbits
     """
 
@@ -75,6 +82,7 @@ class Labelled:
     amplitude: Array
     slowness: Array
     forced: int
+    least: float
     orbits: Orbits = field(repr=False)
 
     @cached_property
@@ -82,11 +90,10 @@ class Labelled:
         """Which points return with the forcing or otherwise, are open (of three kinds), or ended.
 
         A point is chaotic here where it is labelled so, or where it is undecided, does not return, and its largest exponent
-        lies three standard errors above zero.
+        lies three standard errors above zero and above `least`.
         """
         returns, open_motion = self.regime == Regime.periodic, self.regime == Regime.undecided
-        with np.errstate(invalid="ignore"):
-            grows = open_motion & (self.exponent > 3 * self.error)
+        grows = open_motion & positive(self.exponent, self.error, self.least)
         return {
             "with the forcing": returns & (self.period == self.forced),
             "periodic otherwise": returns & (self.period != self.forced),
@@ -114,7 +121,7 @@ class Labelled:
 
     def share(self, wanted: Mask, where: Mask) -> Array:
         """Share of the speeds of a window at which something is so; the last axis is the speed."""
-        return np.asarray((wanted & where).sum(axis=-1) / max(int(where.sum()), 1))
+        return np.asarray((wanted & where).sum(axis=-1) / max(int(where.sum()), 1), dtype=float)
 
     def credit(self, wanted: str) -> Array:
         """How close each point is to what a claim wants of it, in [0, 1]: 1 where it is so.
@@ -139,10 +146,25 @@ class Labelled:
                 "with the forcing": 0.3 * self.slowness, "contact": 0.05, "diverged": 0.0,
             },
         }[wanted]  # fmt: skip
-        out = np.zeros(self.regime.shape)
+        out: Array = np.zeros(self.regime.shape)
         for name, mask in self.kinds.items():
-            out = np.where(mask, worth[name], out)
+            out = np.asarray(np.where(mask, worth[name], out))
         return out
+
+
+def least_exponent(periods: int, common_period: float) -> float:
+    """Smallest exponent that counts as growth, measured over so many common periods.
+
+    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.regime`. That also keeps out motion that grows
+    without bound: where neither the transient nor this run met the bound, it has grown by less.
+    """
+    return (math.log(periods) + BREATHING) / (periods * common_period)
+
+
+def positive(exponent: Array, error: Array, least: float) -> Mask:
+    """Exponents that lie three standard errors above zero, and above the least that is growth."""
+    with np.errstate(invalid="ignore"):
+        return np.asarray((exponent > 3 * error) & (exponent > least))
 
 
 def median_of(values: Array, where: Mask) -> Array:

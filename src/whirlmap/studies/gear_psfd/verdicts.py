@@ -20,7 +20,7 @@ from whirlmap.studies.gear_psfd.claims import (
     windows_of,
 )
 from whirlmap.studies.gear_psfd.evidence import Evidence, dimension_text
-from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, Array, Labelled, Mask, Orbits, median_of
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, Array, Labelled, Mask, Orbits, least_exponent, median_of
 
 #: Regime of a point whose numbers could not be had: it is of no kind.
 NOT_KNOWN = -1
@@ -53,9 +53,11 @@ def labelled(e: Evidence) -> Labelled:
     longest = e.quality.settling.longest
     waited = rows("settled_after") if "settled_after" in first else np.zeros(span.shape)
     return Labelled(
-        s=first["paper_s"].values, regime=known_regime(rows("regime"), rows("status")), period=rows("period_T"),
+        s=first["paper_s"].values, regime=known_regime(rows("regime"), rows("status")),
+        period=rows("period_T").astype(np.int64),
         exponent=rows("lyapunov"), error=rows("lyapunov_error"), amplitude=span,
-        slowness=np.clip(waited / longest, 0.0, 1.0), forced=first.attrs["common_multiple"], orbits=_orbits(e),
+        slowness=np.clip(waited / longest, 0.0, 1.0), forced=first.attrs["common_multiple"],
+        least=least_exponent(e.quality.exponent_periods, e.system.common_period), orbits=_orbits(e),
     )  # fmt: skip
 
 
