@@ -1,5 +1,6 @@
 """The answer of a search as Markdown tables, pictures and cases."""
 
+import json
 from collections.abc import Mapping
 from pathlib import Path
 
@@ -246,6 +247,7 @@ def write_answer(answer: Answer, folder: Path, *, force: bool = False) -> list[P
             figure = DRAW[stem.partition("-")[0]](answer, edition)
             written.append(replace_file(path, lambda trial, figure=figure: save(figure, trial), force=force))  # type: ignore[misc]
     texts = {f"{edition}-best.toml": case_text(edition, best, answer) for edition, best in answer.best.items()}
+    texts["answer.json"] = json.dumps(answer.summary(), indent=1)
     texts["answer.md"] = page(answer, {path.stem: path.name for path in written})
     for name, text in texts.items():
         fill_file = lambda trial, text=text: trial.write_text(text, encoding="utf-8")  # noqa: E731

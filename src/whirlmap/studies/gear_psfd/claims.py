@@ -123,6 +123,21 @@ def window(psi: float, low: float, high: float, kind: str) -> Callable[[Labelled
     return judged
 
 
+def own_windows(d: Labelled, k: int) -> dict[str, Callable[[Labelled, Claim], Judgement]]:
+    """Claims that one set of some diagrams makes true: at each psi, each stretch of equal kind as a window.
+
+    With these a search can be tested: the machine that they come from satisfies all of them.
+    """
+    out = {}
+    for p, psi in enumerate(PSI):
+        kind = np.array([next(name for name, m in d.kinds.items() if m[k, p, i]) for i in range(d.s.size)])
+        begins = np.flatnonzero(np.r_[True, kind[1:] != kind[:-1]])
+        for a, b in zip(begins, [*begins[1:], d.s.size], strict=True):
+            low, high = float(d.s[a]), float(d.s[b - 1])
+            out[f"psi {psi:g}, s {low:g} .. {high:g}: {kind[a]}"] = window(psi, low, high, str(kind[a]))
+    return out
+
+
 def chaotic_windows(d: Labelled) -> tuple[Mask, Mask]:
     """Speeds of 1.48 .. 1.60, and of the rest of the chaotic window of Figure 3."""
     return d.between(1.48, 1.60), d.between(1.18, 1.475)

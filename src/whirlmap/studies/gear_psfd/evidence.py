@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from whirlmap.analysis.dimension import STATUS as DIMENSION_STATUS
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
 from whirlmap.analysis.settling import Settling
-from whirlmap.errors import RangeError
+from whirlmap.errors import CaseError, RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System
@@ -89,6 +90,25 @@ QUALITIES = {
     "quick": Quality(32, Settling(transient=20, most=8, keep=16), 32, Settling(transient=30, most=16), 4000, 100),
     "full": Quality(600, Settling(transient=80, most=16, keep=64), 64, Settling(transient=200, most=64), 20480, 1600),
 }
+
+
+def edition_of(case: str) -> Edition:
+    """Return one of `EDITIONS` by its case, or another case of the gear pair as an edition of its own.
+
+    Raises
+    ------
+    CaseError
+        Where the case is not one of the gear pair.
+    """
+    for edition in EDITIONS:
+        if edition.case == case:
+            return edition
+    system = load(case)
+    if system.model.name != "gear_pair":
+        raise CaseError(f"{case}: found the model {system.model.name}, expected a case of the gear pair")
+    switches = ", ".join(f"{k} {v}" for k, v in system.model.switches.items())
+    name = Path(case).stem
+    return Edition(name, case, float(4 * system.values["r_p"]), f"the case {name} ({switches})")
 
 
 def quality_named(name: str) -> Quality:

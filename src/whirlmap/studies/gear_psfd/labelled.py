@@ -8,6 +8,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -127,12 +128,13 @@ class Labelled:
         """How close each point is to what a claim wants of it, in [0, 1]: 1 where it is so.
 
         Only to lead a search where nothing holds yet. A motion counts by its distance in kind from the wanted one, an
-        undecided one by its exponent in standard errors, a periodic one by how slowly it settled.
+        undecided one by its exponent in standard errors, a periodic one by how slowly it settled. Kinds that no claim of the
+        paper asks for have no nearness: 1 or 0.
         """
         with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
             z = np.clip(np.nan_to_num(self.exponent / self.error, nan=0.0), -30, 30)
             rising = 1 / (1 + np.exp(-z))
-        worth = {
+        worth: dict[str, Any] = {
             "chaotic": {
                 "chaotic": 1.0, "undecided": 0.4 + 0.5 * rising, "quasi-periodic": 0.5, "periodic otherwise": 0.35,
                 "with the forcing": 0.25 * self.slowness, "contact": 0.05, "diverged": 0.0,
@@ -145,10 +147,10 @@ class Labelled:
                 "chaotic": 1.0, "undecided": 1.0, "quasi-periodic": 1.0, "periodic otherwise": 0.4,
                 "with the forcing": 0.3 * self.slowness, "contact": 0.05, "diverged": 0.0,
             },
-        }[wanted]  # fmt: skip
+        }.get(wanted, {wanted: 1.0})  # fmt: skip
         out: Array = np.zeros(self.regime.shape)
         for name, mask in self.kinds.items():
-            out = np.asarray(np.where(mask, worth[name], out))
+            out = np.asarray(np.where(mask, worth.get(name, 0.0), out))
         return out
 
 

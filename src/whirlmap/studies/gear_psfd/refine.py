@@ -36,8 +36,7 @@ def refine(
     Parameters
     ----------
     start : Judged
-        Sets that were looked at already; the best `POPULATION` of them are the first generation, filled up with the rest of
-        the design where there are fewer.
+        Sets that were looked at already; the best `POPULATION` of them are the first generation.
     generations : int
         Most generations after the first.
     score : callable
@@ -59,7 +58,7 @@ def refine(
     if start.values.shape[1] < 5:
         raise RangeError(f"refinement needs at least 5 sets, not {start.values.shape[1]}")
     variant = start.variant
-    order = start.order[:POPULATION]
+    order = np.argsort(-score(start), kind="stable")[:POPULATION]
     first = np.stack([r.place(start.values[k, order]) for k, r in enumerate(settings.ranges)])
     generation = 0
 

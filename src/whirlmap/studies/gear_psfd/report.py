@@ -63,10 +63,17 @@ def write_report(
             provenance=[(e.edition.name, _provenance(e)) for e, _ in done],
             pictures=pictures,
             quality=quality,
+            identified=_identified(),
             amounts=[(e.edition.name, _amount(e)) for e, _ in done],
         ),
         encoding="utf-8",
     )
+
+
+def _identified() -> dict[str, Any] | None:
+    """What a search over the unpublished parameters found (`whirlmap identify`); None where none is kept."""
+    kept = HERE.joinpath("identified.json")
+    return dict(json.loads(kept.read_text(encoding="utf-8"))) if kept.is_file() else None
 
 
 def _equations() -> list[dict[str, Any]]:
