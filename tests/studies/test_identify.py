@@ -134,7 +134,8 @@ for name in identify.search(chosen((), ("literal-printed-clock",)), settings, bl
 
 def test_a_killed_search_goes_on_to_the_same_bits(small, tmp_path):
     store = tmp_path / "store"
-    run = subprocess.Popen([sys.executable, "-c", KILLED, str(store)], stdout=subprocess.PIPE, text=True, env=dict(os.environ))
+    command = [sys.executable, "-c", KILLED, str(store)]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=dict(os.environ))
     assert run.stdout is not None
     for _ in range(2):
         run.stdout.readline()  # two blocks are finished: it is in the third

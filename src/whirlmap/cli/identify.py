@@ -79,6 +79,11 @@ def identify(
         typer.Option("--out", metavar="FOLDER", rich_help_panel=options.OUTPUT,
                      help="Write tables, pictures and the cases literal-best.toml and intended-best.toml to a folder."),
     ] = None,
+    linear: Annotated[
+        int,
+        typer.Option("--linear", metavar="N", min=0, max=512, rich_help_panel=SEARCH,
+                     help="With --out: sets of each variant that linear theory is asked about, too; 0: none."),
+    ] = 256,
     page: Annotated[
         Path | None,
         typer.Option("--page", metavar="FILE.md", rich_help_panel=options.OUTPUT,
@@ -125,7 +130,7 @@ def identify(
     if found is None:
         say("no block is finished, so there is nothing to report")
         raise typer.Exit(130 if interrupted else 0)
-    files = _write(found, out, page, force)
+    files = _write(found, blocks, out, page, linear, force)
     if json:
         report.print_json({**found.summary(), "files": files, "interrupted": interrupted})
     else:
@@ -195,17 +200,23 @@ def _refine(
         say(f"{start.variant.name}: refined from a mean score of {before:.3f} to {after:.3f} in {found.total.size} sets")
 
 
-def _write(found: "Answer", out: Path | None, page: Path | None, force: bool) -> list[Path]:
+def _write(
+    found: "Answer", blocks: "Blocks", out: Path | None, page: Path | None, linear_sets: int, force: bool
+) -> list[Path]:
     if out is None:
         return []
-    from whirlmap.studies.gear_psfd.answer_pages import fill, write_answer
+    from whirlmap.studies.gear_psfd.answer_pages import fill, write_answer, write_picture
     from whirlmap.studies.gear_psfd.answer_pages import page as tables
+    from whirlmap.studies.gear_psfd.stability_pages import draw_threshold, linear, linear_page
 
-    files = write_answer(found, out, force=force)
+    more = "\n" + linear_page(linear(found, blocks, linear_sets)) if linear_sets else ""
+    files = write_answer(found, out, more=more, force=force)
+    if linear_sets:
+        files.append(write_picture(draw_threshold(), out / "threshold.png", force=force))
     if page is not None:
         here = page.resolve().parent
         shown = {f.stem: Path(relpath(f.resolve(), here)).as_posix() for f in files if f.suffix == ".png"}
-        fill(page, tables(found, shown))
+        fill(page, tables(found, shown) + more)
         files.append(page)
     return files
 

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from whirlmap.errors import OutputError
+from whirlmap.plot.save import encode
 from whirlmap.results.files import replace_file
 from whirlmap.studies.gear_psfd.answer import (
     Answer,
@@ -25,6 +26,8 @@ from whirlmap.studies.gear_psfd.variants import MEANINGLESS
 
 #: What is between these two lines of a page is replaced.
 BEGIN, END = "<!-- begin: whirlmap identify -->", "<!-- end: whirlmap identify -->"
+#: Of the pictures.
+DPI = 110
 #: Bins of each group's range in the picture of marginals.
 BINS = 8
 
@@ -235,21 +238,23 @@ def _numbers(best: Best) -> dict[str, float]:
     return {**spins, **best.values}
 
 
-def write_answer(answer: Answer, folder: Path, *, force: bool = False) -> list[Path]:
-    """Write tables, pictures and cases to a folder; returns the files."""
-    from whirlmap.plot.save import save
-
+def write_answer(answer: Answer, folder: Path, *, more: str = "", force: bool = False) -> list[Path]:
+    """Write tables, pictures and cases to a folder; ``more`` goes below the tables. Returns the files."""
     folder.mkdir(exist_ok=True)
     written = []
     for edition in answer.editions:
         for stem in picture_names(edition):
-            path = folder / f"{stem}.png"
             figure = DRAW[stem.partition("-")[0]](answer, edition)
-            written.append(replace_file(path, lambda trial, figure=figure: save(figure, trial), force=force))  # type: ignore[misc]
+            written.append(write_picture(figure, folder / f"{stem}.png", force=force))
     texts = {f"{edition}-best.toml": case_text(edition, best, answer) for edition, best in answer.best.items()}
     texts["answer.json"] = json.dumps(answer.summary(), indent=1)
-    texts["answer.md"] = page(answer, {path.stem: path.name for path in written})
+    texts["answer.md"] = page(answer, {path.stem: path.name for path in written}) + more
     for name, text in texts.items():
         fill_file = lambda trial, text=text: trial.write_text(text, encoding="utf-8")  # noqa: E731
         written.append(replace_file(folder / name, fill_file, force=force))
     return written
+
+
+def write_picture(figure: Figure, path: Path, *, force: bool) -> Path:
+    """Write one picture."""
+    return replace_file(path, lambda trial: trial.write_bytes(encode(figure, "png", dpi=DPI)), force=force)

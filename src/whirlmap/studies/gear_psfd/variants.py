@@ -20,6 +20,11 @@ SPINS: dict[str, dict[str, tuple[float, float]]] = {
 }
 
 MEANINGLESS = (
+    (
+        "literal, porous film",
+        "nobody's film: h^3 restored, and the misprints of (31) and (33), which vanish without it, left in. They push journals"
+        " through a plain film, where nearly every step has to be redone",
+    ),
     ("literal, positive arc", "(30)-(33) as printed are written for the half film fixed at 0..pi"),
     ("porous film, fixed arc, still", "the fixed half film follows the spin, and there is none"),
     ("printed film, any other arc", "without h^3 the film is a linear damper, the same on every half circle"),
@@ -74,7 +79,6 @@ def _printed(edition: str) -> list[Variant]:
 #: All that are searched, literal first.
 VARIANTS = (
     *_printed("literal"),
-    *(Variant("literal", "porous", "fixed", spin) for spin in ("clock", "shaft")),
     *(Variant("intended", "porous", "fixed", spin) for spin in ("clock", "shaft")),
     *(Variant("intended", "porous", "positive", spin) for spin in ("clock", "shaft", "still")),
     *(Variant("intended", "printed", "fixed", spin, "ignore") for spin in ("clock", "shaft")),
