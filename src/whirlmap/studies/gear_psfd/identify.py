@@ -219,7 +219,7 @@ def wilson(count: NDArray[np.integer], n: int) -> tuple[Array, Array]:
     p, z2 = count / n, Z**2
     centre = (p + z2 / (2 * n)) / (1 + z2 / n)
     half = Z / (1 + z2 / n) * np.sqrt(p * (1 - p) / n + z2 / (4 * n**2))
-    return np.maximum(centre - half, 0.0), np.minimum(centre + half, 1.0)
+    return np.where(count == 0, 0.0, centre - half), np.where(count == n, 1.0, centre + half)
 
 
 def precise(judged: Judged) -> bool:
