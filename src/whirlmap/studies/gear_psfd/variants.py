@@ -22,8 +22,8 @@ SPINS: dict[str, dict[str, tuple[float, float]]] = {
 MEANINGLESS = (
     (
         "literal, porous film",
-        "nobody's film: h^3 restored, and the misprints of (31) and (33), which vanish without it, left in. They push journals"
-        " through a plain film, where nearly every step has to be redone",
+        "nobody's film: h^3 restored, and the misprints of (31) and (33), which vanish without it, left in; they push"
+        " journals through a plain film, where nearly every step has to be redone",
     ),
     ("literal, positive arc", "(30)-(33) as printed are written for the half film fixed at 0..pi"),
     ("porous film, fixed arc, still", "the fixed half film follows the spin, and there is none"),
