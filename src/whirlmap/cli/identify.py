@@ -70,9 +70,11 @@ def identify(
         typer.Option("--share", metavar="I/N", rich_help_panel=SEARCH,
                      help="Compute every N-th block from the I-th on, as one task of N with the same --store."),
     ] = "1/1",
-    pilot: Annotated[
-        bool, typer.Option("--pilot/--no-pilot", rich_help_panel=SEARCH, help="Measure and print the cost before the start.")
-    ] = True,
+    no_pilot: Annotated[
+        bool,
+        typer.Option("--no-pilot", rich_help_panel=SEARCH,
+                     help="Do not measure and print the cost before the start; --minutes then lets a begun block end."),
+    ] = False,
     workers: options.Workers = None,
     out: Annotated[
         Path | None,
@@ -121,7 +123,7 @@ def identify(
     interrupted = False
     if minutes != 0:
         try:
-            _compute(variants, settings, blocks, sets, refine, deadline, (i, n), pilot, workers, quiet)
+            _compute(variants, settings, blocks, sets, refine, deadline, (i, n), not no_pilot, workers, quiet)
         except KeyboardInterrupt:
             interrupted = True
             where = f"; go on with --store {store} --resume" if store else ", and is lost with this process: use --store"
@@ -129,6 +131,8 @@ def identify(
     found = answer(variants, settings, blocks)
     if found is None:
         say("no block is finished, so there is nothing to report")
+        if json:
+            report.print_json({"seed": seed, "variants": {}, "interrupted": interrupted})
         raise typer.Exit(130 if interrupted else 0)
     files = _write(found, blocks, out, page, linear, force)
     if json:

@@ -197,8 +197,9 @@ def draw_marginals(answer: Answer, edition: str) -> Figure:
     axes.set_yticks(range(len(holds)), [f"{c} ({int(h.sum())})" for c, h in zip(answer.claims, holds, strict=True)])
     figure.colorbar(shown, ax=axes, shrink=0.8, label="log2 of density over the design's")
     axes.set_title(
-        f"Edition {edition}: where in its range each group lies when a claim holds (sets); a number is a group pinned down:"
-        " its Kolmogorov-Smirnov distance, beyond 1 %", loc="left", fontsize=10,
+        f"Edition {edition}: where in its range each group lies when a claim holds, as often as in brackets\n"
+        "Number: a group that is pinned down, by its Kolmogorov-Smirnov distance from the design (beyond 1 %)",
+        loc="left", fontsize=10,
     )  # fmt: skip
     return figure
 

@@ -309,7 +309,7 @@ def search(
     sets : int
         Most sets of each variant; fewer where `precise` already.
     cost, deadline : Cost, float, optional
-        With both, no block is begun that would end after ``time.monotonic() == deadline``.
+        No block is begun that would end after ``time.monotonic() == deadline`` at this cost; without one, none after it.
     share : (int, int)
         Compute only every n-th block, from the i-th on: several processes share one store.
     told : callable
@@ -328,7 +328,7 @@ def search(
             enough.add(v.name)
             told(f"{v.name}: {so_far.word.shape[1]} sets are enough")
             continue
-        if cost and deadline and time.monotonic() + cost.of(v, count) > deadline:
+        if deadline is not None and time.monotonic() + (cost.of(v, count) if cost else 0.0) > deadline:
             told(f"{v.name}: sets {first} to {first + count} left out, the time is over")
             continue
         drawn = design(settings.ranges, first, count, seed=settings.seed)

@@ -102,10 +102,11 @@ def draw_threshold(workers: int | None = None) -> Figure:
     coarse = THRESHOLD_S[::6]
     for k, psi in enumerate(THRESHOLD_PSI):
         found = modes(system, {"s": THRESHOLD_S, "psi": np.full(THRESHOLD_S.size, psi)})
-        above.plot(THRESHOLD_S, found.growth, color=f"C{k}", label=f"ψ = {psi:g}")
+        line = {"color": f"C{k}", "ls": "--" if k % 2 else "-"}  # the first two coincide
+        above.plot(THRESHOLD_S, found.growth, label=f"ψ = {psi:g}", **line)
         near = found.growth > -0.01
-        below.plot(np.where(near, THRESHOLD_S, np.nan), found.frequency / spin, color=f"C{k}")
-        ds = label_points(system, {"s": coarse, "psi": np.full(coarse.size, psi)}, lyapunov=0, workers=workers)
+        below.plot(np.where(near, THRESHOLD_S, np.nan), found.frequency / spin, **line)
+        ds = label_points(system, {"s": coarse, "psi": np.full(coarse.size, psi)}, lyapunov=64, workers=workers)
         regime = ds["regime"].values
         y = np.full(coarse.size, -0.0125 - 0.0012 * k)
         marks = {Regime.periodic: ".", Regime.undecided: "o", Regime.contact: "x"}
