@@ -12,6 +12,7 @@ from whirlmap.errors import OutputError
 from whirlmap.studies.gear_psfd.answer import Answer, best_of, exclusions, pinned, pooled, shares, together
 from whirlmap.studies.gear_psfd.answer_pages import BEGIN, END, case_text, fill, page, write_answer
 from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, judge_all
+from whirlmap.studies.gear_psfd.evidence import edition_of
 from whirlmap.studies.gear_psfd.identify import Judged, Settings
 from whirlmap.studies.gear_psfd.ranges import design, ranges
 from whirlmap.studies.gear_psfd.variants import chosen
@@ -87,6 +88,8 @@ def test_everything_is_written_and_the_cases_load(answered, tmp_path):
         for name, value in best.values.items():
             assert float(system.values[name]) == value
         assert float(system.values["j_p"]) == best.variant.changes["j_p"]
+        assert (system.common_multiple, float(system.values["s"])) == (8, 3.27)
+        assert edition_of(str(tmp_path / "answer" / f"{edition}-best.toml")).scale == 1.0
     with pytest.raises(OutputError, match="exists already"):
         write_answer(answered, tmp_path / "answer")
     write_answer(answered, tmp_path / "answer", force=True)

@@ -215,7 +215,7 @@ def case_text(edition: str, best: Best, answer: Answer) -> str:
     missed = ", ".join(best.missed) or "none"
     lines = [
         f"# Written by `whirlmap identify`: the best set of the edition {edition}. Do not edit; run the search again.",
-        f'extends = "gear-psfd/{edition}"',
+        'extends = "gear-psfd/machine"',
         'description = """',
         f"The set of the unpublished groups under which most of the paper's claims come true in the edition {edition}:",
         f"{len(best.met)} of the {len(best.words)} that a labelled diagram decides, mean score {best.score:.3f}. Missed:",
@@ -224,6 +224,8 @@ def case_text(edition: str, best: Best, answer: Answer) -> str:
         '"""',
         *(f'{name} = "{value}"' for name, value in _switches(best).items()),
         "",
+        's = { value = 3.27, source = "changjian-psfd, Figures 6 and 7" }',
+        'psi = { value = 1e-3, source = "changjian-psfd, Figures 2 to 5, one of 0, 1e-4, 1e-3 and 0.1" }',
         *(f'{name} = {{ value = {value!r}, assumed = "{why}" }}' for name, value in _numbers(best).items()),
     ]
     return "\n".join(lines) + "\n"
@@ -231,7 +233,7 @@ def case_text(edition: str, best: Best, answer: Answer) -> str:
 
 def _switches(best: Best) -> dict[str, str]:
     v = best.variant
-    return {"film": v.film, "arc": v.arc, "contact": v.contact}
+    return {"edition": v.edition, "film": v.film, "arc": v.arc, "contact": v.contact}
 
 
 def _numbers(best: Best) -> dict[str, float]:
