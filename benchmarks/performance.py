@@ -23,6 +23,8 @@ from performance_report import write
 from whirlmap.analysis.returns import Settling
 from whirlmap.bench import contest, problems
 from whirlmap.bench.run import (
+    ACCURACIES,
+    BY_ACCURACY,
     QUICK,
     SCIPY_ERROR,
     Plan,
@@ -34,6 +36,7 @@ from whirlmap.bench.run import (
     whirlmap_contenders,
 )
 from whirlmap.errors import ModelError
+from whirlmap.integrate.accuracy import LADDER, choose_steps
 from whirlmap.integrate.ensemble import cores
 from whirlmap.kernels.methods import METHODS
 from whirlmap.results.regime import Regime
@@ -105,7 +108,7 @@ def _seconds(problem, method, steps, workers=1, repeats=5):
 
 
 def lanes(quick):
-    """Time per point and T against the number of points, one core: a block of 32 lanes costs the same full or empty."""
+    """Time per point and T against the number of points, one core: a block of 8 lanes costs the same full or empty."""
     out = []
     for points in (1, 8, 16, 32, 64, 256, 1024) if quick else (1, 4, 8, 16, 32, 64, 128, 256, 1024, 4096):
         problem = problems.gear_pair(0.0, points)
@@ -187,9 +190,13 @@ def diagram(quick):
     del quick  # there is no shorter form of it
     short_rows = _rows_near(SCIPY_ERROR)
     problem = problems.gear_pair(0.0, 600)
-    method, steps = short_rows["whirlmap"]
-    ours = _seconds(problem, method.removeprefix("whirlmap "), int(steps), workers=2)
-    out = {"points": 600, "periods": 8, "cores": 2, "whirlmap": {"method": method, "steps": steps, "seconds": ours}}
+    accuracy = short_rows["whirlmap"][1]
+    begin = time.perf_counter()
+    steps = choose_steps(problem.ensemble(BY_ACCURACY, LADDER[0], 2), accuracy).steps
+    choosing = time.perf_counter() - begin
+    ours = _seconds(problem, BY_ACCURACY, steps, workers=2)
+    mine = {"accuracy": accuracy, "seconds": ours, "choosing": choosing}
+    out = {"points": 600, "periods": 8, "cores": 2, "whirlmap": mine}
     for name in ("DOP853", "LSODA"):
         tolerance = short_rows[name][1]
         with ProcessPoolExecutor(2) as pool:
@@ -200,16 +207,17 @@ def diagram(quick):
 
 
 def _rows_near(error):
-    """Cheapest whirlmap setting, and the loosest tolerance of SciPy's methods, that meet an error on 64 speeds."""
+    """Loosest accuracy asked of whirlmap, and loosest tolerance of SciPy's methods, that meet an error on 64 speeds."""
     problem = problems.gear_pair(0.0, 64)
     exact = reference_ends(problem)
-    contenders = whirlmap_contenders(problem, exact, say)
-    for c in contenders:
-        for _ in range(5):
-            c.turn()
-    good = [c for c in contenders if c.row(exact)["median_error"] < error]
-    best = min(good, key=lambda c: c.seconds)
-    out = {"whirlmap": (best.who, best.setting)}
+    out = {}
+    for accuracy in ACCURACIES:
+        steps = choose_steps(problem.ensemble(BY_ACCURACY, LADDER[0]), accuracy).steps
+        c = contest.Contender("whirlmap", problem, accuracy, 8, contest.whirlmap_run(problem, BY_ACCURACY, steps))
+        c.turn()
+        if c.row(exact)["median_error"] < error:
+            out["whirlmap"] = ("whirlmap", accuracy)
+            break
     for method in ("DOP853", "LSODA"):
         for tolerance in 10.0 ** -np.arange(5.5, 12, 0.5):
             c = contest.Contender("scipy", problem, tolerance, 1, contest.scipy_run(problem, method, tolerance))
@@ -227,7 +235,7 @@ def machine():
     packages = {}
     from importlib.metadata import PackageNotFoundError, version
 
-    for name in ("numba", "scipy", "heyoka", "jitcode", "pynamicalsys"):
+    for name in ("llvmlite", "numba", "scipy", "heyoka", "jitcode", "pynamicalsys"):
         try:
             packages[name] = version(name)
         except PackageNotFoundError:

@@ -22,6 +22,8 @@ if TYPE_CHECKING:
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
+    from whirlmap.sweep.map import regime_map as regime_map
+    from whirlmap.sweep.map import tolerance_sweep as tolerance_sweep
     from whirlmap.sweep.points import label_points as label_points
     from whirlmap.sweep.waterfall import waterfall as waterfall
 
@@ -41,6 +43,8 @@ _HOMES = {
     "System": "whirlmap.integrate.system",
     "bifurcation_diagram": "whirlmap.sweep.diagram",
     "label_points": "whirlmap.sweep.points",
+    "regime_map": "whirlmap.sweep.map",
+    "tolerance_sweep": "whirlmap.sweep.map",
     "waterfall": "whirlmap.sweep.waterfall",
 }
 

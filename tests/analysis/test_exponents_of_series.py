@@ -14,12 +14,15 @@ METHODS = [rosenstein_exponent, kantz_exponent]
 
 @pytest.fixture(scope="module")
 def flows():
-    """Sampled x of Lorenz (40 samples per typical time) and Roessler (20), with the rates."""
+    """Sampled x of Lorenz (40 samples per typical time) and Roessler (20), five runs of each, with the rates."""
     out = {}
     for name, every, periods in (("lorenz", 10, 400), ("roessler", 20, 1000)):
-        system = whirlmap.load(name)
-        ds = whirlmap.simulate(system, periods=periods, transient=40, every=every)
-        out[name] = ds["x"].sel(state="x").values, 1.0 / float(ds["time"][1] - ds["time"][0])
+        runs = [
+            whirlmap.simulate(whirlmap.load(name, start={"x": x}), periods=periods, transient=40, every=every)
+            for x in (1.0, 1.2, 1.4, 1.6, 1.8)
+        ]
+        rate = 1.0 / float(runs[0]["time"][1] - runs[0]["time"][0])
+        out[name] = [ds["x"].sel(state="x").values for ds in runs], rate
     return out
 
 
@@ -39,14 +42,18 @@ def test_maps(method, series, dimension, exponent):
 @pytest.mark.parametrize("method", METHODS)
 @pytest.mark.parametrize(("name", "lag", "exponent"), [("lorenz", 5, 0.9056), ("roessler", 5, 0.0714)])
 def test_flows(flows, method, name, lag, exponent):
-    x, rate = flows[name]
+    """The median of five runs, for one alone may say 1.15 for 0.91; and Kantz's within its own errors."""
+    series, rate = flows[name]
     swing = round({"lorenz": 0.75, "roessler": 5.9}[name] * rate)
     steps = (8 if name == "lorenz" else 12) * swing
-    found = method(x, dimension=5, lag=lag, theiler=swing, steps=steps, rate=rate, window=swing)
-    if (name, method) == ("roessler", kantz_exponent) and int(found.status) == 1:
+    found = [method(x, dimension=5, lag=lag, theiler=swing, steps=steps, rate=rate, window=swing) for x in series]
+    read = [float(f.exponent) for f in found if int(f.status) == 0]
+    if (name, method) == ("roessler", kantz_exponent) and not read:
         return  # its growth is hardly longer than one swing: for some runs "no scaling range" is the right answer
-    assert int(found.status) == 0
-    assert float(found.exponent) == pytest.approx(exponent, rel=0.25)
+    assert len(read) == 5 or (name, method) == ("roessler", kantz_exponent)
+    assert np.median(read) == pytest.approx(exponent, rel=0.25)
+    if method is kantz_exponent:
+        assert all(abs(float(f.exponent) - exponent) < 4 * float(f.exponent_error) for f in found if int(f.status) == 0)
 
 
 @pytest.mark.parametrize("method", METHODS)

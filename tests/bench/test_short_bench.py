@@ -69,7 +69,7 @@ def test_table_and_picture_show_every_contender():
         assert row["who"] in text and row["who"] in drawn
 
 
-SMALL = run.Plan(points=2, rounds=1, tolerances=(1e-6,), taylor=((2, "time"),), scipy_tolerances=(1e-9,),
+SMALL = run.Plan(points=2, scipy_points=2, rounds=1, tolerances=(1e-6,), taylor=((2, "time"),), scipy_tolerances=(1e-9,),
                  scipy_repeats=1, c_lanes=(2,))  # fmt: skip
 
 
@@ -101,7 +101,7 @@ def test_without_heyoka_the_others_are_compared_and_the_extra_is_named(little, m
     done = bench(f"bench --quick --json --picture {picture}")
     assert done.exit_code == 0, done.output
     result = json.loads(done.stdout)
-    assert "whirlmap[bench]" in done.stderr and "whirlmap[bench]" in result["missing"]["heyoka"]
+    assert "whirlmap[benchmarks]" in done.stderr and "whirlmap[benchmarks]" in result["missing"]["heyoka"]
     assert picture.stat().st_size > 1000
     assert set(result["heyoka"]["psi=0"].values()) == {None}
     assert result["scipy"]["DOP853"] is not None

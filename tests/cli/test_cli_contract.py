@@ -22,6 +22,7 @@ SMALL = {
     "diagnose": "diagnose duffing --set gamma=0.2 --transient 20 --max-periods 64",
     "bifurcation": "bifurcation duffing --vary gamma=0.2:0.21:2 --transient 20",
     "cache": "cache",
+    "map": "map duffing --vary gamma=0.2:0.21:2 --transient 20",
 }
 
 
@@ -80,7 +81,7 @@ def test_program_without_a_command_shows_its_help():
 def test_help_and_version_import_nothing_heavy():
     """The rest of a second is for Python, typer and rich."""
     heavy = ("numba", "numpy", "xarray", "sympy", "matplotlib", "pint", "scipy")
-    for option in ("--help", "--version", "bifurcation --help"):
+    for option in ("--help", "--version", "bifurcation --help", "map --help"):
         code = (
             "import sys; sys.argv = ['whirlmap', *sys.argv[1:]]\n"
             "from whirlmap.cli.main import app\n"

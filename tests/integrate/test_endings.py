@@ -12,15 +12,15 @@ from whirlmap.results.status import Status
 
 
 def spy_on_mending(monkeypatch):
-    """Collect the lanes of every failed step."""
-    lanes, mend = [], Rescue.mend
+    """Collect the points of every failed step."""
+    points, mend = [], Rescue.mend
 
-    def spy(self, block, lost, *rest):
-        lanes.extend(lost.tolist())
-        return mend(self, block, lost, *rest)
+    def spy(self, members, *rest):
+        points.extend(members.tolist())
+        return mend(self, members, *rest)
 
     monkeypatch.setattr(Rescue, "mend", spy)
-    return lanes
+    return points
 
 
 # --- contact -----------------------------------------------------------------------------------------------

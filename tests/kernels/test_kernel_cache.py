@@ -16,9 +16,9 @@ import pytest
 import whirlmap
 from whirlmap.equations import Model, Output, Parameter, State, Stop, Table, cos, t
 from whirlmap.equations.identity import model_digest
-from whirlmap.errors import CacheError
+from whirlmap.errors import CacheError, InputError
 from whirlmap.integrate.system import System
-from whirlmap.kernels import cache
+from whirlmap.kernels import cache, machine
 from whirlmap.kernels.methods import RK4, Method
 from whirlmap.kernels.source import kernel_source
 from whirlmap.models import family
@@ -35,8 +35,8 @@ def oscillator(coefficient=1.0, *, name="cache-test", bound=1e6, gap=2, swapped=
     )  # fmt: skip
 
 
-def text(model, method=RK4, *, tangents=False, kind="free"):
-    return kernel_source(model, method, tangents=tangents, kind=kind).text
+def text(model, method=RK4, *, slopes="none", kind="free"):
+    return kernel_source(model, method, slopes=slopes, kind=kind).text
 
 
 def test_equal_models_have_equal_source():
@@ -54,16 +54,17 @@ def test_equal_models_have_equal_source():
     ids=str,
 )  # fmt: skip
 def test_any_change_of_the_model_is_another_kernel(changed):
-    assert cache.key(text(oscillator())) != cache.key(text(oscillator(**changed)))
+    assert machine.key(text(oscillator())) != machine.key(text(oscillator(**changed)))
 
 
 def test_method_tangents_and_kind_are_other_kernels():
     euler = Method("euler", 1, ((),), (1.0,), (0.0,), "")
     kinds = [
-        text(oscillator()), text(oscillator(), euler), text(oscillator(), tangents=True),
-        text(oscillator(), kind="locked"), text(oscillator(), tangents=True, kind="locked"),
+        text(oscillator()), text(oscillator(), euler), text(oscillator(), slopes="jacobian"),
+        text(oscillator(), kind="locked"), text(oscillator(), slopes="jacobian", kind="locked"),
+        text(oscillator(), slopes="along", kind="locked"),
     ]  # fmt: skip
-    assert len({cache.key(source) for source in kinds}) == len(kinds)
+    assert len({machine.key(source) for source in kinds}) == len(kinds)
 
 
 def test_values_are_inputs_and_not_source():
@@ -96,7 +97,7 @@ def test_kernels_are_kept_in_the_chosen_folder_and_found_again(tmp_path):
     folder = tmp_path / "not there yet" / "kernels"
     assert run(folder) == -3.0
     first = {f: f.stat().st_mtime_ns for f in folder.rglob("*") if f.is_file()}
-    assert any(f.suffix == ".nbc" for f in first), "nothing compiled was kept"
+    assert any(f.suffix == ".o" for f in first), "nothing compiled was kept"
     assert run(folder) == -3.0
     assert {f: f.stat().st_mtime_ns for f in folder.rglob("*") if f.is_file()} == first
 
@@ -105,7 +106,7 @@ def test_size_and_clear_of_the_chosen_folder(tmp_path, monkeypatch):
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path / "k"))
     assert (cache.size(), cache.clear()) == (0, (0, 0))
     (tmp_path / "k").mkdir()
-    (tmp_path / "k" / "kernel_0123.py").write_text("pass\n")
+    (tmp_path / "k" / "kernel_0123.o").write_text("pass\n")
     (tmp_path / "k" / "lowered_0123.json").write_text("{}")
     (tmp_path / "k" / "mine.txt").write_text("keep")
     assert cache.size() == 11
@@ -115,21 +116,26 @@ def test_size_and_clear_of_the_chosen_folder(tmp_path, monkeypatch):
     assert (tmp_path / "k" / "mine.txt").exists()
 
 
-def test_a_damaged_module_is_written_again(tmp_path, monkeypatch):
+NOTHING = "define void @nothing() {\n  ret void\n}\n"
+
+
+def test_a_damaged_kernel_is_compiled_again_with_a_warning(tmp_path, monkeypatch):
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path))
-    source = "value = 42\n"
-    path = tmp_path / f"kernel_{cache.key(source)}.py"
-    path.write_text("value = 4")
-    assert cache.module(source).value == 42
-    sys.modules.pop(path.stem)
-    assert path.read_text() == source
+    path = tmp_path / f"kernel_{machine.key(NOTHING)}.o"
+    machine.Code(NOTHING).function("nothing", {})()
+    sound = path.read_bytes()
+    for damage in (b"", sound[:-1], sound[:-200] + bytes(200)):
+        path.write_bytes(damage)
+        with pytest.warns(UserWarning, match="damaged"):
+            machine.Code(NOTHING).function("nothing", {})()
+        assert path.read_bytes() == sound
 
 
 def test_a_folder_that_cannot_be_written_is_said_plainly(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path / "file" / "below"))
     with pytest.raises(CacheError, match="WHIRLMAP_CACHE"):
-        cache.module("value = 43\n")
+        machine.Code(NOTHING)
 
 
 # --- what lowering gave ------------------------------------------------------------------------------------
@@ -166,7 +172,7 @@ def test_what_was_lowered_is_read_again_without_lowering(tmp_path):
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
-        ("kernels/lower.py", 'return f"{int(expr)}.0"', 'return f"{int(expr) + 1}.0"'),
+        ("kernels/vector.py", "return number(float(e))", "return number(float(e) + 1)"),
         ("kernels/formulas.py", "[sympify(e) for e in", "[2 * sympify(e) for e in"),
         ("integrate/rescue.py", "[getattr(stop, field) for", "[-getattr(stop, field) for"),
         ("equations/identity.py", "Known = dict", "Known  = dict"),
@@ -308,3 +314,28 @@ def test_digests_of_stock_models_differ_and_are_the_same_in_every_process():
         found.append(done.stdout.split())
     assert found[0] == found[1]
     assert len(set(found[0])) == len(found[0]) == 8
+
+
+TARGET = """
+import numpy as np
+from whirlmap.equations import Model, Parameter, State
+from whirlmap.integrate.system import System
+x, k = State("x", "1", "x"), Parameter("k", "1", "k")
+print(System(Model("target-test", (x,), (k,), {x: -k / x**3}), {"k": 2.0}).rhs(0.0, np.full((1, 9), 2.0))[0, 8])
+"""
+
+
+def test_code_for_a_common_processor_is_another_file_with_the_same_numbers(tmp_path, monkeypatch):
+    if not machine.llvm.get_host_cpu_features().get("avx2"):
+        pytest.skip("this processor has no level x86-64-v3")
+    assert run(tmp_path, TARGET) == -0.25
+    first = set(tmp_path.glob("*.o"))
+    monkeypatch.setenv("WHIRLMAP_CPU", "x86-64-v3")
+    assert run(tmp_path, TARGET) == -0.25
+    assert first < set(tmp_path.glob("*.o"))
+
+
+def test_a_processor_that_is_none_is_refused(monkeypatch):
+    monkeypatch.setenv("WHIRLMAP_CPU", "pentium-9")
+    with pytest.raises(InputError, match="x86-64-v3" if machine.llvm.get_host_cpu_features().get("avx2") else "pentium-9"):
+        machine.processor()

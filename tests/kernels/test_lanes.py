@@ -8,8 +8,7 @@ from newton import Machine
 
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.lanes import Waves, lane_kernel
-from whirlmap.kernels.methods import RK4
+from whirlmap.kernels.methods import DOP853
 from whirlmap.kernels.reference import reference_rates
 from whirlmap.models import family
 
@@ -149,51 +148,6 @@ def test_extremes_are_those_of_all_steps(together):
         np.testing.assert_allclose(part.extremes[name], expected, rtol=1e-9, atol=1e-13, err_msg=name)
 
 
-def side_by_side(arrays, order):
-    """The same arrays in one buffer without a gap, in this order."""
-    buffer, at, placed = np.empty(sum(a.size for a in arrays)), 0, {}
-    for i in order:
-        placed[i] = buffer[at : at + arrays[i].size].reshape(arrays[i].shape)
-        placed[i][...] = arrays[i]
-        at += arrays[i].size
-    return [placed[i] for i in range(len(arrays))]
-
-
-@pytest.mark.parametrize("psi", [0.0, 1e-3])
-def test_where_arrays_lie_in_memory_changes_no_bit(psi):
-    """LLVM tests at run time whether arrays overlap, and takes other code where its bounds say that they might.
-
-    Bounds that reached beyond an array made one run in 15 round the rms of the first output differently.
-    """
-    base, values, x = sweep(32)
-    model = gear_pair(psi).plain_model()
-    kernel = lane_kernel(model, RK4, tangents=False, kind="locked")
-    waves = Waves.of(base.orders, 8, kernel.source.nodes)
-    values[base.parameters.index("psi")] = psi
-    p, tables, offsets = kernel.inputs(values).lanes(np.arange(32))
-    sums = np.zeros((5, 22, 32))
-    sums[0, :20], sums[1], sums[2] = x, np.inf, -np.inf
-    # y, h, p, tables, waves, saved, growth, sums; sizes that nothing else reads stay as the caller makes them
-    arrays = [x.ravel(), np.full(640, base.period / 8), p.ravel(), tables, waves.table, np.zeros((5, 640)),
-              np.zeros((1, 32)), sums.ravel()]  # fmt: skip
-
-    def run(placed):
-        y, h, hoisted, entries, table, saved, growth, folded = placed
-        kernel.module.advance(
-            y, h, hoisted, entries, offsets.ravel(), table, waves.starts, waves.lengths,
-            np.zeros(3, dtype=np.int64), 40, np.zeros(32, dtype=np.int64), np.ones(32, dtype=np.int64),
-            np.full(32, -1, dtype=np.int64), 8, saved, 8, growth, folded,
-        )  # fmt: skip
-        return [y, saved, folded]
-
-    expected = run([a.copy() for a in arrays])
-    assert np.isfinite(expected[1]).all()
-    rng = np.random.default_rng(8)
-    for order in [(0, 7, 1, 2, 3, 4, 5, 6), *(rng.permutation(8) for _ in range(30))]:
-        for got, bits in zip(run(side_by_side(arrays, order)), expected, strict=True):
-            np.testing.assert_array_equal(got, bits)
-
-
 def test_tangents_do_not_depend_on_company_or_memory():
     """Growth and states of 40 Duffing oscillators, in two threads and one by one."""
     system = System(family("duffing").model(), {"delta": 0.2, "alpha": -1, "beta": 1, "gamma": 0.3, "omega": 1.0})
@@ -214,3 +168,18 @@ def test_tangents_do_not_depend_on_company_or_memory():
         same(run(np.arange(40), 2), expected, np.arange(40))
     for point in (0, 17, 39):
         same(run(np.array([point]), 1), expected, np.array([point]))
+
+
+@pytest.mark.parametrize("psi", [0.0, 1e-3])
+def test_one_tangent_vector_is_the_first_of_two(psi):
+    """The derivative along a vector against the Jacobian's product with it: two kernels, equal to rounding."""
+    base, values, x = sweep(20)
+    values[base.parameters.index("psi")] = psi
+    found = []
+    for count in (1, 2):
+        e = Ensemble(base.model, values, x, orders=base.orders, steps=12, tangents=count, method=DOP853)
+        e._y[20:40] = np.eye(20)[7, :, None]  # along yg in all points; the second one stays as it was made
+        found.append((e.advance(4).growth[:, 0], e._y[20:40]))
+    assert np.abs(found[0][0]).max() > 0.1  # the vectors have grown or shrunk
+    for one, two in zip(*found, strict=True):
+        np.testing.assert_allclose(one, two, rtol=1e-9, atol=1e-9)

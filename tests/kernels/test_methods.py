@@ -86,3 +86,11 @@ def test_observed_order(name, coarse):
     errors = [np.abs(end(n) - exact).max() for n in (coarse, 2 * coarse)]
     assert 1e-13 < errors[1] < errors[0] < 1e-2  # neither rounding nor too coarse to have an order
     assert log2(errors[0] / errors[1]) == pytest.approx(METHODS[name].order, abs=0.55)
+
+
+@pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
+def test_slopes_that_are_still_needed_share_no_place(method):
+    homes = method.homes
+    for i in range(method.stages):  # while stage i is computed, and until the step ends
+        needed = [j for j in range(i) if method.b[j] or any(method.a[k][j] for k in range(i, method.stages) if j < k)]
+        assert len({homes[j] for j in needed} | {homes[i]}) == len(needed) + 1

@@ -33,7 +33,7 @@ DUFFING = {"delta": 0.3, "alpha": -1.0, "beta": 1.0, "gamma": 0.5, "omega": 1.2}
 @pytest.mark.parametrize(
     ("name", "values", "low", "high", "steps", "periods", "exponent", "error"),
     [
-        ("lorenz", {"sigma": 10.0, "rho": 28.0, "beta": 8 / 3}, (-5, -5, 20), (5, 5, 30), 75, 4000, 0.9056, 0.0004),
+        ("lorenz", {"sigma": 10.0, "rho": 28.0, "beta": 8 / 3}, (-5, -5, 20), (5, 5, 30), 75, 8000, 0.9056, 0.0004),
         ("roessler", {"a": 0.2, "b": 0.2, "c": 5.7}, (-3, -3, 0), (3, 3, 0.3), 200, 1500, 0.0714, 0.0003),
         ("duffing", DUFFING_UEDA, (-1, -1), (1, 1), 100, 8000, 0.1587, 0.0004),
         ("duffing", DUFFING, (-1, -1), (1, 1), 100, 3000, 0.1057, 0.001),

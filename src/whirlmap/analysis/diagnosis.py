@@ -28,13 +28,14 @@ from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.source import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
 
+#: Start states that run side by side; how much they scatter is the error of an exponent.
+RUNS = 32
 #: Section points, in common periods, that the indicators of open motion are given.
 SECTION = 2048
 #: A motion that contracts is given the time to shrink by this, and at most so many common periods, to return.
@@ -87,10 +88,9 @@ def diagnose(
     for name, given, least in (("max_periods", max_periods, 16), ("points", points, 1), ("record", record, 1)):
         if given < least:
             raise RangeError(f"{name} must be at least {least}, not {given}")
-    swarm = {system.parameters[0]: np.full(LANES, system.vector[0])}
+    swarm = {system.parameters[0]: np.full(RUNS, system.vector[0])}
     ensemble, found = make_ensemble(
         system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True,
-        one_kernel=True,
     )  # fmt: skip
     look = _Look(system, count, max_periods, progress)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
@@ -128,7 +128,7 @@ def diagnose(
             votes["spectrum"] = spectrum
         torus = run.section[:, :, int(np.flatnonzero(run.alive)[0])] if label == Regime.quasi_periodic else None
         dimension = section_and_dimension(
-            part, 2 * LANES if periodic else points, data, measure=not periodic, torus=torus, progress=progress
+            part, 2 * RUNS if periodic else points, data, measure=not periodic, torus=torus, progress=progress
         )
         if dimension is not None:
             votes["dimension"] = dimension

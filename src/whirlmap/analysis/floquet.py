@@ -9,9 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.kernels.lanes import Waves, lane_kernel
+from whirlmap.kernels.lanes import Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
 
@@ -109,30 +109,25 @@ def floquet_multipliers(
 
 def _transition(system: System, x: Array, begin: int, h: float, steps: int) -> tuple[Array, Array]:
     """End of a run of some steps, and its transition matrix; ``begin`` counts steps from phase zero."""
-    kernel = lane_kernel(system.plain_model(), DOP853, tangents=True, kind="locked")
+    kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
     n = x.size
     waves = Waves.of(system.orders or (), SEGMENTS * steps, kernel.source.nodes)
-    values = np.repeat(system.vector[:, None], LANES, axis=1)
-    p, tables, offsets = kernel.inputs(values).lanes(np.arange(LANES))
-    end, matrix = np.empty(n), np.empty((n, n))
-    for first in range(0, n, LANES):
-        columns = np.arange(first, min(first + LANES, n))
-        y = np.zeros((2 * n, LANES))
-        y[:n] = x[:, None]
-        y[n + columns, columns - first] = 1.0
-        flat, failed = y.ravel(), np.full(LANES, -1, dtype=np.int64)
-        counters = np.array([begin % length for length in waves.lengths], dtype=np.int64)
-        kernel.module.advance(
-            flat, np.full(n * LANES, h), p.ravel(), tables, offsets.ravel(), waves.table, waves.starts, waves.lengths,
-            counters, steps, np.zeros(LANES, dtype=np.int64), np.ones(LANES, dtype=np.int64), failed, steps + 1,
-            np.zeros((0, n * LANES)), steps + 1, np.zeros((1, LANES)), np.zeros(0),
-        )  # fmt: skip
-        if (failed >= 0).any():
-            raise RangeError(f"the orbit of {system.model.name} leaves the model's limits: it is no periodic orbit")
-        y = flat.reshape(2 * n, LANES)
-        end[:] = y[:n, 0]
-        matrix[:, columns] = y[n:, : columns.size]
-    return end, matrix
+    every = np.arange(n)  # one lane for each column of the matrix
+    y = np.zeros((2 * n, n))
+    y[:n], y[n + every, every] = x[:, None], 1.0
+    run = blocked(y)
+    blocks = run.shape[0]
+    first, active, failed = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1))
+    kernel.advance(
+        blocks=blocks, count=1, y=run, h=blocked(np.full((1, n), h)), **waves.arguments(begin), steps=steps, first=first,
+        **kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(every), active=active, failed=failed,
+        save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0, growth=np.zeros(0), folded=0,
+        sums=np.zeros(0), work=kernel.work(1),
+    )  # fmt: skip
+    if (failed >= 0).any():
+        raise RangeError(f"the orbit of {system.model.name} leaves the model's limits: it is no periodic orbit")
+    end = unblocked(run, n)
+    return end[:n, 0], end[n:]
 
 
 def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:

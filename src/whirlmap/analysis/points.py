@@ -83,7 +83,6 @@ def make_ensemble(
     tangents: int = 0,
     workers: int | None = None,
     swarm: bool = False,
-    one_kernel: bool = False,
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Build the ensemble of a system at one or many operating points.
 
@@ -100,8 +99,6 @@ def make_ensemble(
         Error over one common period; `ACCURACY` where absent.
     method : str, optional
         ``dop853`` for forced, ``rk4`` for unforced models where absent.
-    one_kernel : bool
-        As in `Ensemble`.
     swarm : bool
         Move every start by `SWARM` in its own fixed random direction (zero for the first point).
 
@@ -139,8 +136,7 @@ def make_ensemble(
         x = x + SWARM * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
     chosen = method_named(method or ("dop853" if forced else "rk4"))
     wanted = (ACCURACY if accuracy is None else accuracy) if steps is None else None
-    options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted,
-                               "one_kernel": one_kernel}  # fmt: skip
+    options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted}
     if wanted is None:
         return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
     rungs = choose_steps(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.periodicity import distance_to_limit, return_multiple, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -32,7 +32,7 @@ Integers = NDArray[np.int64]
 #: Common periods between two looks at a point.
 ROUND = 4
 #: Blocks of lanes in the pool, for each worker.
-POOL = 8
+POOL = 32
 
 
 @dataclass(frozen=True)

@@ -26,7 +26,7 @@ class Contender:
         Integrator and method.
     problem : Problem
     setting : float
-        Tolerance, or steps per T.
+        Tolerance, asked accuracy, or steps per T.
     batch : int
         Operating points side by side.
     run : callable
@@ -86,7 +86,7 @@ def take_turns(contenders: Sequence[Contender], rounds: int, say: Callable[[str]
         say(f"round {i + 1} of {rounds}: {time.monotonic() - begin:.0f} s")
 
 
-def whirlmap_run(problem: Problem, method: str, steps: int, workers: int = 1) -> Run:
+def whirlmap_run(problem: Problem, method: str, steps: int | NDArray[np.int64], workers: int = 1) -> Run:
     """Whirlmap's lanes on one core: kernels, tables and ensembles are made before the clock starts."""
 
     def run() -> tuple[float, Array]:

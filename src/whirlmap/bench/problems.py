@@ -87,7 +87,7 @@ class Problem:
         """Points whose orbit passes a bearing's centre, where the fixed half film is not smooth, shape (point,)."""
         return self.eccentricity[0] < CENTRE
 
-    def ensemble(self, method: str, steps: int, workers: int = 1) -> Ensemble:
+    def ensemble(self, method: str, steps: int | NDArray[np.int64], workers: int = 1) -> Ensemble:
         """Build whirlmap's ensemble at the start states. The benchmarks make ensembles here and nowhere else."""
         return Ensemble(
             self.system.model, self.values, self.x0, orders=self.orders, steps=steps, method=METHODS[method],

@@ -13,7 +13,9 @@ from whirlmap.bench.problems import Problem, gear_pair
 from whirlmap.bench.ratios import Point, ratio
 from whirlmap.bench.taylor import FIT_OVER_TOLERANCE, TaylorRun, Waves, heyoka, taylor_system
 from whirlmap.errors import InputError
+from whirlmap.integrate.accuracy import LADDER, choose_steps
 from whirlmap.kernels.methods import METHODS
+from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]
@@ -26,6 +28,8 @@ ERRORS = {"1e-5": 1e-5, "1e-7": 1e-7, "1e-9": 1e-9}
 SCIPY_ERROR = 1e-7
 #: Right-hand sides per T that a method is tried with; its steps per T follow from its stages.
 EVALUATIONS = (48, 72, 96, 132, 180, 250, 350, 480, 660, 900, 1250, 1750)
+#: The method whose steps are chosen for each point by an asked accuracy, as every command does, and those accuracies.
+BY_ACCURACY, ACCURACIES = "dop853", tuple(10.0 ** (-k / 2) for k in range(6, 21))
 #: A setting of ours whose median error is larger than this, or that loses a point (an explicit method on a stiff point,
 #: whose steps are then all mended), is of no use to anybody and is left out.
 USELESS = 1e-2
@@ -41,8 +45,8 @@ class Plan:
 
     Attributes
     ----------
-    points : int
-        Operating points; whole blocks of lanes, two or more.
+    points, scipy_points : int
+        Operating points, and those of SciPy, which takes a thousand times as long; whole blocks of lanes, two or more.
     rounds : int
         Turns of each contender.
     tolerances : tuple of float
@@ -55,7 +59,8 @@ class Plan:
         Operating points side by side in plain C.
     """
 
-    points: int = 64
+    points: int = 512
+    scipy_points: int = 64
     rounds: int = 15
     tolerances: tuple[float, ...] = tuple(10.0**-k for k in range(3, 13))
     taylor: tuple[tuple[int, Waves], ...] = ((1, "time"), (4, "time"), (8, "time"), (8, "states"))
@@ -86,21 +91,22 @@ def benchmark(plan: Plan, say: Say) -> dict[str, Any]:
     missing: dict[str, str] = {}
     peers = _available(missing, say)
     contenders: list[Contender] = []
-    exact: dict[float, Array] = {}
+    exact: dict[Problem, Array] = {}
     for psi in PSI.values():
         problem = gear_pair(psi, plan.points)
         if psi > 0 and "heyoka" in missing:
             continue  # nothing independent of whirlmap's own film table would be left to measure errors with
-        exact[psi] = reference_ends(problem, substitute="heyoka" in missing)
-        contenders += whirlmap_contenders(problem, exact[psi], say)
+        few = gear_pair(psi, plan.scipy_points)
+        exact |= {p: reference_ends(p, substitute="heyoka" in missing) for p in (problem, few)}
+        contenders += whirlmap_contenders(problem, exact[problem], say)
         if "heyoka" in peers:
             contenders += taylor_contenders(problem, plan, say)
         if psi == 0:
-            contenders += scipy_contenders(problem, plan)
+            contenders += scipy_contenders(few, plan)
             contenders += c_contenders(problem, plan) if "c_reference" in peers else []
     say(f"{len(contenders)} contenders take turns")
     take_turns(contenders, plan.rounds, say)
-    raw = [c.row(exact[c.problem.psi]) for c in contenders]
+    raw = [c.row(exact[c.problem]) for c in contenders]
     return {**summary(raw, missing), "raw": raw, "missing": missing}
 
 
@@ -127,11 +133,20 @@ def reference_ends(problem: Problem, *, substitute: bool = False) -> Array:
 
 
 def whirlmap_contenders(problem: Problem, exact: Array, say: Say) -> list[Contender]:
-    """Every method of whirlmap with all of its numbers of steps that get anywhere."""
+    """Every method of whirlmap with all of its numbers of steps that get anywhere, and with steps by asked accuracy.
+
+    The steps that an accuracy asks for are chosen before the clock starts, as heyoka's step sizes are not: choosing takes
+    two or three common periods, once, of the hundred that a point settles and is recorded.
+    """
     out = []
+    for accuracy in ACCURACIES:
+        rungs = choose_steps(problem.ensemble(BY_ACCURACY, LADDER[0]), accuracy)
+        run = whirlmap_run(problem, BY_ACCURACY, rungs.steps)
+        out.append(Contender(f"whirlmap {BY_ACCURACY}, steps by accuracy", problem, accuracy, LANES, run))
+        say(f"{problem.name}: accuracy {accuracy:g} takes {rungs.steps.min()} to {rungs.steps.max()} steps per T")
     for name, method in METHODS.items():
         for steps in steps_per_period(method.stages):
-            c = Contender(f"whirlmap {name}", problem, steps, 32, whirlmap_run(problem, name, steps))
+            c = Contender(f"whirlmap {name}", problem, steps, LANES, whirlmap_run(problem, name, steps))
             c.turn()
             row = c.row(exact)
             if row["worst_error"] is not None and row["median_error"] < USELESS:

@@ -12,7 +12,7 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import ModelError
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, Straight, code, local_name, straight
-from whirlmap.kernels.source import FAST_MATH
+from whirlmap.kernels.routine import FAST_MATH
 
 Array = NDArray[np.float64]
 

@@ -40,7 +40,8 @@ def heyoka() -> ModuleType:
         import heyoka as module
     except ImportError:
         raise InputError(
-            "heyoka is not installed, so there is nothing to compare with\n  to install it: pip install 'whirlmap[bench]'"
+            "heyoka is not installed, so there is nothing to compare with\n"
+            "  to install it: pip install 'whirlmap[benchmarks]'"
         ) from None
     return module
 

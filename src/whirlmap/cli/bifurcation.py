@@ -96,7 +96,7 @@ def bifurcation(
         raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
     destination = claim(out, "bifurcation", force=force)
     system = options.open_system(case, changes, start)
-    _refuse_input(system, swept.name)
+    refuse_input(system, swept.name, "--vary")
     states = _states(system, plot)
     from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.run import diagram_in_batches, expected_periods
@@ -139,13 +139,13 @@ def _states(system: "System", plot: str | None) -> list[str]:
     return states
 
 
-def _refuse_input(system: "System", name: str) -> None:
+def refuse_input(system: "System", name: str, option: str) -> None:
     """Say which parameters can be varied in place of a dimensional input."""
     if name in getattr(system.details, "inputs", {}):
         fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
         hint = f"; it feeds {', '.join(fed)}" if fed else ""
         raise RangeError(
-            f"--vary: found the dimensional input {name!r}, expected a dimensionless parameter{hint}"
+            f"{option}: found the dimensional input {name!r}, expected a dimensionless parameter{hint}"
             f"\n  parameters: {' '.join(system.parameters)}"
         )
 

@@ -102,13 +102,12 @@ def diagnose(
                          "  try: whirlmap diagnose --help")  # fmt: skip
     destination = claim(out, "diagnose", force=force)
     system = options.open_system(case, changes, start)
+    from whirlmap.analysis.diagnosis import RUNS, verdict_json
     from whirlmap.analysis.diagnosis import diagnose as measure
-    from whirlmap.analysis.diagnosis import verdict_json
     from whirlmap.analysis.settling import Settling
-    from whirlmap.kernels.source import LANES
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
-    longest = LANES * system.common_multiple * (transient + 4 * most + max_periods + points // LANES)
+    longest = RUNS * system.common_multiple * (transient + 4 * most + max_periods + points // RUNS)
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
         ds = measure(
             system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,

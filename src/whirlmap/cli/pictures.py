@@ -69,3 +69,11 @@ def diagram(system: "System", ds: "xr.Dataset", states: Sequence[str]) -> "Figur
     from whirlmap.plot.figures import diagram_figure
 
     return diagram_figure(ds, list(states), columns=2 if len(states) > 3 else 1, title=system.case)
+
+
+def regime_map(system: "System", ds: "xr.Dataset", quantity: str) -> "Figure":
+    """Draw a map of regimes; a line of points as its amplitude over its regimes."""
+    from whirlmap.plot.regime_map import regime_line_figure, regime_map_figure
+
+    draw = regime_map_figure if len(ds["regime"].dims) == 2 else regime_line_figure
+    return draw(ds, quantity, title=system.case)

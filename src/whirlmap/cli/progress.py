@@ -11,7 +11,7 @@ EVERY = 10.0
 
 
 class Progress:
-    """Progress in periods T, summed over operating points; safe to call from threads.
+    """Progress in periods T, summed over operating points, or in points; safe to call from threads.
 
     Parameters
     ----------
@@ -23,9 +23,21 @@ class Progress:
         Show nothing.
     most : bool
         ``total`` is an upper bound: the work may well end earlier.
+    unit, rate_unit : str
+        What is counted.
     """
 
-    def __init__(self, what: str, total: float | None, *, quiet: bool = False, most: bool = False) -> None:
+    def __init__(
+        self,
+        what: str,
+        total: float | None,
+        *,
+        quiet: bool = False,
+        most: bool = False,
+        unit: str = "periods",
+        rate_unit: str = "T/s",
+    ) -> None:
+        self.unit, self.rate_unit = unit, rate_unit
         self.what, self.total, self.quiet, self.most = what, total, quiet, most
         self.done, self.note = 0, ""
         self._lock = threading.Lock()
@@ -48,7 +60,7 @@ class Progress:
             self._bar.stop()
 
     def __call__(self, periods: int) -> None:
-        """Count periods done."""
+        """Count periods, or points, done."""
         with self._lock:
             self.done += periods
             if self.total is not None and self.done > self.total:
@@ -62,17 +74,17 @@ class Progress:
                 sys.stderr.flush()
 
     def expect(self, total: float, note: str = "") -> None:
-        """Correct the number of periods expected; ``note`` says how far the work is in its own words."""
+        """Correct the number expected; ``note`` says how far the work is in its own words."""
         with self._lock:
             self.total, self.note = max(total, self.done), note
 
     def _rate(self, now: float) -> str:
-        return f"{self.done / max(now - self._begun, 1e-9):.3g} T/s" + (f", {self.note}" if self.note else "")
+        return f"{self.done / max(now - self._begun, 1e-9):.3g} {self.rate_unit}" + (f", {self.note}" if self.note else "")
 
     def line(self, now: float) -> str:
         """Progress in one line of text."""
         spent = now - self._begun
-        parts = [f"{self.what}: {self.done:.3g} periods in {clock(spent)}", self._rate(now)]
+        parts = [f"{self.what}: {self.done:.3g} {self.unit} in {clock(spent)}", self._rate(now)]
         if self.total and self.done:
             bound = "at most " if self.most else ""
             parts[0] = f"{self.what}: {100 * self.done / self.total:.0f} % in {clock(spent)}"

@@ -73,14 +73,14 @@ def reproduce(
 
 def longest(quality: str, cases: Sequence[str] | None = None) -> int:
     """Periods T that a reproduction takes at most, over all points."""
+    from whirlmap.analysis.diagnosis import RUNS
     from whirlmap.integrate.loading import load
-    from whirlmap.kernels.source import LANES
     from whirlmap.studies.gear_psfd.evidence import EDITIONS, edition_of, quality_named, speeds
     from whirlmap.studies.gear_psfd.labelled import PSI
 
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling
     points = speeds(level).size * (sweep.transient + 4 * sweep.most + 2 * level.exponent_periods)
-    lanes = LANES * (orbit.transient + 4 * orbit.most + level.most_periods) + level.points
+    runs = RUNS * (orbit.transient + 4 * orbit.most + level.most_periods) + level.points
     editions = EDITIONS if cases is None else [edition_of(case) for case in cases]
-    return sum(load(edition.case).common_multiple for edition in editions) * len(PSI) * (points + lanes)
+    return sum(load(edition.case).common_multiple for edition in editions) * len(PSI) * (points + runs)

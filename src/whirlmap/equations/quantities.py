@@ -30,6 +30,8 @@ class Quantity(Symbol):
     unit: str
     meaning: str
     latex: str
+    #: What subclasses carry beside these.
+    _more: tuple[str, ...] = ()
 
     def __new__(cls, name: str, unit: str, meaning: str, *, latex: str = "", **_: Any) -> "Quantity":
         """Create the symbol without SymPy's cache of symbols: equal names in two models must not share units."""
@@ -38,8 +40,9 @@ class Quantity(Symbol):
         return made
 
     def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
-        """Arguments that rebuild the quantity (copying and pickling)."""
-        return (self.name, self.unit, self.meaning), {"latex": self.latex}
+        """Arguments that rebuild the quantity (copying and pickling), limits and all."""
+        more = {name: getattr(self, name) for name in self._more}
+        return (self.name, self.unit, self.meaning), {"latex": self.latex, **more}
 
 
 class State(Quantity):
@@ -55,6 +58,7 @@ class State(Quantity):
 
     start: float
     cyclic: float | None
+    _more = ("start", "cyclic")
 
     def __new__(
         cls, name: str, unit: str, meaning: str, *, latex: str = "", start: float = 0.0, cyclic: float | None = None
@@ -81,6 +85,7 @@ class Parameter(Quantity):
     at_least: float | None
     below: float | None
     order: bool
+    _more = ("above", "at_least", "below", "order")
 
     def __new__(
         cls,

@@ -153,7 +153,6 @@ class _Trial:
         part = Ensemble(
             ensemble.model, ensemble.values[:, members], ensemble.x[:, members], orders=ensemble.orders, steps=steps,
             method=ensemble.method, workers=ensemble.workers, redo=False,
-            one_kernel=ensemble.one_kernel or ensemble.tangents > 0,
         )  # fmt: skip
         begin = ensemble.turns[members]
         part.turns = begin.copy()

@@ -19,7 +19,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.methods import RK4, Method
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -30,6 +30,9 @@ def cores() -> int:
     """Number of cores that this process may use."""
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
+
+#: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run).
+TASKS, MOST_BLOCKS = 4, 16
 
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict")
@@ -78,9 +81,6 @@ class Ensemble:
         unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
     accuracy : float, optional
         What the steps were chosen for (`choose_steps`); absent where they were given.
-    one_kernel : bool
-        Use the kernel that can carry tangent vectors even while there are none: where both are run once, a second
-        kernel takes longer to compile or to load than it saves.
 
     Attributes
     ----------
@@ -114,7 +114,6 @@ class Ensemble:
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
-        one_kernel: bool = False,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -123,7 +122,7 @@ class Ensemble:
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
         self.model, self.method, self.tangents, self.redo, self.accuracy = model, method, tangents, redo, accuracy
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
-        self.orders, self.workers, self.one_kernel = orders, workers or cores(), one_kernel
+        self.orders, self.workers = orders, workers or cores()
         self.points = n
         self.period = periods(model, values)
         self.values = values
@@ -174,7 +173,7 @@ class Ensemble:
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            workers=self.workers, redo=self.redo, accuracy=self.accuracy, one_kernel=self.one_kernel,
+            workers=self.workers, redo=self.redo, accuracy=self.accuracy,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:
@@ -238,16 +237,16 @@ class Ensemble:
         if np.unique(self.turns[members][running[members]] % self.common_multiple).size > 1:
             raise RangeError("points that run together must stand at the same phase of their common period")
         tasks = [
-            (group, block)
+            (group, local)
             for group in self._groups
-            for block in _blocks(np.flatnonzero((place[group.members] >= 0) & running[group.members]))
+            for local in _tasks(np.flatnonzero((place[group.members] >= 0) & running[group.members]), self.workers)
         ]
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
-            group, block = task
-            group.advance(block, n_periods, save, segment, place)
+            group, local = task
+            group.advance(local, n_periods, save, segment, place)
             if progress:
-                progress(n_periods * block.size)
+                progress(n_periods * local.size)
 
         if self.workers == 1 or len(tasks) == 1:
             for task in tasks:
@@ -266,8 +265,11 @@ class Ensemble:
         return Segment(segment.saved, segment.growth, statistics)
 
 
-def _blocks(local: NDArray[np.intp]) -> list[NDArray[np.intp]]:
-    return [local[i : i + LANES] for i in range(0, local.size, LANES)]
+def _tasks(local: NDArray[np.intp], workers: int) -> list[NDArray[np.intp]]:
+    """Whole blocks for one call of a kernel: enough calls to keep all workers busy to the end, none of them small."""
+    blocks = -(-local.size // LANES)
+    each = min(max(-(-blocks // (TASKS * workers)), 1), MOST_BLOCKS) * LANES
+    return [local[i : i + each] for i in range(0, local.size, each)]
 
 
 def _variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]]:

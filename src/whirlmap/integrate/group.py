@@ -1,19 +1,19 @@
-"""Points of an ensemble that share one kernel and one number of steps, advanced block by block."""
+"""Points of an ensemble that share one kernel and one number of steps, advanced some blocks at a time."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import Rescue
-from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, lane_kernel, padded
+from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.reference import reference_outputs
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 
 if TYPE_CHECKING:
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
+Points = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
@@ -38,111 +39,128 @@ class Group:
     The kernel is that of a model's plain form where a parameter is zero, or that of the model itself.
     """
 
-    def __init__(self, ensemble: Ensemble, model: Model, members: NDArray[np.intp], steps: int) -> None:
+    def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int) -> None:
         self.ensemble, self.members, self.steps = ensemble, members, steps
-        carries = ensemble.tangents > 0 or ensemble.one_kernel
-        self.kernel: LaneKernel = lane_kernel(model, ensemble.method, tangents=carries, kind="locked")
+        self.kernel: LaneKernel = lane_kernel(
+            model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
+        )
         self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members])
         self.h = ensemble.period[members] / steps
         self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)
         self.rescue = Rescue(model, ensemble.method, ensemble.tangents, ensemble.values[:, members], redo=ensemble.redo)
 
-    def advance(
-        self, block: NDArray[np.intp], n_periods: int, save: Fraction | int, record: Record, place: NDArray[np.intp]
-    ) -> None:
-        """Advance one block, redoing failed steps until every lane has reached the end or ended.
+    def advance(self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points) -> None:
+        """Advance some points, redoing failed steps until each has reached the end or ended.
 
-        ``block`` holds indices into the group's members; ``place`` the columns of all points in the record.
+        ``local`` holds indices into the group's members; ``place`` the columns of all points in the record.
         """
         e = self.ensemble
-        at, lanes = self.members[block], padded(block)
-        total, save_every = n_periods * self.steps, int(save * self.steps) or n_periods * self.steps + 1
-        y = padded(e._y[:, at])
-        active = np.zeros(LANES, dtype=np.int64)
-        active[: at.size] = 1
-        p, tables, offsets = self.inputs.lanes(lanes)
-        h = self.h[lanes]
-        wide = np.tile(h, e.model.dimension)
-        saved = np.full((record.saved.shape[0], e.model.dimension * LANES), np.nan)
-        growth = np.zeros((max(record.growth.shape[0], 1), max(e.tangents, 1) * LANES))
-        sums = _empty_sums(record.sums, y)
-        first = np.zeros(LANES, dtype=np.int64)
-        begin = int(e.turns[at[0]]) * self.steps
-        while active.any():
-            failed = np.full(LANES, -1, dtype=np.int64)
-            counters = np.array([begin % n for n in self.waves.lengths], dtype=np.int64)
-            flat = y.ravel()
-            self.kernel.module.advance(
-                flat, wide, p.ravel(), tables, offsets.ravel(), self.waves.table, self.waves.starts, self.waves.lengths,
-                counters, total, first, active, failed, save_every, saved, self.steps, growth, sums.ravel(),
-            )  # fmt: skip
-            y = flat.reshape(y.shape)
-            lost = np.flatnonzero(failed >= 0)
-            active[:] = 0
-            if lost.size == 0:
-                break
-            active[lost], first = self._mend(lanes, at, y, failed, lost, total)
-            ended = e.status[at[lost]] != Status.ok
-            self._record(lost[~ended], first, y, save_every, saved, growth)
-            if sums.size:
-                self._fold(lanes, lost[~ended], y, sums)
-        e._y[:, at] = y[:, : at.size]
+        at = self.members[local]
+        run = _Run(self, local, n_periods * self.steps, int(save * self.steps), record)
+        everything = np.arange(run.blocks)
+        run.active.reshape(-1)[: at.size] = 1
+        while everything.size:
+            run.call(everything, int(e.turns[at[0]]) * self.steps)
+            lost = np.flatnonzero(run.failed.reshape(-1)[: at.size] >= 0)
+            run.active[:] = 0
+            if lost.size:
+                self._mend(local, lost, run)
+            run.failed[:] = -1
+            everything = np.flatnonzero(run.active.any(axis=(1, 2)))
         to = place[at]
-        record.saved[:, :, to] = saved.reshape(saved.shape[0], e.model.dimension, LANES)[:, :, : at.size]
-        if record.growth.size:
-            record.growth[:, :, to] = growth.reshape(growth.shape[0], e.tangents, LANES)[:, :, : at.size]
-        if sums.size:
-            record.sums[:, :, to] = sums[:, :, : at.size]
+        e._y[:, at] = unblocked(run.y, at.size)
+        for name in ("saved", "growth", "sums"):
+            into, blocks = getattr(record, name), getattr(run, name)
+            if into.size:
+                flat = blocks.reshape(run.blocks, into.shape[0] * into.shape[1], LANES)
+                into[:, :, to] = unblocked(flat, at.size).reshape(*into.shape[:2], at.size)
 
-    def _mend(
-        self, lanes: NDArray[np.intp], at: NDArray[np.intp], y: Array, failed: Integers, lost: NDArray[np.intp], total: int
-    ) -> tuple[Integers, Integers]:
-        """Redo the failed step of the lost lanes; say which go on, and from which step."""
+    def _mend(self, local: Points, lost: Points, run: _Run) -> None:
+        """Redo the failed steps of lost points, given by their positions in a run; those that get through go on."""
         e = self.ensemble
-        h = self.h[lanes]
-        time = (padded(e.turns[at]) * self.steps + np.maximum(failed, 0)) * h
-        outcome = self.rescue.mend(lanes, lost, y, time, h)
-        ended = outcome.status[lost] != Status.ok
-        points = at[lost[ended]]
-        e.status[points] = outcome.status[lost[ended]]
-        e.end_time[points] = outcome.time[lost[ended]]
-        e.end_stop[points] = outcome.stop[lost[ended]]
-        first = np.zeros(LANES, dtype=np.int64)
-        first[lost] = failed[lost] + 1
-        return (~ended & (first[lost] < total)).astype(np.int64), first
+        members, points = local[lost], self.members[local[lost]]
+        block, lane = lost // LANES, lost % LANES
+        failed = run.failed[block, 0, lane]
+        h, y = self.h[members], np.ascontiguousarray(run.y[block, :, lane].T)
+        outcome = self.rescue.mend(members, y, (e.turns[points] * self.steps + failed) * h, h)
+        run.y[block, :, lane] = y.T
+        ended = outcome.status != Status.ok
+        e.status[points[ended]] = outcome.status[ended]
+        e.end_time[points[ended]] = outcome.time[ended]
+        e.end_stop[points[ended]] = outcome.stop[ended]
+        on = ~ended
+        if not on.any():
+            return
+        done = failed[on] + 1
+        run.first[block[on], 0, lane[on]] = done
+        run.active[block[on], 0, lane[on]] = done < run.total
+        run.after_mended_step(block[on], lane[on], done)
+        if run.folded:
+            self._fold(members[on], block[on], lane[on], run)
 
-    def _record(
-        self, lanes: NDArray[np.intp], first: Integers, y: Array, save_every: int, saved: Array, growth: Array
-    ) -> None:
-        """Do after a mended step what the kernel does after its own where it is due: orthonormalise, and save."""
-        n, k = self.ensemble.model.dimension, self.ensemble.tangents
-        turned = lanes[first[lanes] % self.steps == 0]
-        if k and turned.size:
-            q, r = np.linalg.qr(y[n:, turned].reshape(k, n, -1).transpose(2, 1, 0))
-            length = np.diagonal(r, axis1=1, axis2=2)
-            y[n:, turned] = (q * np.sign(length)[:, None, :]).transpose(2, 1, 0).reshape(n * k, -1)
-            rows = growth.reshape(growth.shape[0], k, LANES)
-            rows[first[turned] // self.steps - 1, :, turned] += np.log(np.abs(length))
-        rows = saved.reshape(saved.shape[0], n, LANES)
-        due = lanes[first[lanes] % save_every == 0]
-        rows[first[due] // save_every - 1, :, due] = y[:n, due].T
-
-    def _fold(self, lanes: NDArray[np.intp], mended: NDArray[np.intp], y: Array, sums: Array) -> None:
+    def _fold(self, members: Points, block: Points, lane: Points, run: _Run) -> None:
         """Fold the end of a mended step into the statistics, as the kernel does with its own steps."""
-        x = y[: self.ensemble.model.dimension, mended]
-        seen = reference_outputs(self.rescue.model)(x, self.rescue.values[:, lanes[mended]])
-        rows = np.concatenate([x, seen])
-        less = rows - sums[0][:, mended]
-        sums[1][:, mended] = np.minimum(sums[1][:, mended], rows)
-        sums[2][:, mended] = np.maximum(sums[2][:, mended], rows)
-        sums[3][:, mended] += less
-        sums[4][:, mended] += less**2
+        x = run.y[block, : self.ensemble.model.dimension, lane].T
+        rows = np.concatenate([x, reference_outputs(self.rescue.model)(x, self.rescue.values[:, members])]).T
+        sums = run.sums[block, :, :, lane]  # a copy, (point, kind, row)
+        less = rows - sums[:, 0]
+        sums[:, 1] = np.minimum(sums[:, 1], rows)
+        sums[:, 2] = np.maximum(sums[:, 2], rows)
+        sums[:, 3] += less
+        sums[:, 4] += less**2
+        run.sums[block, :, :, lane] = sums
 
 
-def _empty_sums(sums: Array, y: Array) -> Array:
-    out = np.zeros((5, sums.shape[1], LANES))
-    if sums.shape[1]:
-        n = min(y.shape[0], sums.shape[1])
-        out[0, :n] = y[:n]  # the reference: the present state
-        out[1], out[2] = np.inf, -np.inf
-    return out
+class _Run:
+    """Arrays of one advance of some points, laid out in blocks."""
+
+    def __init__(self, group: Group, local: Points, total: int, save_every: int, record: Record) -> None:
+        e = group.ensemble
+        self.group, self.total, self.save_every = group, total, save_every or total + 1
+        self.count, self.n = e.tangents, e.model.dimension
+        self.y = blocked(e._y[:, group.members[local]])
+        self.blocks = self.y.shape[0]
+        self.h = blocked(group.h[None, local])
+        self.inputs = group.inputs.blocks(local)
+        self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
+        self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
+        self.growth = np.zeros((self.blocks, record.growth.shape[0], self.count, LANES))
+        self.folded = record.sums.shape[1] > 0
+        self.sums = np.zeros((self.blocks, 5, record.sums.shape[1], LANES))
+        if self.folded:
+            self.sums[:, 0, : self.n] = self.y[:, : self.n]  # the reference: the present state
+            self.sums[:, 1], self.sums[:, 2] = np.inf, -np.inf
+
+    def call(self, chosen: Points, begin: int) -> None:
+        """Call the kernel for some blocks; arrays of blocks that are not all of them go there and back as copies."""
+        names = ("y", "first", "active", "failed", "saved", "growth", "sums")
+        whole = chosen.size == self.blocks
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
+        steady = {"h": self.h, "p": self.inputs["p"], "offsets": self.inputs["offsets"]}
+        if not whole:
+            arrays = {name: np.ascontiguousarray(a[chosen]) for name, a in arrays.items()}
+            steady = {name: np.ascontiguousarray(a[chosen]) for name, a in steady.items()}
+        kernel = self.group.kernel
+        kernel.advance(
+            blocks=chosen.size, count=self.count, **arrays, **steady, tables=self.inputs["tables"],
+            **self.group.waves.arguments(begin), steps=self.total, save_every=self.save_every, saves=self.saved.shape[1],
+            orth_every=self.group.steps, events=self.growth.shape[1], folded=int(self.folded), work=kernel.work(self.count),
+        )  # fmt: skip
+        if not whole:
+            for name, a in arrays.items():
+                getattr(self, name)[chosen] = a
+
+    def after_mended_step(self, block: Points, lane: Points, done: Integers) -> None:
+        """Do after mended steps what the kernel does after its own where it is due: orthonormalise, and save."""
+        k, n = self.count, self.n
+        due = done % self.group.steps == 0
+        if k and due.any():
+            b, l, event = block[due], lane[due], done[due] // self.group.steps - 1  # noqa: E741
+            vectors = self.y[b, n:, l].reshape(-1, k, n).transpose(0, 2, 1)
+            q, r = np.linalg.qr(vectors)
+            length = np.diagonal(r, axis1=1, axis2=2)
+            self.y[b, n:, l] = (q * np.sign(length)[:, None, :]).transpose(0, 2, 1).reshape(-1, n * k)
+            self.growth[b, event, :, l] += np.log(np.abs(length))
+        save = (done % self.save_every == 0) & (done // self.save_every <= self.saved.shape[1])
+        b, l, event = block[save], lane[save], done[save] // self.save_every - 1  # noqa: E741
+        self.saved[b, event, :, l] = self.y[b, :n, l]

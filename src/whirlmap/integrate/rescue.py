@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.kernels.formulas import Formula, numpy_function
-from whirlmap.kernels.lanes import lane_kernel
+from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -29,7 +29,7 @@ CLOSED = 1e-6
 
 @dataclass(frozen=True)
 class Outcome:
-    """How failed lanes went on, each array of shape (lane,)."""
+    """How failed points went on, each array of shape (point,)."""
 
     status: NDArray[np.int8]
     time: Array
@@ -37,7 +37,7 @@ class Outcome:
 
 
 class Rescue:
-    """Redoes failed steps of one group of points, all lost lanes of a block together.
+    """Redoes failed steps of one group of points, all that were lost together.
 
     1. A lane whose step ends finite, at open gaps but beyond the model's bound, has diverged.
     2. The step is redone in 4, 16, 64, 256 and 1024 shorter ones; a lane that gets through goes on.
@@ -51,37 +51,36 @@ class Rescue:
         self.model, self.method, self.tangents, self.values, self.redo = model, method, tangents, values, redo
         self.cyclic = np.array([s.cyclic is not None for s in model.states])
 
-    def mend(self, lanes: NDArray[np.intp], lost: NDArray[np.intp], y: Array, time: Array, h: Array) -> Outcome:
-        """Redo the step of the lost lanes of a block from ``y`` at ``time``; ``y`` of those that go on is replaced.
+    def mend(self, members: NDArray[np.intp], y: Array, time: Array, h: Array) -> Outcome:
+        """Redo the step of some points from ``y``, shape (row, point), at ``time``; ``y`` of those that go on is replaced.
 
-        ``lanes`` holds the group's indices of the points in the block, ``lost`` the positions of those that failed.
+        ``members`` holds the group's indices of the points.
         """
-        status = np.zeros(LANES, dtype=np.int8)
-        end, stop = np.full(LANES, np.nan), np.full(LANES, -1, dtype=np.int8)
-        pending = np.zeros(LANES, dtype=bool)
-        pending[lost] = True
+        points = members.size
+        status = np.zeros(points, dtype=np.int8)
+        end, stop = np.full(points, np.nan), np.full(points, -1, dtype=np.int8)
+        pending = np.ones(points, dtype=bool)
         n = self.model.dimension
-        after, _ = self._march(lanes, y, time, h, 1)
+        after, _ = self._march(members, y, time, h, 1)
         size = np.abs(after[:n][~self.cyclic]).sum(axis=0)
-        closed = self._gaps(lanes, after[:n]) <= 0
-        diverged = pending & np.isfinite(size) & ~closed.any(axis=0) & (size >= self.model.bound)
+        closed = self._gaps(members, after[:n]) <= 0
+        diverged = np.isfinite(size) & ~closed.any(axis=0) & (size >= self.model.bound)
         status[diverged], end[diverged] = Status.diverged, (time + h)[diverged]
         pending &= ~diverged
         # A step that plainly ends behind a gap which can close is an event: shorter steps would only find it again.
-        reachable = self._reachable(lanes)
+        reachable = self._reachable(members)
         plainly = pending & np.isfinite(size) & (closed & reachable).any(axis=0)
         for halvings in range(2, SHORTEST + 1, 2):
-            trying = pending & ~plainly
-            if not (trying.any() and self.redo):
+            trying = np.flatnonzero(pending & ~plainly)
+            if not (trying.size and self.redo):
                 break
             parts = 2**halvings
-            again, good = self._march(lanes, y, time, h / parts, parts)
-            through = trying & good
-            y[:, through] = again[:, through]
-            pending &= ~through
-        candidates = pending & reachable.any(axis=0) if self.redo else plainly
-        if candidates.any():
-            self._locate(lanes, candidates, y, time, h, status, end, stop)
+            again, good = self._march(members[trying], y[:, trying], time[trying], h[trying] / parts, parts)
+            y[:, trying[good]] = again[:, good]
+            pending[trying[good]] = False
+        candidates = np.flatnonzero(pending & reachable.any(axis=0) if self.redo else plainly)
+        if candidates.size:
+            self._locate(members, candidates, y, time, h, status, end, stop)
         left = pending & (status == Status.ok)
         near = np.abs(y[:n][~self.cyclic]).sum(axis=0) > 1e-2 * self.model.bound
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
@@ -89,43 +88,47 @@ class Rescue:
         return Outcome(status, end, stop)
 
     def _locate(
-        self, lanes: NDArray[np.intp], which: NDArray[np.bool_], y: Array, time: Array, h: Array,
+        self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, time: Array, h: Array,
         status: NDArray[np.int8], end: Array, stop: NDArray[np.int8],
     ) -> None:  # fmt: skip
         """Bisect the end of the step between its good start and its bad end."""
-        low, high = np.zeros(LANES), np.ones(LANES)
-        last = y.copy()
+        low, high = np.zeros(which.size), np.ones(which.size)
+        here, begin, last = members[which], y[:, which], y[:, which].copy()
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
-            trial, good = self._march(lanes, y, time, h * middle / TRIAL_STEPS, TRIAL_STEPS)
+            trial, good = self._march(here, begin, time[which], h[which] * middle / TRIAL_STEPS, TRIAL_STEPS)
             low, high = np.where(good, middle, low), np.where(good, high, middle)
             last[:, good] = trial[:, good]
-        gaps = np.where(self._reachable(lanes), self._gaps(lanes, last[: self.model.dimension]), np.inf)
-        event = which & (gaps.min(axis=0, initial=np.inf) < CLOSED)
-        y[:, event] = last[:, event]
-        status[event], end[event] = Status.contact, (time + low * h)[event]
-        stop[event] = gaps.argmin(axis=0)[event] if gaps.shape[0] else -1
+        gaps = np.where(self._reachable(here), self._gaps(here, last[: self.model.dimension]), np.inf)
+        event = gaps.min(axis=0, initial=np.inf) < CLOSED
+        found = which[event]
+        y[:, found] = last[:, event]
+        status[found], end[found] = Status.contact, (time[which] + low * h[which])[event]
+        stop[found] = gaps.argmin(axis=0)[event] if gaps.shape[0] else -1
 
     def _march(
-        self, lanes: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
+        self, members: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
     ) -> tuple[Array, NDArray[np.bool_]]:
-        kernel = lane_kernel(self.model, self.method, tangents=self.tangents > 0, kind="free")
-        p, tables, offsets = kernel.inputs(self.values[:, lanes]).lanes(np.arange(LANES))
-        flat, good = y.copy().ravel(), np.zeros(LANES, dtype=np.int64)
-        wide = np.tile(h, self.model.dimension)
-        kernel.module.march(flat, time.copy(), wide, p.ravel(), tables, offsets.ravel(), steps, good)
-        return flat.reshape(y.shape), good > 0
+        kernel = lane_kernel(self.model, self.method, slopes=slopes_for(self.tangents), kind="free")
+        run, points = blocked(y), members.size
+        good = np.zeros((run.shape[0], 1, LANES), dtype=np.int64)
+        kernel.march(
+            blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), h=blocked(h[None]),
+            **kernel.inputs(self.values[:, members]).blocks(np.arange(points)), steps=steps, good=good,
+            work=kernel.work(self.tangents),
+        )  # fmt: skip
+        return unblocked(run, points), unblocked(good, points)[0] != 0
 
-    def _gaps(self, lanes: NDArray[np.intp], x: Array) -> Array:
-        return self._stops("gap", lanes, x)
+    def _gaps(self, members: NDArray[np.intp], x: Array) -> Array:
+        return self._stops("gap", members, x)
 
-    def _reachable(self, lanes: NDArray[np.intp]) -> NDArray[np.bool_]:
-        return self._stops("reachable", lanes, np.zeros((self.model.dimension, LANES))) > 0
+    def _reachable(self, members: NDArray[np.intp]) -> NDArray[np.bool_]:
+        return self._stops("reachable", members, np.zeros((self.model.dimension, members.size))) > 0
 
-    def _stops(self, field: Literal["gap", "reachable"], lanes: NDArray[np.intp], x: Array) -> Array:
+    def _stops(self, field: Literal["gap", "reachable"], members: NDArray[np.intp], x: Array) -> Array:
         with np.errstate(over="ignore", invalid="ignore"):  # a state that has run away has no gap worth knowing
-            rows = stop_function(self.model, field)(list(x), list(self.values[:, lanes]))
-        return np.array([np.broadcast_to(np.asarray(r, dtype=float), (LANES,)) for r in rows]).reshape(-1, LANES)
+            rows = stop_function(self.model, field)(list(x), list(self.values[:, members]))
+        return np.array([np.broadcast_to(np.asarray(r, dtype=float), members.shape) for r in rows]).reshape(-1, members.size)
 
 
 @lru_cache(maxsize=64)

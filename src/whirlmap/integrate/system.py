@@ -15,10 +15,9 @@ from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.kernels.formulas import Formula, numpy_function
-from whirlmap.kernels.lanes import LaneKernel, lane_kernel, padded
+from whirlmap.kernels.lanes import blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import RK4
 from whirlmap.kernels.reference import reference_rates
-from whirlmap.kernels.source import LANES
 
 Array = NDArray[np.float64]
 
@@ -150,47 +149,37 @@ class System:
 
     def rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result."""
-        return self._evaluate(time, x, tangents=False)[0]
+        return self._evaluate(time, x, jacobian=False)[0]
 
     def jacobian(self, time: float, x: ArrayLike) -> Array:
         """Jacobian of the rates from the compiled kernel, shape (state, state) or (state, state, lane)."""
-        return self._evaluate(time, x, tangents=True)[1]
+        return self._evaluate(time, x, jacobian=True)[1]
 
     def reference_rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the reference kernel (plain NumPy, exact film)."""
         values = self.vector if np.ndim(x) == 1 else self.vector[:, None]
         return reference_rates(self.plain_model())(time, x, values)
 
-    def _evaluate(self, time: float, x: ArrayLike, *, tangents: bool) -> tuple[Array, Array]:
+    def _evaluate(self, time: float, x: ArrayLike, *, jacobian: bool) -> tuple[Array, Array]:
         x = np.asarray(x, dtype=float)
         n = self.model.dimension
         if x.ndim not in (1, 2) or x.shape[0] != n:
             raise RangeError(f"{self.model.name} has {n} states; x has shape {x.shape}, not ({n},) or ({n}, lane)")
-        many = padded(x.reshape(n, -1))
-        lanes = many.shape[1]
-        kernel = lane_kernel(self.plain_model(), RK4, tangents=tangents, kind="free")
-        inputs = kernel.inputs(np.repeat(self.vector[:, None], lanes, axis=1))
-        rates, dense = np.empty((n, lanes)), np.zeros((n, n, lanes))
-        for first in range(0, lanes, LANES):
-            block = slice(first, first + LANES)
-            at = np.arange(first, first + LANES)
-            rates[:, block], dense[:, :, block] = _evaluate_block(kernel, inputs.lanes(at), time, many[:, block])
-        count = 1 if x.ndim == 1 else x.shape[1]
-        return rates[:, :count].reshape(x.shape), dense[:, :, :count].reshape(n, *x.shape)
-
-
-def _evaluate_block(kernel: LaneKernel, inputs: Any, time: float, x: Array) -> tuple[Array, Array]:
-    n, model = x.shape[0], kernel.model
-    p, tables, offsets = inputs
-    slots = max(kernel.source.slot_count, 1)
-    dy, jac, o = np.empty(n * LANES), np.empty(slots * LANES), np.empty((len(model.outputs) + 1) * LANES)
-    kernel.module.evaluate(np.ascontiguousarray(x).ravel(), np.full(LANES, float(time)), p.ravel(), tables,
-                           offsets.ravel(), dy, jac, o)  # fmt: skip
-    dense = np.zeros((n, n, LANES))
-    moving = jac.reshape(-1, LANES)
-    for (i, j), (where, value) in kernel.source.entries.items():
-        dense[i, j] = value if where == "constant" else (p if where == "input" else moving)[int(value)]
-    return dy.reshape(n, LANES), dense
+        many = x.reshape(n, -1)
+        points = many.shape[1]
+        kernel = lane_kernel(self.plain_model(), RK4, slopes="jacobian" if jacobian else "none", kind="free")
+        inputs = kernel.inputs(np.repeat(self.vector[:, None], points, axis=1)).blocks(np.arange(points))
+        y, sizes = blocked(many), kernel.source.sizes
+        dy, jac, o = (np.empty((y.shape[0], rows, y.shape[2])) for rows in (n, sizes.slots, sizes.outputs))
+        kernel.evaluate(
+            blocks=y.shape[0], y=y, time=blocked(np.full((1, points), float(time))), **inputs, dy=dy, jac=jac, o=o,
+            work=kernel.work(0),
+        )  # fmt: skip
+        dense = np.zeros((n, n, points))
+        p, moving = unblocked(inputs["p"], points), unblocked(jac, points)
+        for (i, j), (where, value) in kernel.source.entries.items():
+            dense[i, j] = value if where == "constant" else (p if where == "input" else moving)[int(value)]
+        return unblocked(dy, points).reshape(x.shape), dense.reshape(n, *x.shape)
 
 
 def _exact(parameter: Parameter, value: Any) -> Any:

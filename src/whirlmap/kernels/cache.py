@@ -1,32 +1,25 @@
 """Compiled kernels on disk, and what lowering a model gave: each under the hash of all that it is made of.
 
-Kernels are self-contained modules, one per model, method and kind.
-Numba's own cache keys miss what is fatal here (functions of other files, fast-math flags), so nothing is shared between
-modules: the module's name is the SHA-256 of its source, of the versions of Numba and llvmlite, and of the processor with
-its features. A change in any of them is another module.
+Kernels are object files, one per model, method and kind. Their name is the SHA-256 of the module's assembly, of the version
+of llvmlite, and of the processor with its features (`machine.platform`). A change in any of them is another file.
 
 Entries (`remembered`) are what SymPy worked out before a kernel can be called: the module's text, the functions beside
 it. Their name is the hash of the question, of the source of every layer that writes the answer, and of the versions.
 """
 
 import hashlib
-import importlib.util
 import json
 import os
 import platform as machine
-import sys
 import threading
 import warnings
 from collections.abc import Callable
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
-from types import ModuleType
 from typing import TypeVar
 
 from whirlmap.errors import CacheError
-
-_LOCK = threading.Lock()
 
 Data = TypeVar("Data")
 
@@ -53,66 +46,52 @@ def size() -> int:
 def counts() -> tuple[int, int]:
     """Number of kernels in the cache, and of entries with what lowering gave."""
     here = folder()
-    return len(list(here.glob("kernel_*.py"))), len(list(here.glob("lowered_*.json")))
+    return len(list(here.glob("kernel_*.o"))), len(list(here.glob("lowered_*.json")))
 
 
 def clear() -> tuple[int, int]:
     """Delete every cached kernel and entry; returns how many there were of each."""
     here, deleted = folder(), counts()
-    for f in [*here.glob("**/kernel_*"), *here.glob("lowered_*")]:
+    for f in [*here.glob("kernel_*"), *here.glob("lowered_*")]:
         f.unlink(missing_ok=True)
     return deleted
 
 
-#: LLVM gives up on comparing the many rows of one array unless it may make this many comparisons (its default is 100).
-LLVM_OPTION = "-memory-check-merge-threshold=100000"
+def stored(name: str, make: Callable[[], bytes], sound: Callable[[bytes], bool] = lambda _: True) -> bytes:
+    """Return the bytes that are kept under a name, else make them and keep them.
 
-
-@cache
-def _prepare_llvm() -> None:
-    import llvmlite.binding as llvm
-
-    llvm.set_option("whirlmap", LLVM_OPTION)
-
-
-@cache
-def platform() -> str:
-    """Versions and processor that compiled code depends on."""
-    import llvmlite
-    import llvmlite.binding as llvm
-    import numba
-
-    features = llvm.get_host_cpu_features().flatten()
-    return f"numba {numba.__version__} llvmlite {llvmlite.__version__} {llvm.get_host_cpu_name()} {features} {LLVM_OPTION}"
-
-
-def key(text: str) -> str:
-    """Hash of a kernel's source and of everything that its machine code depends on."""
-    return hashlib.sha256(f"{platform()}\n{text}".encode()).hexdigest()[:32]
-
-
-def module(text: str) -> ModuleType:
-    """Import the module of a kernel's source, writing it to the cache first where it is not there.
+    Parameters
+    ----------
+    name : str
+        File name; it holds the hash of everything that the bytes depend on.
+    make : callable
+        Makes them.
+    sound : callable, optional
+        Whether bytes that are whole have the form that is expected.
 
     Raises
     ------
     CacheError
         Where the folder cannot be written.
+
+    Notes
+    -----
+    A file is written whole or not at all, so that two processes may fill it at once. One that is damaged is made again, with
+    a warning.
     """
-    name = f"kernel_{key(text)}"
-    with _LOCK:
-        if name in sys.modules:
-            return sys.modules[name]
-        _prepare_llvm()
-        path = folder() / f"{name}.py"
-        if not path.is_file() or path.read_text(encoding="utf-8") != text:
-            _write(path, text)
-        spec = importlib.util.spec_from_file_location(name, path)
-        assert spec is not None and spec.loader is not None
-        made = importlib.util.module_from_spec(spec)
-        spec.loader.exec_module(made)
-        sys.modules[name] = made
-        return made
+    path = folder() / name
+    try:
+        digest, _, found = path.read_bytes().partition(b"\n")
+        if digest == hashlib.sha256(found).hexdigest().encode() and sound(found):
+            return found
+        warnings.warn(f"{path} is damaged and is made again", stacklevel=2)
+    except (FileNotFoundError, NotADirectoryError):
+        pass
+    except OSError:
+        warnings.warn(f"{path} cannot be read and is made again", stacklevel=2)
+    made = make()
+    _write(path, hashlib.sha256(made).hexdigest().encode() + b"\n" + made)
+    return made
 
 
 @cache
@@ -156,32 +135,17 @@ def remembered(question: str, answer: Callable[[], Data], sound: Callable[[Data]
     again, with a warning.
     """
     name = hashlib.sha256(f"{_written_by()}\n{question}".encode()).hexdigest()[:32]
-    path = folder() / f"lowered_{name}.json"
-    text: str | None
-    try:
-        text = path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        text = None
-    except (OSError, UnicodeDecodeError):
-        text = ""
-    if text is not None:
-        digest, _, body = text.partition("\n")
-        if digest == hashlib.sha256(body.encode()).hexdigest():
-            found: Data = json.loads(body)
-            if sound(found):
-                return found
-        warnings.warn(f"{path} is damaged and is written again", stacklevel=2)
-    made = answer()
-    body = json.dumps(made)
-    _write(path, f"{hashlib.sha256(body.encode()).hexdigest()}\n{body}")
-    return made
+    found: Data = json.loads(
+        stored(f"lowered_{name}.json", lambda: json.dumps(answer()).encode(), lambda data: sound(json.loads(data)))
+    )
+    return found
 
 
-def _write(path: Path, text: str) -> None:
+def _write(path: Path, data: bytes) -> None:
     part = path.with_suffix(f".{os.getpid()}.{threading.get_ident()}.part")  # two threads may write the same entry
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_text(text, encoding="utf-8")
+        part.write_bytes(data)
         part.replace(path)
     except OSError as error:
         raise CacheError(

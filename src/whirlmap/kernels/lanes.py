@@ -1,18 +1,20 @@
-"""Compiled kernels of a model: many operating points at once, `LANES` in each call."""
+"""Compiled kernels of a model: many operating points at once, in blocks of `LANES`."""
 
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import lru_cache
-from types import ModuleType
-from typing import Any, Literal
+from functools import cached_property, lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.kernels import cache
+from whirlmap.kernels import advancing, marching
+from whirlmap.kernels.machine import Code, Function, aligned
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.source import LANES, KernelSource, stored_source
+from whirlmap.kernels.rates import Slopes, Time
+from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.source import KernelSource, stored_source
 from whirlmap.kernels.tabulate import fill
 
 Array = NDArray[np.float64]
@@ -25,7 +27,26 @@ class LaneKernel:
 
     model: Model
     source: KernelSource
-    module: ModuleType
+    code: Code
+
+    @cached_property
+    def advance(self) -> Function:
+        """Many steps at one phase of the forcing (locked kernels)."""
+        return self.code.function("advance", advancing.ARGUMENTS)
+
+    @cached_property
+    def march(self) -> Function:
+        """A few steps, every lane at its own time (free kernels)."""
+        return self.code.function("march", marching.MARCH)
+
+    @cached_property
+    def evaluate(self) -> Function:
+        """Rates, Jacobian and outputs at given times (free kernels)."""
+        return self.code.function("evaluate", marching.EVALUATE)
+
+    def work(self, tangents: int) -> Array:
+        """Working memory of one call."""
+        return aligned(self.source.sizes.work(tangents))
 
     def inputs(self, values: Array) -> "Inputs":
         """Prepare the inputs of many points: values of shape (parameter, point)."""
@@ -39,22 +60,27 @@ class LaneKernel:
 
 @dataclass(frozen=True)
 class Inputs:
-    """Hoisted parameters, table entries and offsets of many lanes."""
+    """Hoisted parameters, table entries and offsets of many points."""
 
     p: Array
     tables: Array
     offsets: Integers
 
-    def lanes(self, points: NDArray[np.intp]) -> tuple[Array, Array, Integers]:
-        """Inputs of one block of points, laid out for the kernel."""
-        return self.p[:, points], self.tables, self.offsets[:, points]
+    def blocks(self, points: NDArray[np.intp]) -> dict[str, Any]:
+        """Inputs of some points, as the kernels take them."""
+        return {"p": blocked(self.p[:, points]), "tables": self.tables, "offsets": blocked(self.offsets[:, points])}
+
+
+def slopes_for(tangents: int) -> Slopes:
+    """What a kernel computes beside the rates for so many tangent vectors."""
+    return "none" if tangents == 0 else "along" if tangents == 1 else "jacobian"
 
 
 @lru_cache(maxsize=64)
-def lane_kernel(model: Model, method: Method, *, tangents: bool, kind: Literal["locked", "free"]) -> LaneKernel:
-    """Compile, or find again, the kernel of a model (compilation itself happens at the first call)."""
-    source = stored_source(model, method, tangents=tangents, kind=kind)
-    return LaneKernel(model, source, cache.module(source.text))
+def lane_kernel(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> LaneKernel:
+    """Compile, or find again, the kernel of a model."""
+    source = stored_source(model, method, slopes=slopes, kind=kind)
+    return LaneKernel(model, source, Code(source.text))
 
 
 @dataclass(frozen=True)
@@ -87,9 +113,27 @@ class Waves:
         table = np.concatenate(pieces) if pieces else np.zeros(2)
         return cls(table, np.array(starts, dtype=np.int64), np.array(lengths, dtype=np.int64))
 
+    def arguments(self, begin: int) -> dict[str, Any]:
+        """Arguments of a locked kernel for a run that begins so many steps after phase zero."""
+        at = np.array([begin % n for n in self.lengths], dtype=np.int64)
+        return {"waves": self.table, "starts": self.starts, "lengths": self.lengths, "begin": at}
 
-def padded(values: NDArray[Any]) -> NDArray[Any]:
-    """Fill the last block with copies of the last lane: kernels always work on whole blocks."""
-    n = values.shape[-1]
-    missing = -n % LANES
-    return np.concatenate([values, np.repeat(values[..., -1:], missing, axis=-1)], axis=-1) if missing else values
+
+def blocked(values: NDArray[Any]) -> NDArray[Any]:
+    """Lay out (row, point) as the kernels take it, (block, row, lane); the last block is filled with its last point."""
+    rows, n = values.shape
+    blocks = -(-n // LANES)
+    flat = aligned(blocks * rows) if values.dtype == np.float64 else np.empty(blocks * rows * LANES, dtype=values.dtype)
+    out = flat.reshape(blocks, rows, LANES)
+    whole = n // LANES
+    out[:whole] = values[:, : whole * LANES].reshape(rows, whole, LANES).transpose(1, 0, 2)
+    if whole < blocks:
+        left = n - whole * LANES
+        out[whole, :, :left] = values[:, whole * LANES :]
+        out[whole, :, left:] = values[:, -1:]
+    return out
+
+
+def unblocked(blocks: NDArray[Any], points: int) -> NDArray[Any]:
+    """Undo `blocked`: (block, row, lane) to (row, point)."""
+    return blocks.transpose(1, 0, 2).reshape(blocks.shape[1], blocks.shape[0] * LANES)[:, :points]

@@ -1,43 +1,79 @@
-"""Source of the kernel modules in which every lane has its own time: single evaluations and short runs.
+"""Kernels in which every lane has its own time: single evaluations and short runs.
 
-Like `stepping.py` this file is never imported, only copied behind the generated part. It serves what the phase-locked
-kernel cannot: the right-hand side at a given time, shorter steps where a step failed, and the bracketing of events.
+They serve what the phase-locked kernel cannot: the right-hand side at a given time, shorter steps where a step failed, and
+the bracketing of events.
 """
-# ruff: noqa: F821
-# mypy: ignore-errors
+
+from llvmlite import ir
+
+from whirlmap.kernels.methods import Method
+from whirlmap.kernels.routine import INTS, LANES, Kind, Routine, Value, integer, number
+from whirlmap.kernels.stepping import Sizes, Stepper
+
+#: Arguments of ``march`` and ``evaluate``, arrays of consecutive blocks.
+MARCH: dict[str, Kind] = {
+    "blocks": "int", "count": "int", "y": "rows", "time": "rows", "h": "rows", "p": "rows", "tables": "doubles",
+    "offsets": "flags", "steps": "int", "good": "flags", "work": "rows",
+}  # fmt: skip
+EVALUATE: dict[str, Kind] = {
+    "blocks": "int", "y": "rows", "time": "rows", "p": "rows", "tables": "doubles", "offsets": "flags", "dy": "rows",
+    "jac": "rows", "o": "rows", "work": "rows",
+}  # fmt: skip
 
 
-@kernel
-def march(y, time, h, p, tables, offsets, steps, good):
-    """Take ``steps`` steps of ``h`` from ``time``, in place; ``good`` says which lanes ended every step at open gaps.
+def march(
+    module: ir.Module, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, examine: Routine,
+    phases: Routine,
+) -> None:  # fmt: skip
+    """Write ``march``: ``steps`` steps of ``h`` from ``time``, in place; ``good`` says which lanes ended every step well."""
+    one = Routine(module, "march_block", {name: kind for name, kind in MARCH.items() if name != "blocks"})
+    b, a = one.b, one.at
+    stepper = Stepper(one, sizes, method, rates, tangent, a["work"])
+    stepper.clear()
+    count = a["count"] if tangent or sizes.along else integer(0)
+    h = one.load(a["h"])
+    flag, moment = one.local(INTS), one.local(number(0.0).type)
+    inputs = {name: a[name] for name in ("p", "tables", "offsets")}
+    one.store(ir.Constant(INTS, [-1] * LANES), a["good"])
 
-    ``h`` has N * L entries: that of each lane, repeated for every row.
-    """
-    rows = y.size // L
-    count = rows // N - 1
-    x, z = np.empty(rows * L), np.empty(N * L)
-    k = np.empty(STAGES * N * L)
-    jac = np.empty(STAGES * ENTRIES * L)
-    c = np.empty((2 * H + 1) * L)
-    scratch = np.zeros(SCRATCH * L)
-    flag = np.empty(L, dtype=np.int64)
-    for l in range(L):
-        good[l] = 1
-    for _ in range(steps):
-        step(y, time, h, p, tables, offsets, x, z, k, jac, c, scratch, count)
-        examine(x, p, flag)
-        for l in range(L):
-            good[l] *= flag[l]
-            time[l] += h[l]
-        for i in range(rows * L):
-            y[i] = x[i]
+    def phases_at(stage: int, c: Value) -> None:
+        one.store(one.add(one.load(a["time"]), one.mul(number(float(method.c[stage])), h)), moment)
+        one.call(phases, time=moment, p=a["p"], c=c)
+
+    with one.loop(a["steps"]):
+        x = stepper.step(a["y"], h, inputs, count, phases_at)
+        one.call(examine, y=x, p=a["p"], good=flag)
+        one.store(b.and_(one.load(a["good"]), one.load(flag)), a["good"])
+        one.store(one.add(one.load(a["time"]), h), a["time"])
+        with one.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
+            one.store(one.load(x, i), a["y"], i)
+    one.done()
+    r = Routine(module, "march", MARCH, public=True)
+    rows = {
+        "y": r.b.mul(r.b.add(r.at["count"], integer(1)), integer(sizes.states)), "time": integer(1), "h": integer(1),
+        "p": integer(sizes.inputs), "offsets": integer(max(sizes.tables, 1)), "good": integer(1),
+    }  # fmt: skip
+    with r.loop(r.at["blocks"]) as block:
+        moved = {name: r.row(r.at[name], r.b.mul(block, size)) for name, size in rows.items()}
+        r.call(one, **{name: moved.get(name, r.at[name]) for name in one.at})
+    r.done()
 
 
-@kernel
-def evaluate(y, time, p, tables, offsets, dy, jac, o):
-    """Evaluate rates, Jacobian entries (where compiled with tangents) and outputs, each flat over rows and lanes."""
-    c = np.empty((2 * H + 1) * L)
-    scratch = np.zeros(SCRATCH * L)
-    phases(time, p, c)
-    rates(y, c, p, tables, offsets, scratch, dy, jac)
-    observed(y, p, o)
+def evaluate(module: ir.Module, sizes: Sizes, method: Method, rates: Routine, observed: Routine, phases: Routine) -> None:
+    """Write ``evaluate``: rates, Jacobian entries (where there are any) and outputs."""
+    r = Routine(module, "evaluate", EVALUATE, public=True)
+    rows = {
+        "y": sizes.states, "time": 1, "p": sizes.inputs, "offsets": max(sizes.tables, 1), "dy": sizes.states,
+        "jac": sizes.slots, "o": sizes.outputs,
+    }  # fmt: skip
+    stepper = Stepper(r, sizes, method, rates, None, r.at["work"])
+    with r.loop(r.at["blocks"]) as block:
+        a = {name: r.row(r.at[name], r.b.mul(block, integer(size))) for name, size in rows.items()}
+        stepper.clear()
+        r.call(phases, time=a["time"], p=a["p"], c=stepper.c)
+        r.call(
+            rates, y=a["y"], c=stepper.c, p=a["p"], tables=r.at["tables"], offsets=a["offsets"], scratch=stepper.scratch,
+            dy=a["dy"], more=a["jac"],
+        )  # fmt: skip
+        r.call(observed, y=a["y"], p=a["p"], o=a["o"])
+    r.done()

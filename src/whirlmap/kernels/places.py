@@ -1,16 +1,53 @@
-"""Source of table readings: the cell that each lane is in, kept at hand, and the polynomials in it.
+"""Readings of tables: the cell that each lane is in, kept at hand, and the polynomials in it.
 
-Every reading of a table has rows of scratch of its own, which stay from one stage to the next: the lane's coordinates, and
-the record of its cell.
+Every reading has rows of scratch of its own, which stay from one stage to the next: the lane's coordinates, and the record
+of its cell (edges, centre, coefficients). Reading a table through an index would cost more than the polynomial that it
+serves. A lane leaves its cell in about one step of a hundred, and only then fetches another record.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
+from llvmlite import ir
 from sympy import Symbol
 
 from whirlmap.equations.pieces import Table
 from whirlmap.kernels.lower import Read
+from whirlmap.kernels.routine import BYTE, INT, LANES, Routine, Value, integer, number
 from whirlmap.kernels.tabulate import EDGES
+
+
+def fetch(module: ir.Module) -> Routine:
+    """Write ``fetch``: copy the record of the cell that one lane is in behind its coordinates, which stand from ``row`` on.
+
+    A table is laid out by `tabulate.entries`: the number of cells along each coordinate, their inner edges, and one record
+    for each cell. A coordinate outside of the table gets the outermost cell, one that is not a number the first.
+    """
+    r = Routine(
+        module, "fetch",
+        {"tables": "doubles", "table": "int", "axes": "int", "record": "int", "scratch": "rows", "row": "int",
+         "lane": "int"},
+    )  # fmt: skip
+    b, a = r.b, r.at
+    at, cell, inside = r.local(INT), r.local(INT), r.local(INT)
+    b.store(b.add(a["table"], a["axes"]), at)
+    b.store(integer(0), cell)
+    with r.loop(a["axes"]) as axis:
+        z = b.load(r.lane(a["scratch"], b.add(a["row"], axis), a["lane"]), align=8)
+        edges = b.sub(b.fptosi(r.load(a["tables"], b.add(a["table"], axis)), INT), integer(1))
+        begin = b.load(at)
+        b.store(integer(0), inside)
+        with r.loop(edges) as j:
+            beyond = b.fcmp_ordered("<=", r.load(a["tables"], b.add(begin, j)), z)
+            b.store(b.add(b.load(inside), b.zext(beyond, INT)), inside)
+        b.store(b.add(b.mul(b.load(cell), b.add(edges, integer(1))), b.load(inside)), cell)
+        b.store(b.add(begin, edges), at)
+    first = b.add(b.load(at), b.mul(b.load(cell), a["record"]))
+    behind = b.add(a["row"], a["axes"])
+    with r.loop(a["record"]) as k:
+        b.store(r.load(a["tables"], b.add(first, k)), r.lane(a["scratch"], b.add(behind, k), a["lane"]), align=8)
+    r.done()
+    return r
 
 
 @dataclass(frozen=True)
@@ -19,22 +56,16 @@ class Place:
 
     Attributes
     ----------
-    number : int
-        Number of the reading in its kernel.
     index : int
         Number of its table.
     table : Table
     first : int
         First row of scratch: coordinates, then edges and centre of the cell for each of them, then coefficients.
-    lanes : int
-        Lanes in a row.
     """
 
-    number: int
     index: int
     table: Table
     first: int
-    lanes: int
 
     @property
     def axes(self) -> int:
@@ -51,66 +82,61 @@ class Place:
         """Rows in all."""
         return self.axes + self.record
 
-    def examine(self, read: Read) -> list[str]:
-        """Statements that keep a lane's coordinates and count it where it has left its cell (NaN is in no cell)."""
-        out = [f"{self._row(axis)} = {z.name}" for axis, z in enumerate(read.coordinates)]
-        tests = []
-        for axis, z in enumerate(read.coordinates):
-            lower, upper, _ = self._cell(axis)
-            tests += [f"({lower} <= {z.name})", f"({z.name} < {upper})"]
-        return [*out, f"moved{self.number} += 0 if ({' & '.join(tests)}) else 1"]
+    def examine(self, r: Routine, coordinates: Sequence[Value], fetch: Routine) -> None:
+        """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell)."""
+        b, scratch = r.b, r.at["scratch"]
+        within = None
+        for axis, z in enumerate(coordinates):
+            r.store(z, scratch, self.first + axis)
+            lower, upper, _ = (r.load(scratch, self._edge(axis, i)) for i in range(EDGES))
+            inside = b.and_(b.fcmp_ordered("<=", lower, z), r.less(z, upper))
+            within = inside if within is None else b.and_(within, inside)
+        moved = b.xor(r.bits(within), ir.Constant(BYTE, -1))
+        with b.if_then(b.icmp_unsigned("!=", moved, ir.Constant(BYTE, 0)), likely=False):
+            wide = b.zext(moved, INT)
+            with r.loop(LANES) as lane:
+                out = b.trunc(b.lshr(wide, lane), ir.IntType(1))
+                with b.if_then(out):
+                    table = b.load(r.lane(r.at["offsets"], self.index, lane), align=8)
+                    r.call(
+                        fetch, tables=r.at["tables"], table=table, axes=integer(self.axes), record=integer(self.record),
+                        scratch=scratch, row=integer(self.first), lane=lane,
+                    )  # fmt: skip
 
-    def fetch(self) -> list[str]:
-        """Statements that fetch the new records of the lanes that have left their cells."""
-        tests = []
-        for axis in range(self.axes):
-            lower, upper, _ = self._cell(axis)
-            tests += [f"({lower} <= {self._row(axis)})", f"({self._row(axis)} < {upper})"]
-        return [f"    if moved{self.number} > 0:",
-                "        for l in range(L):",
-                f"            if not ({' & '.join(tests)}):",
-                f"                fetch(tables, offsets[{self.index * self.lanes} + l], {self.axes}, {self.record},"
-                f" scratch, {self.first}, l)"]  # fmt: skip
-
-    def polynomials(self, read: Read) -> list[str]:
-        """Statements that evaluate a polynomial (Horner) for each output and derivative.
+    def polynomials(self, r: Routine, read: Read) -> dict[str, Value]:
+        """Values of every output and derivative (Horner), by name.
 
         Outside of the table the outermost cell's polynomial goes on; NaN stays NaN. With two coordinates the polynomials
         in the second are shared by the value and the derivatives.
         """
-        out = [f"d{self.number}_{axis} = {self._row(axis)} - {self._cell(axis)[2]}" for axis in range(self.axes)]
-        made: set[tuple[int, int]] = set()
+        scratch = r.at["scratch"]
+        away = [
+            r.sub(r.load(scratch, self.first + axis), r.load(scratch, self._edge(axis, 2))) for axis in range(self.axes)
+        ]
+        inner: dict[tuple[int, int], list[Value]] = {}
+        found = {}
         for output, orders, symbol in read.outputs:
-            inner = self._coefficients(output)
-            if self.axes == 2:
-                order = orders[1]
-                lines = [row for row in inner if len(row) > order]
-                names = [f"g{self.number}_{output}_{order}_{k}" for k in range(len(lines))]
-                if (output, order) not in made:
-                    made.add((output, order))
-                    variable = f"d{self.number}_1"
-                    out += [f"{name} = {_horner(row, variable, order)}" for name, row in zip(names, lines, strict=True)]
-            else:
-                names = [row[0] for row in inner]
-            out.append(f"{symbol.name} = {_horner(names, f'd{self.number}_0', orders[0])}")
-        return out
+            along = orders[1] if self.axes == 2 else 0
+            if (output, along) not in inner:
+                rows = [[r.load(scratch, row) for row in line] for line in self._coefficients(output) if len(line) > along]
+                inner[output, along] = (
+                    [horner(r, line, away[1], along) for line in rows] if self.axes == 2 else [line[0] for line in rows]
+                )
+            found[symbol.name] = horner(r, inner[output, along], away[0], orders[0])
+        return found
 
-    def _row(self, row: int) -> str:
-        return f"scratch[{(self.first + row) * self.lanes} + l]"
+    def _edge(self, axis: int, part: int) -> int:
+        """Row of the lower edge, upper edge or centre of the lanes' cells."""
+        return self.first + self.axes + EDGES * axis + part
 
-    def _cell(self, axis: int) -> tuple[str, str, str]:
-        """Lower edge, upper edge and centre of a lane's cell."""
-        lower, upper, centre = (self._row(self.axes + EDGES * axis + i) for i in range(EDGES))
-        return lower, upper, centre
-
-    def _coefficients(self, output: int) -> list[list[str]]:
-        """Coefficients of an output, by the power of the first coordinate and then of the second."""
+    def _coefficients(self, output: int) -> list[list[int]]:
+        """Rows of an output's coefficients, by the power of the first coordinate and then of the second."""
         n = self.table.degree + 1
-        at = self.axes + EDGES * self.axes + output * self.table.terms // len(self.table.outputs)
+        at = self.first + self.axes + EDGES * self.axes + output * self.table.terms // len(self.table.outputs)
         rows = []
         for k in range(n):
             length = n - k if self.axes == 2 else 1
-            rows.append([self._row(at + j) for j in range(length)])
+            rows.append([at + j for j in range(length)])
             at += length
         return rows
 
@@ -118,9 +144,8 @@ class Place:
 class Places:
     """The places of all readings of a kernel."""
 
-    def __init__(self, tables: tuple[Table, ...], lanes: int) -> None:
+    def __init__(self, tables: tuple[Table, ...]) -> None:
         self.tables = {table.name: (i, table) for i, table in enumerate(tables)}
-        self.lanes = lanes
         self.made: dict[tuple[str, tuple[Symbol, ...]], Place] = {}
 
     @property
@@ -132,14 +157,14 @@ class Places:
         """Place of a reading; the same table at the same coordinates is the same place."""
         key = (read.table, read.coordinates)
         if key not in self.made:
-            self.made[key] = Place(len(self.made), *self.tables[read.table], self.rows, self.lanes)
+            self.made[key] = Place(*self.tables[read.table], self.rows)
         return self.made[key]
 
 
-def _horner(coefficients: list[str], x: str, order: int) -> str:
+def horner(r: Routine, coefficients: Sequence[Value], x: Value, order: int) -> Value:
     """Polynomial, or its first derivative, in Horner's form."""
-    terms = [c if order == 0 or k == 1 else f"{float(k)!r} * {c}" for k, c in enumerate(coefficients)][order:]
+    terms = [c if order == 0 or k == 1 else r.mul(number(k), c) for k, c in enumerate(coefficients)][order:]
     out = terms[-1]
     for term in reversed(terms[:-1]):
-        out = f"({out}) * {x} + {term}"
+        out = r.add(r.mul(out, x), term)
     return out

@@ -1,153 +1,128 @@
-"""Source of every generated kernel module: what does not depend on the model.
+"""One step of an explicit Runge-Kutta method, for the state and for tangent vectors beside it."""
 
-This file is never imported. `source.py` copies it behind the generated part of a module, which defines ``L`` (lanes),
-``N`` (states), ``M`` (outputs), ``H`` (harmonics), ``NODES`` (distinct stage times) and the functions ``rates``,
-``tangent``, ``step``, ``examine`` and ``observed``. Arrays are flat over rows and lanes, ``y[i * L + l]``: rows 0..N-1
-are the state, the next N rows the first tangent vector, and so on.
-"""
-# ruff: noqa: F821
-# mypy: ignore-errors
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from whirlmap.kernels.methods import Method
+from whirlmap.kernels.routine import Routine, Value, integer, number
 
 
-@inner
-def orthonormalise(y, count, growth, active):
-    """Modified Gram-Schmidt on the tangent vectors of active lanes; adds the logarithms of their lengths to growth.
+@dataclass(frozen=True)
+class Sizes:
+    """Rows of a kernel's arrays.
 
-    A lane that waits for its step to be redone keeps its vectors, and with them the growth since they were of length one.
-    """
-    length = np.empty(L)
-    for a in range(1, count + 1):
-        this = y[a * N * L : (a + 1) * N * L]
-        for b in range(1, a):
-            other = y[b * N * L : (b + 1) * N * L]
-            for l in range(L):
-                length[l] = 0.0
-            for i in range(N):
-                for l in range(L):
-                    length[l] += this[i * L + l] * other[i * L + l]
-            for l in range(L):
-                length[l] = length[l] if active[l] != 0 else 0.0
-            for i in range(N):
-                for l in range(L):
-                    this[i * L + l] -= length[l] * other[i * L + l]
-        for l in range(L):
-            length[l] = 0.0
-        for i in range(N):
-            for l in range(L):
-                length[l] += this[i * L + l] * this[i * L + l]
-        for l in range(L):
-            length[l] = sqrt(length[l]) if active[l] != 0 else 1.0
-            growth[(a - 1) * L + l] += log(length[l])
-            length[l] = 1.0 / length[l]
-        for i in range(N):
-            for l in range(L):
-                this[i * L + l] *= length[l]
-
-
-@inner
-def fold(v, before, rows, active, sums):
-    """Fold ``rows`` rows of one step into the running minimum, maximum, sum and sum of squares, ``before`` rows on.
-
-    States and outputs are folded by one call each: an index that chose between the two arrays would run outside of both,
-    and LLVM's test that they do not overlap, hence rounding, would depend on where they happen to lie in memory.
-    """
-    W = (N + M) * L
-    for i in range(rows):
-        a = i * L
-        at = (before + i) * L
-        for l in range(L):
-            d = v[a + l] - sums[at + l]
-            on = active[l] != 0
-            sums[W + at + l] = v[a + l] if (on and v[a + l] < sums[W + at + l]) else sums[W + at + l]
-            sums[2 * W + at + l] = v[a + l] if (on and v[a + l] > sums[2 * W + at + l]) else sums[2 * W + at + l]
-            sums[3 * W + at + l] += d if on else 0.0
-            sums[4 * W + at + l] += d * d if on else 0.0
-
-
-@kernel
-def advance(
-    y, h, p, tables, offsets, waves, starts, lengths, counters, steps, first, active, failed,
-    save_every, saved, orth_every, growth, sums,
-):  # fmt: skip
-    """Take ``steps`` steps that are locked to the forcing's phase, in place.
-
-    A lane stops, and keeps its last good state, before the step that ends at a closed gap, beyond the bound or at
-    something that is not a number; ``failed`` then holds that step's index. Lane ``l`` starts at step ``first[l]``.
-    All arrays are flat, so that every offset is a constant and the loops over lanes become vector code.
-
-    Parameters
+    Attributes
     ----------
-    y : (N*(1+k) * L)     state and k tangent vectors
-    h : (N * L)           step of each lane, repeated for every row
-    p : (inputs * L)      hoisted parameters
-    tables, offsets       table entries, and where each lane's begin: (tables * L)
-    waves, starts, lengths, counters
-                          cosine and sine of each harmonic at each stage time of its cycle of ``lengths`` steps
-    first, active, failed : (L) integers
-    save_every, saved     state after every so many steps: (saves, N * L)
-    orth_every, growth    logarithmic growth between two orthonormalisations: (events, k * L)
-    sums : (5 * (N+M) * L) reference, minimum, maximum, sum and sum of squares less reference; empty: not wanted
+    states, outputs, inputs, tables, harmonics : int
+        Of the model.
+    slots : int
+        Entries of the Jacobian that are computed at every state.
+    scratch : int
+        Rows that stay from one stage to the next.
+    stages, homes : int
+        Of the method, and places for their slopes.
+    along : bool
+        Whether the slopes of the one tangent vector are computed with those of the state.
     """
-    rows = y.size // L
-    count = rows // N - 1
-    x, z = np.empty(rows * L), np.empty(N * L)
-    k = np.empty(STAGES * N * L)
-    jac = np.empty(STAGES * ENTRIES * L)
-    c = np.empty(2 * H + 1)
-    scratch = np.zeros(SCRATCH * L)
-    o = np.empty((M + 1) * L)
-    good = np.empty(L, dtype=np.int64)
-    running = 0
-    waiting = 0
-    for l in range(L):
-        if active[l] != 0 and first[l] > 0:
-            active[l] = 0
-            waiting += 1
-        else:
-            first[l] = -1
-            running += active[l]
-    for n in range(steps):
-        if waiting > 0:
-            for l in range(L):
-                if first[l] == n:
-                    active[l] = 1
-                    waiting -= 1
-                    running += 1
-        if running == 0 and waiting == 0:
-            break
-        step(y, h, p, tables, offsets, waves, starts, counters, x, z, k, jac, c, scratch, count)
-        examine(x, p, good)
-        bad = 0
-        for l in range(L):
-            bad += active[l] * (1 - good[l])
-        if bad > 0:
-            for l in range(L):
-                if active[l] != 0 and good[l] == 0:
-                    active[l] = 0
-                    failed[l] = n
-                    running -= 1
-        if running == L:
-            for i in range(rows * L):
-                y[i] = x[i]
-        else:
-            for i in range(rows):
-                a = i * L
-                for l in range(L):
-                    y[a + l] = x[a + l] if active[l] != 0 else y[a + l]
-        for j in range(H):
-            counters[j] += 1
-            if counters[j] == lengths[j]:
-                counters[j] = 0
-        if count > 0 and (n + 1) % orth_every == 0:
-            orthonormalise(y, count, growth[(n + 1) // orth_every - 1], active)
-        if sums.size > 0:
-            observed(y, p, o)
-            fold(y, 0, N, active, sums)
-            fold(o, N, M, active, sums)
-        if (n + 1) % save_every == 0:
-            at = (n + 1) // save_every - 1
-            if at < saved.shape[0]:
-                for i in range(N):
-                    for l in range(L):
-                        if active[l] != 0:
-                            saved[at, i * L + l] = y[i * L + l]
+
+    states: int
+    outputs: int
+    inputs: int
+    tables: int
+    harmonics: int
+    slots: int
+    scratch: int
+    stages: int
+    homes: int
+    along: bool
+
+    def work(self, count: int) -> int:
+        """Rows of working memory for so many tangent vectors."""
+        before = self.states * (1 + self.homes) * (2 if self.along else 1) + self.slots * self.stages
+        return before + self.scratch + 2 * self.harmonics + self.outputs + (1 + count) * self.states
+
+
+class Stepper:
+    """Writes single steps of a method into a routine.
+
+    A single tangent vector goes through the stages side by side with the state (`Sizes.along`). Where there may be more, the
+    state goes first and leaves the stages' Jacobians; each vector then goes through them with slopes of one vector's size,
+    so that all stays in the first level of cache whatever the number of vectors.
+    """
+
+    def __init__(
+        self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value
+    ) -> None:
+        self.r, self.sizes, self.method, self.rates, self.tangent = r, sizes, method, rates, tangent
+        at = 0
+
+        def take(rows: int) -> Value:
+            nonlocal at
+            place = r.row(work, at)
+            at += rows
+            return place
+
+        self.z, self.k = take(sizes.states), take(sizes.states * sizes.homes)
+        if sizes.along:
+            self.z_along, self.k_along = take(sizes.states), take(sizes.states * sizes.homes)
+        self.jac, self.scratch = take(sizes.slots * sizes.stages), take(sizes.scratch)
+        self.c, self.o = take(2 * sizes.harmonics), take(sizes.outputs)
+        self.x = take(0)
+
+    def clear(self) -> None:
+        """Forget the cells of tables: another block's lanes begin."""
+        with self.r.loop(self.sizes.scratch) as i:
+            self.r.store(number(0.0), self.scratch, i)
+
+    def step(
+        self, y: Value, h: Value, inputs: dict[str, Value], count: Value, at_stage: Callable[[int, Value], None]
+    ) -> Value:
+        """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end."""
+        r, b, n = self.r, self.r.b, self.sizes.states
+        c = b.bitcast(self.c, self.rates.at["c"].type)
+        along = r.row(y, n)
+        for stage in range(self.method.stages):
+            at_stage(stage, c)
+            point = self._point(stage, y, self.k, h, self.z)
+            where: dict[str, Value] = {"more": self._jacobian(stage)}
+            if self.sizes.along:
+                direction = self._point(stage, along, self.k_along, h, self.z_along)
+                where = {"v": direction, "more": r.row(self.k_along, self._home(stage))}
+            r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=r.row(self.k, self._home(stage)), **where, **inputs)
+        self._combine(y, self.k, self.method.b, h, self.x)
+        if self.sizes.along:
+            self._combine(along, self.k_along, self.method.b, h, r.row(self.x, n))
+        if self.tangent:
+            with r.loop(count) as v:
+                at = b.mul(b.add(v, integer(1)), integer(n))
+                before = r.row(y, at)
+                for stage in range(self.method.stages):
+                    point = self._point(stage, before, self.k, h, self.z)
+                    slopes = r.row(self.k, self._home(stage))
+                    r.call(self.tangent, y=point, jac=self._jacobian(stage), p=inputs["p"], dy=slopes)
+                self._combine(before, self.k, self.method.b, h, r.row(self.x, at))
+        return self.x
+
+    def _home(self, stage: int) -> int:
+        return self.method.homes[stage] * self.sizes.states
+
+    def _jacobian(self, stage: int) -> Value:
+        return self.r.row(self.jac, stage * self.sizes.slots)
+
+    def _point(self, stage: int, y: Value, k: Value, h: Value, z: Value) -> Value:
+        weights = self.method.a[stage]
+        if not any(weights):
+            return y
+        self._combine(y, k, weights, h, z)
+        return z
+
+    def _combine(self, y: Value, k: Value, weights: tuple, h: Value, out: Value) -> None:
+        r, n = self.r, self.sizes.states
+        with r.loop(n) as i:
+            total = None
+            for j, w in enumerate(weights):
+                if w != 0:
+                    term = r.mul(number(float(w)), r.load(r.row(k, self._home(j)), i))
+                    total = term if total is None else r.add(total, term)
+            value = r.load(y, i)
+            r.store(value if total is None else r.add(value, r.mul(h, total)), out, i)

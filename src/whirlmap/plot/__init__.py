@@ -14,6 +14,9 @@ from whirlmap.plot.figures import paper_diagram_figure as paper_diagram_figure
 from whirlmap.plot.figures import paper_orbit_figure as paper_orbit_figure
 from whirlmap.plot.orbit import draw_orbit as draw_orbit
 from whirlmap.plot.phase_portrait import draw_phase_portrait as draw_phase_portrait
+from whirlmap.plot.regime_map import draw_regime_map as draw_regime_map
+from whirlmap.plot.regime_map import draw_shares as draw_shares
+from whirlmap.plot.regime_map import regime_map_figure as regime_map_figure
 from whirlmap.plot.regime_strip import draw_exponents as draw_exponents
 from whirlmap.plot.regime_strip import draw_regime_strip as draw_regime_strip
 from whirlmap.plot.save import encode as encode

@@ -100,7 +100,7 @@ def provenance(
         "command": _command(command),
         "python_version": platform.python_version(),
         "numpy_version": package_version("numpy"),
-        "numba_version": package_version("numba"),
+        "llvmlite_version": package_version("llvmlite"),
         "platform": f"{platform.system()} {platform.machine()}",
         "date": datetime.now(UTC).isoformat(timespec="seconds"),
     }

@@ -23,7 +23,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 
@@ -147,7 +147,7 @@ class Labelling:
             again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
-                values[..., these] = getattr(again, name)
+                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
             for name, values in extremes.items():
                 values[..., these] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)

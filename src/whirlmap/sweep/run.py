@@ -23,7 +23,7 @@ from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
-from whirlmap.kernels.source import LANES
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram
 from whirlmap.sweep.memory import refuse_memory

@@ -29,3 +29,14 @@ class Method:
     def stages(self) -> int:
         """Number of stages."""
         return len(self.b)
+
+    @property
+    def homes(self) -> tuple[int, ...]:
+        """Place of each stage's slopes: a place is free again once no later stage needs what lies there."""
+        last = [max([i for i in range(j + 1, self.stages) if self.a[i][j]], default=j) for j in range(self.stages)]
+        last = [self.stages if self.b[j] else last[j] for j in range(self.stages)]
+        homes: list[int] = []
+        for i in range(self.stages):
+            taken = {homes[j] for j in range(i) if last[j] >= i}
+            homes.append(min(set(range(self.stages)) - taken))
+        return tuple(homes)

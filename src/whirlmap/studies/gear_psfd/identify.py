@@ -13,9 +13,6 @@ import hashlib
 import time
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
-from functools import cache
-from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -25,8 +22,6 @@ from numpy.typing import NDArray
 from whirlmap import __version__
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
-from whirlmap.integrate.loading import pieces
-from whirlmap.kernels.cache import platform
 from whirlmap.results.schema import variable, with_attributes
 from whirlmap.studies.gear_psfd.blocks import Blocks
 from whirlmap.studies.gear_psfd.claims import HOLDS, NEED_ORBIT, judge_all
@@ -34,6 +29,7 @@ from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT, Array, Lab
 from whirlmap.studies.gear_psfd.ranges import Range, design, digest, ranges
 from whirlmap.studies.gear_psfd.variants import VARIANTS, Variant
 from whirlmap.studies.gear_psfd.verdicts import known_regime
+from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.points import label_points
 
 Progress = Callable[[int], None]
@@ -44,8 +40,8 @@ BLOCK = 512
 PRECISION, Z = 0.02, 1.959964
 #: Sets by which the cost is measured before the start.
 PILOT = 8
-#: Layers of the program whose source the numbers depend on.
-LAYERS = ("equations", "films", "models", "kernels", "integrate", "analysis", "sweep")
+#: Method of integration.
+METHOD = "dop853"
 #: Speeds of the coarse diagrams, the paper's s: 2 to 4 in each window of the claims, and the named 1.61 and 3.27.
 SPEEDS = (0.6, 0.9, 1.1, 1.25, 1.4, 1.5, 1.56, 1.61, 1.9, 2.3, 2.8, S_ORBIT, 3.5, 3.8)
 
@@ -76,27 +72,18 @@ class Settings:
     ranges: tuple[Range, ...] = field(default_factory=ranges)
 
     def identity(self) -> dict[str, Any]:
-        """Plain data that tell one search from another: these settings, the models, and the machine code."""
-        models = {v.name: pieces(v.system()).model_hash for v in VARIANTS}
+        """Plain data that tell one search from another: these settings, and all that decides the bits of a point."""
+        kernels = "".join(kernel_hash(v.system(), METHOD) for v in VARIANTS)
         return {
             "version": __version__, "seed": self.seed, "speeds": list(self.speeds), "psi": list(PSI),
             "settling": asdict(self.settling), "exponent_periods": self.exponent_periods, "accuracy": self.accuracy,
-            "ranges": digest(self.ranges), "models": hashlib.sha256(repr(models).encode()).hexdigest()[:16],
-            "source": _source(), "platform": hashlib.sha256(platform().encode()).hexdigest()[:16],
+            "method": METHOD, "ranges": digest(self.ranges), "kernels": hashlib.sha256(kernels.encode()).hexdigest()[:16],
         }  # fmt: skip
 
     @property
     def points(self) -> int:
         """Operating points of one set."""
         return len(PSI) * len(self.speeds)
-
-
-@cache
-def _source() -> str:
-    """Hash of the source of every layer that numbers pass through."""
-    here = files("whirlmap")
-    texts = [p.read_bytes() for layer in LAYERS for p in sorted(Path(str(here / layer)).rglob("*.py"))]
-    return hashlib.sha256(b"".join(texts)).hexdigest()[:16]
 
 
 def diagrams(
@@ -124,7 +111,7 @@ def diagrams(
     columns["s"] = np.tile(speeds, len(PSI) * n)
     ds = label_points(
         system, columns, settling=settings.settling, lyapunov=settings.exponent_periods, accuracy=settings.accuracy,
-        workers=workers, progress=progress,
+        method=METHOD, workers=workers, progress=progress,
     )  # fmt: skip
     over = ("set", "psi", "s")
 

@@ -90,7 +90,7 @@ def _provenance(e: Evidence) -> dict[str, Any]:
     kept = (
         "whirlmap_version", "model", "model_hash", "case", "case_hash", "switches", "method", "steps_per_period",
         "tolerance", "transient", "common_multiple", "command", "date", "python_version", "numpy_version",
-        "numba_version", "platform", "citations",
+        "llvmlite_version", "platform", "citations",
     )  # fmt: skip
     return {key: attributes[key] for key in kept if key in attributes}
 

@@ -1,0 +1,193 @@
+"""``advance``: many steps of many blocks, locked to the forcing's phase. All long runs are made of it."""
+
+from llvmlite import ir
+
+from whirlmap.kernels.methods import Method
+from whirlmap.kernels.routine import INT, INTS, LANES, Kind, Routine, Value, integer, number
+from whirlmap.kernels.stepping import Sizes, Stepper
+
+#: Arguments of ``advance``, arrays of consecutive blocks: see `advance`.
+ARGUMENTS: dict[str, Kind] = {
+    "blocks": "int", "count": "int", "y": "rows", "h": "rows", "p": "rows", "tables": "doubles", "offsets": "flags",
+    "waves": "doubles", "starts": "ints", "lengths": "ints", "begin": "ints", "steps": "int", "first": "flags",
+    "active": "flags", "failed": "flags", "save_every": "int", "saves": "int", "saved": "rows", "orth_every": "int",
+    "events": "int", "growth": "rows", "folded": "int", "sums": "rows", "work": "rows",
+}  # fmt: skip
+
+
+def advance(
+    module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], rates: Routine, tangent: Routine | None,
+    observed: Routine, examine: Routine,
+) -> None:  # fmt: skip
+    """Write ``advance``.
+
+    A lane stops, and keeps its last good state, before the step that ends at a closed gap, beyond the bound or at
+    something that is not a number; ``failed`` then holds that step's index. Lane ``l`` starts at step ``first[l]``.
+
+    Arguments of the kernel, rows of `LANES` numbers, one block after the other:
+
+    ====================  =========================================================================================
+    blocks, count         number of blocks, and of tangent vectors
+    y                     (states * (1 + count)) state and tangent vectors, in place
+    h                     (1) step of each lane
+    p                     (inputs) hoisted parameters
+    tables, offsets       table entries, and where each lane's begin: (tables) integers
+    waves, starts,        cosine and sine of each harmonic at each stage time of its cycle of ``lengths`` steps; where
+    lengths, begin        each harmonic's begin, and the step of its cycle at which the run begins: plain arrays
+    first, active,        (1) integers each
+    failed
+    save_every, saves,    state after every so many steps: (saves * states)
+    saved
+    orth_every, events,   logarithmic growth between two orthonormalisations: (events * count)
+    growth
+    folded, sums          (5 * (states + outputs)) reference, minimum, maximum, sum and sum of squares less reference
+    work                  `Sizes.work` rows, used by all blocks
+    ====================  =========================================================================================
+    """
+    one = _block(module, sizes, method, nodes, rates, tangent, observed, examine)
+    r = Routine(module, "advance", ARGUMENTS, public=True)
+    b, a = r.b, r.at
+    rows = {
+        "y": b.mul(b.add(a["count"], integer(1)), integer(sizes.states)), "h": integer(1), "p": integer(sizes.inputs),
+        "offsets": integer(max(sizes.tables, 1)), "first": integer(1), "active": integer(1), "failed": integer(1),
+        "saved": b.mul(a["saves"], integer(sizes.states)), "growth": b.mul(a["events"], a["count"]),
+        "sums": b.mul(a["folded"], integer(5 * (sizes.states + sizes.outputs))),
+    }  # fmt: skip
+    with r.loop(a["blocks"]) as block:
+        moved = {name: r.row(a[name], b.mul(block, size)) for name, size in rows.items()}
+        r.call(one, **{name: moved.get(name, a[name]) for name in one.at})
+    r.done()
+
+
+def _block(
+    module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], rates: Routine, tangent: Routine | None,
+    observed: Routine, examine: Routine,
+) -> Routine:  # fmt: skip
+    vectors = tangent is not None or sizes.along
+    turn = orthonormalise(module, sizes.states) if vectors else None
+    fold = folding(module, sizes.states + sizes.outputs)
+    r = Routine(module, "advance_block", {name: kind for name, kind in ARGUMENTS.items() if name != "blocks"})
+    b, a = r.b, r.at
+    stepper = Stepper(r, sizes, method, rates, tangent, a["work"])
+    stepper.clear()
+    count = a["count"] if vectors else integer(0)
+    h = r.load(a["h"])
+    counters = r.local(INT, sizes.harmonics)
+    with r.loop(sizes.harmonics) as j:
+        r.store(r.load(a["begin"], j), counters, j)
+    on, good = r.local(INTS), r.local(INTS)
+    asked = b.icmp_signed("!=", r.load(a["active"]), _every(0))
+    later = b.and_(asked, b.icmp_signed(">", r.load(a["first"]), _every(0)))
+    entry = b.select(later, r.load(a["first"]), _every(-1))
+    r.store(b.sext(b.and_(asked, b.not_(later)), INTS), on)
+    inputs = {name: a[name] for name in ("p", "tables", "offsets")}
+
+    def waves_at(stage: int, c: Value) -> None:
+        node = nodes.index(float(method.c[stage]))
+        for j in range(sizes.harmonics):
+            cell = b.add(b.mul(r.load(counters, j), integer(len(nodes))), integer(node))
+            at = b.add(r.load(a["starts"], j), b.mul(cell, integer(2)))
+            for part in range(2):
+                r.store(r.load(a["waves"], b.add(at, integer(part))), c, 2 * j + part)
+
+    def going(n: Value) -> Value:
+        waiting = b.icmp_signed(">=", entry, r.spread(n))
+        return r.any(b.or_(b.icmp_signed("!=", r.load(on), _every(0)), waiting))
+
+    with r.loop(a["steps"], going=going) as n:
+        here = r.spread(n)
+        running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
+        x = stepper.step(a["y"], h, inputs, count, waves_at)
+        r.call(examine, y=x, p=a["p"], good=good)
+        lost = b.and_(running, b.not_(r.load(good)))
+        truth = b.icmp_signed("!=", lost, _every(0))
+        r.store(b.select(truth, here, r.load(a["failed"])), a["failed"])
+        running = b.and_(running, r.load(good))
+        r.store(running, on)
+        runs = b.icmp_signed("!=", running, _every(0))
+        with r.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
+            r.store(b.select(runs, r.load(x, i), r.load(a["y"], i)), a["y"], i)
+        with r.loop(sizes.harmonics) as j:
+            following = b.add(r.load(counters, j), integer(1))
+            ends = b.icmp_signed("==", following, r.load(a["lengths"], j))
+            r.store(b.select(ends, integer(0), following), counters, j)
+        done = b.add(n, integer(1))
+        if turn:
+            due = b.icmp_signed("==", b.srem(done, a["orth_every"]), integer(0))
+            with b.if_then(b.and_(due, b.icmp_signed(">", count, integer(0)))):
+                event = b.sub(b.sdiv(done, a["orth_every"]), integer(1))
+                with b.if_then(b.icmp_signed("<", event, a["events"])):
+                    r.call(turn, y=a["y"], count=count, growth=r.row(a["growth"], b.mul(event, count)), active=on)
+        with b.if_then(b.icmp_signed("!=", a["folded"], integer(0))):
+            r.call(observed, y=a["y"], p=a["p"], o=stepper.o)
+            for values, before, size in ((a["y"], 0, sizes.states), (stepper.o, sizes.states, sizes.outputs)):
+                r.call(fold, v=values, sums=r.row(a["sums"], before), rows=integer(size), active=on)
+        with b.if_then(b.icmp_signed("==", b.srem(done, a["save_every"]), integer(0))):
+            at = b.sub(b.sdiv(done, a["save_every"]), integer(1))
+            with b.if_then(b.icmp_signed("<", at, a["saves"])):
+                place = r.row(a["saved"], b.mul(at, integer(sizes.states)))
+                with r.loop(sizes.states) as i:
+                    r.store(b.select(runs, r.load(a["y"], i), r.load(place, i)), place, i)
+    r.done()
+    return r
+
+
+def orthonormalise(module: ir.Module, states: int) -> Routine:
+    """Write modified Gram-Schmidt on the tangent vectors of active lanes; their lengths' logarithms go to ``growth``.
+
+    A lane that waits for its step to be redone keeps its vectors, and with them the growth since they were of length one.
+    """
+    r = Routine(module, "orthonormalise", {"y": "rows", "count": "int", "growth": "rows", "active": "flags"})
+    b, a = r.b, r.at
+    total = r.local(number(0.0).type)
+    runs = b.icmp_signed("!=", r.load(a["active"]), _every(0))
+
+    def vector(index: Value) -> Value:
+        return r.row(a["y"], b.mul(b.add(index, integer(1)), integer(states)))
+
+    def product(one: Value, other: Value) -> Value:
+        r.store(number(0.0), total)
+        with r.loop(states) as i:
+            r.store(r.add(r.load(total), r.mul(r.load(one, i), r.load(other, i))), total)
+        return r.load(total)
+
+    with r.loop(a["count"]) as v:
+        this = vector(v)
+        with r.loop(v) as w:
+            other = vector(w)
+            along = b.select(runs, product(this, other), number(0.0))
+            with r.loop(states) as i:
+                r.store(r.sub(r.load(this, i), r.mul(along, r.load(other, i))), this, i)
+        length = b.select(runs, r.root(product(this, this)), number(1.0))
+        r.store(r.add(r.load(a["growth"], v), r.per_lane("log", length)), a["growth"], v)
+        shrink = r.div(number(1.0), length)
+        with r.loop(states) as i:
+            r.store(r.mul(r.load(this, i), shrink), this, i)
+    r.done()
+    return r
+
+
+def folding(module: ir.Module, rows: int) -> Routine:
+    """Write ``fold``: rows of one step into the running minimum, maximum, sum and sum of squares of active lanes."""
+    r = Routine(module, "fold", {"v": "rows", "sums": "rows", "rows": "int", "active": "flags"})
+    b, a = r.b, r.at
+    runs = b.icmp_signed("!=", r.load(a["active"]), _every(0))
+    with r.loop(a["rows"]) as i:
+        value = r.load(a["v"], i)
+        away = b.select(runs, r.sub(value, r.load(a["sums"], i)), number(0.0))
+
+        def part(k: int, i: Value = i) -> Value:
+            return b.add(i, integer(k * rows))
+
+        for k, smaller in ((1, True), (2, False)):
+            old = r.load(a["sums"], part(k))
+            beyond = r.less(value, old) if smaller else r.less(old, value)
+            r.store(b.select(b.and_(runs, beyond), value, old), a["sums"], part(k))
+        r.store(r.add(r.load(a["sums"], part(3)), away), a["sums"], part(3))
+        r.store(r.add(r.load(a["sums"], part(4)), r.mul(away, away)), a["sums"], part(4))
+    r.done()
+    return r
+
+
+def _every(value: int) -> Value:
+    return ir.Constant(INTS, [value] * LANES)

@@ -1,0 +1,145 @@
+"""Machine code: a module's assembly compiled for the processor, kept on disk, and called without the interpreter's lock."""
+
+import ctypes
+import hashlib
+import os
+import threading
+from collections.abc import Mapping
+from functools import cache
+from typing import Any
+
+import llvmlite.binding as llvm
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.errors import CacheError, InputError
+from whirlmap.kernels import cache as files
+from whirlmap.kernels.routine import LANES, Kind
+
+_LOCK = threading.Lock()
+
+#: Levels of x86 that code can be made for instead of the processor at hand, and features that they need.
+LEVELS = {
+    "x86-64": ("sse2",), "x86-64-v2": ("sse4.2", "popcnt"), "x86-64-v3": ("avx2", "fma", "bmi2"),
+    "x86-64-v4": ("avx2", "fma", "bmi2", "avx512f", "avx512vl", "avx512dq"),
+}  # fmt: skip
+
+#: What arrays hold, by kind.
+HOLDS: dict[Kind, Any] = {"rows": np.float64, "doubles": np.float64, "flags": np.int64, "ints": np.int64}
+
+
+def processor() -> tuple[str, str]:
+    """Name and features of the processor that code is made for: ``$WHIRLMAP_CPU`` where set, else this one.
+
+    Code made for ``x86-64-v3`` gives the same bits on every processor of the last ten years, and is slower where there are
+    wider vectors.
+
+    Raises
+    ------
+    InputError
+        The variable names no level that this processor has: LLVM would end the program.
+    """
+    chosen = os.environ.get("WHIRLMAP_CPU", "")
+    features = llvm.get_host_cpu_features()
+    if not chosen:
+        return llvm.get_host_cpu_name(), features.flatten()
+    had = [level for level, needed in LEVELS.items() if all(features.get(f) for f in needed)]
+    if chosen not in had:
+        raise InputError(
+            f"WHIRLMAP_CPU: found {chosen!r}, expected {' or '.join(had) or 'nothing'} on this processor, or nothing"
+        )
+    return chosen, ""
+
+
+def estimates() -> bool:
+    """Whether the processor has estimates of roots and reciprocals of whole vectors."""
+    return LANES == 8 and "+avx512f" in processor()[1].split(",")  # they are written for registers of eight
+
+
+def platform() -> str:
+    """Versions and processor that compiled code depends on."""
+    from llvmlite import __version__
+
+    return f"llvmlite {__version__} LLVM {llvm.llvm_version_info} {llvm.get_default_triple()} {processor()}"
+
+
+def key(text: str) -> str:
+    """Hash of a module's assembly and of everything that its machine code depends on."""
+    return hashlib.sha256(f"{platform()}\n{text}".encode()).hexdigest()[:32]
+
+
+@cache
+def _target() -> Any:
+    llvm.initialize_native_target()
+    llvm.initialize_native_asmprinter()
+    return llvm.Target.from_default_triple()
+
+
+def _machine() -> Any:
+    cpu, features = processor()
+    return _target().create_target_machine(cpu=cpu, features=features, opt=3, jit=True)
+
+
+def compile_assembly(text: str) -> bytes:
+    """Object code of a module."""
+    machine = _machine()
+    module = llvm.parse_assembly(text)
+    module.verify()
+    builder = llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options(speed_level=3))
+    builder.getModulePassManager().run(module, builder)
+    made: bytes = machine.emit_object(module)
+    return made
+
+
+class Code:
+    """Machine code in memory, and its functions.
+
+    Parameters
+    ----------
+    text : str
+        Assembly of the module; compiled where the folder of kernels does not hold it yet.
+    """
+
+    def __init__(self, text: str) -> None:
+        with _LOCK:
+            made = files.stored(f"kernel_{key(text)}.o", lambda: compile_assembly(text))
+            try:
+                self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
+                self._engine.add_object_file(llvm.ObjectFileRef.from_data(made))
+                self._engine.finalize_object()
+            except RuntimeError as error:
+                raise CacheError(
+                    f"a compiled kernel cannot be loaded: {error}\n  clear them with `whirlmap cache --clear`"
+                ) from error
+
+    def function(self, name: str, arguments: Mapping[str, Kind]) -> "Function":
+        """One of its functions."""
+        return Function(self, name, self._engine.get_function_address(name), arguments)
+
+
+class Function:
+    """A compiled function, called with NumPy arrays by name."""
+
+    def __init__(self, code: Code, name: str, address: int, arguments: Mapping[str, Kind]) -> None:
+        self.code, self.name, self.arguments = code, name, arguments  # the code stays in memory as long as its functions
+        kinds = [ctypes.c_int64 if kind == "int" else ctypes.c_void_p for kind in arguments.values()]
+        self._call = ctypes.CFUNCTYPE(None, *kinds)(address)
+
+    def __call__(self, **values: Any) -> None:
+        """Call it; every argument by name, arrays C-contiguous and of the kind's type."""
+        assert values.keys() == self.arguments.keys(), values.keys() ^ self.arguments.keys()
+        passed = []
+        for name, kind in self.arguments.items():
+            value = values[name]
+            if kind != "int":
+                assert value.dtype == HOLDS[kind] and value.flags.c_contiguous, name
+                value = value.ctypes.data
+            passed.append(int(value))
+        self._call(*passed)
+
+
+def aligned(rows: int) -> NDArray[np.float64]:
+    """Uninitialised rows of lanes that begin at a multiple of 64 bytes: a vector is then read from one line of cache."""
+    raw = np.empty(rows * LANES + 8)
+    skip = (-raw.ctypes.data % 64) // 8
+    return raw[skip : skip + rows * LANES]

@@ -1,0 +1,164 @@
+"""The parts of a kernel that a model decides: rates with their Jacobian, outputs, the test of a step's end, harmonics."""
+
+from collections.abc import Sequence
+from typing import Literal
+
+from llvmlite import ir
+from sympy import Expr, Symbol
+
+from whirlmap.equations.model import Model
+from whirlmap.equations.quantities import State
+from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
+from whirlmap.kernels.places import Places, fetch
+from whirlmap.kernels.roots import Roots
+from whirlmap.kernels.routine import Kind, Routine, Value, number
+from whirlmap.kernels.vector import VectorCode
+
+#: How time is known: every lane at the same phase of the forcing, or each at its own time.
+Time = Literal["locked", "free"]
+#: What else than the rates a kernel computes: nothing, their derivative along one vector, or their Jacobian.
+Slopes = Literal["none", "along", "jacobian"]
+
+
+def direction_name(state: State) -> str:
+    """Name of the component of a tangent vector that belongs to a state."""
+    return f"{state.name}_t"
+
+
+class ModelRoutines:
+    """Writes the routines of one model into a module.
+
+    Parameters
+    ----------
+    module : ir.Module
+    model : Model
+    hoisted : Hoisted
+        Inputs of the kernel; their order is that of its rows ``p``.
+    time : {"locked", "free"}
+        With ``locked`` the harmonics ``c`` are plain numbers, cosine and sine of each; with ``free`` rows.
+    """
+
+    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots) -> None:
+        self.module, self.model, self.hoisted, self.time, self.roots = module, model, hoisted, time, roots
+        self.places = Places(model.tables)
+        self.fetch = fetch(module) if model.tables else None
+        self.waves: Kind = "doubles" if time == "locked" else "rows"
+
+    def rates(self, lines: Straight, *, along: bool = False) -> Routine:
+        """Write ``rates``: the results of straight-line code, those of the states, then ``more``.
+
+        These are the Jacobian's moving entries, or with ``along`` the derivatives along the vector ``v``.
+        """
+        n = self.model.dimension
+        kinds: dict[str, Kind] = {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags"}
+        kinds |= {"scratch": "rows", "dy": "rows", "more": "rows"}
+        kinds |= {"v": "rows"} if along else {}
+        r = Routine(self.module, "rates", kinds)
+        code = self._code(r, lines.names())
+        reads = [step for step in lines.steps if isinstance(step, Read)]
+        before, after = split(lines)
+        for symbol, e in before:
+            code.names[symbol.name] = code.value(e)
+        assert not reads or self.fetch
+        for read in reads:
+            place = self.places.of(read)
+            place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
+        for read in reads:
+            code.names |= self.places.of(read).polynomials(r, read)
+        for symbol, e in after:
+            code.names[symbol.name] = code.value(e)
+        for i, result in enumerate(lines.results):
+            r.store(code.value(result), r.at["dy"] if i < n else r.at["more"], i if i < n else i - n)
+        r.done()
+        return r
+
+    def tangent(self, entries: dict[tuple[int, int], Expr], slots: dict[tuple[int, int], int]) -> Routine:
+        """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers."""
+        r = Routine(self.module, "tangent", {"y": "rows", "jac": "rows", "p": "rows", "dy": "rows"})
+        inputs = {q: i for i, q in enumerate(self.hoisted.symbols)}
+        vector = [r.load(r.at["y"], j) for j in range(self.model.dimension)]
+        for i in range(self.model.dimension):
+            total = None
+            for j in (j for row, j in entries if row == i):
+                e = entries[i, j]
+                if e == 1:
+                    term = vector[j]
+                else:
+                    if (i, j) in slots:
+                        factor = r.load(r.at["jac"], slots[i, j])
+                    else:
+                        factor = r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))
+                    term = r.mul(factor, vector[j])
+                total = term if total is None else r.add(total, term)
+            r.store(number(0.0) if total is None else total, r.at["dy"], i)
+        r.done()
+        return r
+
+    def observed(self, lines: Straight) -> Routine:
+        """Write ``observed``: the model's outputs."""
+        r = Routine(self.module, "observed", {"y": "rows", "p": "rows", "o": "rows"})
+        for i, value in enumerate(self._results(r, lines)):
+            r.store(value, r.at["o"], i)
+        r.done()
+        return r
+
+    def examine(self, lines: Straight) -> Routine:
+        """Write ``examine``: whether every gap is open, every state finite and within the model's bound, as -1 or 0."""
+        r = Routine(self.module, "examine", {"y": "rows", "p": "rows", "good": "flags"})
+        size = number(0.0)
+        for i, s in enumerate(self.model.states):
+            if s.cyclic is None:
+                size = r.add(size, r.absolute(r.load(r.at["y"], i)))
+        good = r.less(size, number(float(self.model.bound)))
+        for gap in self._results(r, lines):
+            good = r.b.and_(good, r.less(number(0.0), gap))
+        r.store(r.b.sext(good, r.at["good"].type.pointee), r.at["good"])
+        r.done()
+        return r
+
+    def phases(self, frequencies: Straight) -> Routine:
+        """Write ``phases``: cosine and sine of every harmonic, each lane at its own time."""
+        r = Routine(self.module, "phases", {"time": "rows", "p": "rows", "c": "rows"})
+        for i, frequency in enumerate(self._results(r, frequencies)):
+            angle = r.mul(frequency, r.load(r.at["time"]))
+            r.store(r.per_lane("cos", angle), r.at["c"], 2 * i)
+            r.store(r.per_lane("sin", angle), r.at["c"], 2 * i + 1)
+        r.done()
+        return r
+
+    def _results(self, r: Routine, lines: Straight) -> Sequence[Value]:
+        code = self._code(r, lines.names())
+        for symbol, e in split(lines)[0]:
+            code.names[symbol.name] = code.value(e)
+        return [code.value(e) for e in lines.results]
+
+    def _code(self, r: Routine, names: set[str]) -> VectorCode:
+        """Values of the named inputs of a routine."""
+        known = {
+            local_name(s): r.load(r.at["y"], i) for i, s in enumerate(self.model.states) if local_name(s) in names
+        }  # fmt: skip
+        if "v" in r.at:
+            directions = {direction_name(s): i for i, s in enumerate(self.model.states)}
+            known |= {name: r.load(r.at["v"], i) for name, i in directions.items() if name in names}
+        known |= {q.name: r.load(r.at["p"], i) for i, q in enumerate(self.hoisted.symbols) if q.name in names}
+        for i in range(len(self.model.harmonics)):
+            for part, kind in enumerate("cs"):
+                if f"{kind}{i}" in names:
+                    wave = r.load(r.at["c"], 2 * i + part)
+                    known[f"{kind}{i}"] = r.spread(wave) if self.time == "locked" else wave
+        return VectorCode(r, known, self.roots)
+
+
+def split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:
+    """Assignments that the coordinates of tables need (all of them where no table is read), and the others."""
+    steps = [step for step in lines.steps if not isinstance(step, Read)]
+    reads = [step for step in lines.steps if isinstance(step, Read)]
+    if not reads:
+        return steps, []
+    needed = {c for read in reads for c in read.coordinates}
+    for symbol, e in reversed(steps):
+        if symbol in needed:
+            needed |= e.free_symbols
+    return [s for s in steps if s[0] in needed], [s for s in steps if s[0] not in needed]
+
+

@@ -1,0 +1,240 @@
+"""Who computes the chunks of a sweep: threads of this process, or the workers of a Dask cluster. One task for both.
+
+A task computes one chunk and writes it into the store; only a small outcome comes back.
+"""
+
+import errno
+from collections.abc import Iterable, Iterator, Mapping
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import islice
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from whirlmap.errors import OutputError
+from whirlmap.integrate.system import System
+from whirlmap.sweep.identity import kernel_hash
+from whirlmap.sweep.points import Labelling, points_dataset
+from whirlmap.sweep.refine import refine
+from whirlmap.sweep.space import Space
+from whirlmap.sweep.store import EVALUATION, Evaluation, Store
+
+#: How often a chunk is tried.
+ATTEMPTS = 3
+#: Tasks that wait at the scheduler for each thread of the cluster: enough to keep them busy, few for its memory.
+AHEAD = 4
+#: What the operating system says when no chunk can be written, whichever it is.
+DISK = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up", errno.EROFS: "the disk is read-only",
+        errno.EACCES: "writing is not allowed", errno.EPERM: "writing is not allowed"}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What became of one chunk.
+
+    Attributes
+    ----------
+    number : int
+    counts : mapping of int to int
+        Points of each regime.
+    evaluated : int
+        Points that were computed, not inferred.
+    fault : str
+        Why it failed; empty where it is done.
+    stop : bool
+        Whether the fault is none of the chunk: the sweep must stop.
+    """
+
+    number: int
+    counts: Mapping[int, int] = field(default_factory=dict)
+    evaluated: int = 0
+    fault: str = ""
+    stop: bool = False
+
+
+@dataclass(frozen=True)
+class Job:
+    """What all tasks of a sweep share; goes to every worker once.
+
+    Attributes
+    ----------
+    folder : Path
+        The store.
+    coarse : int
+        Spacing of the first lattice of `refine`; 0: every point is computed.
+    kernel : str
+        `kernel_hash` of the process that began; a worker with another one refuses.
+    """
+
+    folder: Path
+    system: System
+    space: Space
+    labelling: Labelling
+    coarse: int
+    kernel: str
+
+    @cached_property
+    def store(self) -> Store:
+        """The store, opened once in each process."""
+        return Store(self.folder)
+
+    def __getstate__(self) -> dict[str, Any]:
+        """What is sent to workers: not the open store."""
+        return {name: value for name, value in self.__dict__.items() if name != "store"}
+
+    def compute(self, number: int) -> dict[str, NDArray[Any]]:
+        """Label the points of a chunk: every array of the store over its box."""
+        chunks = self.store.chunks
+        index = chunks.index(number)
+        box = tuple(s.stop - s.start for s in chunks.box(number))
+        if not self.coarse:
+            ds = self._label(index)
+            where = np.arange(index[0].size)
+            labels = None
+        else:
+            rows, columns = (s.start for s in chunks.box(number))
+            parts: list[tuple[NDArray[np.intp], xr.Dataset]] = []
+
+            def evaluate(at: tuple[NDArray[np.intp], NDArray[np.intp]]) -> NDArray[np.int64]:
+                part = self._label((at[0] + rows, at[1] + columns))
+                parts.append((at[0] * box[1] + at[1], part))
+                return label_codes(part)
+
+            labels, _ = refine((box[0], box[1]), evaluate, coarse=self.coarse)
+            where = np.concatenate([at for at, _ in parts])
+            ds = xr.concat(
+                [part for _, part in parts], "point", data_vars="minimal", coords="minimal", join="exact",
+                combine_attrs="override",
+            )  # fmt: skip
+        out: dict[str, NDArray[Any]] = {}
+        for name, array in self.store.arrays.items():
+            full = np.full((index[0].size, *array.shape[len(box) :]), array.fill_value, dtype=array.dtype)
+            if name == EVALUATION:
+                full[:] = Evaluation.inferred
+                full[where] = Evaluation.computed
+            else:
+                full[where] = ds[name].values
+            out[name] = full
+        if labels is not None:
+            _infer(out, labels.ravel())
+        return {name: full.reshape(*box, *full.shape[1:]) for name, full in out.items()}
+
+    def _label(self, index: tuple[NDArray[np.intp], ...]) -> xr.Dataset:
+        columns = self.space.columns(index)
+        measured, _ = self.labelling.measure(self.system, columns)
+        return points_dataset(self.system, columns, measured)
+
+
+def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
+    """What must agree for a cell to be left alone: regime, how the run ended, and the number of T."""
+    return np.asarray(
+        ds["regime"].values.astype(np.int64) + 10 * ds["status"].values.astype(np.int64)
+        + 100 * ds["period_T"].values.astype(np.int64)
+    )  # fmt: skip
+
+
+def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
+    inferred = out[EVALUATION] == Evaluation.inferred
+    for name, code in (("regime", labels % 10), ("status", labels // 10 % 10), ("period_T", labels // 100)):
+        out[name][inferred] = code[inferred]
+
+
+def attempt(job: Job, number: int) -> Outcome:
+    """Compute and commit one chunk, up to `ATTEMPTS` times; the outcome says what became of it."""
+    own = kernel_hash(job.system, job.labelling.method)
+    if own != job.kernel:
+        return Outcome(number, fault=f"this worker's kernels are {own[:12]}, the store's {job.kernel[:12]}: another version"
+                       " of whirlmap or its libraries, or another processor", stop=True)  # fmt: skip
+    fault = ""
+    for _ in range(ATTEMPTS):
+        try:
+            data = job.compute(number)
+            job.store.commit(number, data)
+        except OSError as error:
+            if error.errno in DISK:
+                return Outcome(number, fault=f"{DISK[error.errno]} ({job.folder})", stop=True)
+            fault = f"{type(error).__name__}: {error}"
+        except Exception as error:
+            fault = f"{type(error).__name__}: {error}"
+        else:
+            values, counts = np.unique(data["regime"], return_counts=True)
+            evaluated = int((data[EVALUATION] == Evaluation.computed).sum())
+            return Outcome(number, dict(zip(values.tolist(), counts.tolist(), strict=True)), evaluated)
+    return Outcome(number, fault=fault)
+
+
+def in_threads(job: Job, numbers: Iterable[int], workers: int) -> Iterator[Outcome]:
+    """Compute chunks in threads of this process, one in each; closing the iterator waits for those that run."""
+    left = iter(numbers)
+    running: set[Future[Outcome]] = set()
+    pool = ThreadPoolExecutor(workers)
+    try:
+        while True:
+            for number in islice(left, workers + 1 - len(running)):
+                running.add(pool.submit(attempt, job, number))
+            if not running:
+                return
+            done, running = wait(running, return_when=FIRST_COMPLETED)
+            for future in done:
+                yield future.result()
+    finally:
+        pool.shutdown(cancel_futures=True)
+
+
+def in_dask(job: Job, numbers: Iterable[int], cluster: Any) -> Iterator[Outcome]:
+    """Compute chunks on a Dask cluster.
+
+    Parameters
+    ----------
+    cluster : str, Cluster or Client
+        Address of a scheduler, a cluster object (of dask-jobqueue, for example), or a client.
+
+    Notes
+    -----
+    The job goes out as the result of a task, which the scheduler makes again should the workers that hold it die. A chunk
+    whose workers died more often than ``distributed.scheduler.allowed-failures`` (3) has failed.
+    """
+    try:
+        from distributed import Client, KilledWorker, as_completed
+    except ImportError:
+        raise OutputError("Dask is not installed: pip install 'whirlmap[dask]'") from None
+    own = not isinstance(cluster, Client)
+    try:
+        client = Client(cluster) if own else cluster
+    except (OSError, ValueError) as error:
+        raise OutputError(f"no Dask scheduler answers at {cluster}: {error}") from None
+    left = iter(numbers)
+    try:
+        shared = client.submit(_same, job, pure=False)
+        waiting = as_completed()
+        names: dict[Any, int] = {}
+        while True:
+            room = AHEAD * max(sum(client.nthreads().values()), 1) - len(names)
+            for number in islice(left, max(room, 0)):
+                future = client.submit(attempt, shared, number, pure=False)
+                names[future.key] = number
+                waiting.add(future)
+            if not names:
+                return
+            future = next(waiting)
+            number = names.pop(future.key)
+            if future.status in ("cancelled", "lost"):
+                raise OutputError(f"the Dask scheduler {client.scheduler_info().get('address', '')} is gone")
+            try:
+                yield future.result()
+            except KilledWorker as error:
+                yield Outcome(number, fault=f"its workers died, again and again: {error}")
+    except (OSError, TimeoutError) as error:
+        raise OutputError(f"the Dask scheduler is gone: {error}") from None
+    finally:
+        if own:
+            client.close()
+
+
+def _same(job: Job) -> Job:
+    return job
