@@ -130,11 +130,12 @@ def own_windows(d: Labelled, k: int) -> dict[str, Callable[[Labelled, Claim], Ju
     """
     out = {}
     for p, psi in enumerate(PSI):
-        kind = np.array([next(name for name, m in d.kinds.items() if m[k, p, i]) for i in range(d.s.size)])
+        kind = np.array([next((name for name, m in d.kinds.items() if m[k, p, i]), "") for i in range(d.s.size)])
         begins = np.flatnonzero(np.r_[True, kind[1:] != kind[:-1]])
         for a, b in zip(begins, [*begins[1:], d.s.size], strict=True):
             low, high = float(d.s[a]), float(d.s[b - 1])
-            out[f"psi {psi:g}, s {low:g} .. {high:g}: {kind[a]}"] = window(psi, low, high, str(kind[a]))
+            if kind[a]:  # a run that failed says nothing
+                out[f"psi {psi:g}, s {low:g} .. {high:g}: {kind[a]}"] = window(psi, low, high, str(kind[a]))
     return out
 
 
