@@ -162,8 +162,8 @@ def reproduction(monkeypatch, tmp_path):
     """A study that takes no time, and says what it was asked for."""
     asked = []
 
-    def study(out, *, quality, workers, progress):
-        asked.append((str(out), quality, workers))
+    def study(out, *, quality, cases, workers, progress):
+        asked.append((str(out), quality, cases, workers))
         progress(10)
         verdicts = {"machine": {"fig2": {"verdict": "reproduced", "found": "1T"}}}
         return {"report": tmp_path / "report.html", "figures": [], "verdicts": verdicts}
@@ -176,7 +176,11 @@ def test_reproduce_prints_the_verdict_on_every_claim(reproduction):
     assert "fig2    reproduced" in done("reproduce").stdout
     content = json.loads(done("reproduce --quality full --out there --workers 1 --json").stdout)
     assert content["verdicts"]["machine"]["fig2"]["verdict"] == "reproduced"
-    assert reproduction == [("reproduction", "quick", None), ("there", "full", 1)]
+    assert done("reproduce --case gear-psfd/machine").stdout
+    assert reproduction == [
+        ("reproduction", "quick", None, None), ("there", "full", None, 1),
+        ("reproduction", "quick", ["gear-psfd/machine"], None),
+    ]  # fmt: skip
 
 
 def test_an_interrupted_reproduction_says_where_its_parts_are(reproduction, monkeypatch):

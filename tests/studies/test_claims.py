@@ -8,10 +8,14 @@ import pytest
 import xarray as xr
 
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd.claims import JUDGES, claims, judge, safe_windows
-from whirlmap.studies.gear_psfd.evidence import EDITIONS, PSI, QUALITIES, S_ORBIT, Evidence, speeds
+from whirlmap.results.status import Status
+from whirlmap.studies.gear_psfd.claims import JUDGES, WORDS, claims
+from whirlmap.studies.gear_psfd.evidence import EDITIONS, QUALITIES, Evidence, speeds
+from whirlmap.studies.gear_psfd.labelled import PSI, S_ORBIT
+from whirlmap.studies.gear_psfd.verdicts import judge, labelled, safe_windows
 
-WORDS = {"holds", "fails", "partly", "cannot be evaluated"}
+#: What is read of a system here: the paper's clock.
+SYSTEM = SimpleNamespace(common_period=16 * np.pi)
 
 
 def diagram(chaotic, *, swing=lambda s: 0.1 * s, ended=lambda s: np.zeros(s.shape, bool)):
@@ -24,6 +28,7 @@ def diagram(chaotic, *, swing=lambda s: 0.1 * s, ended=lambda s: np.zeros(s.shap
     return xr.Dataset(
         {
             "regime": ("s", regime), "period_T": ("s", np.where(where, 0, 8)),
+            "status": ("s", np.where(ended(s), Status.contact, Status.ok)),
             "lyapunov": ("s", np.where(where, 0.1, np.nan)), "lyapunov_error": ("s", np.where(where, 0.01, np.nan)),
             "maximum": (("s", "quantity"), pp[:, None]), "minimum": (("s", "quantity"), 0 * pp[:, None]),
         },
@@ -57,7 +62,7 @@ def as_the_paper_says():
         0.1: diagram(in_windows((1.6, 1.62), (3.15, 9)), swing=lambda s: 0.05 * s),
     }
     dims = {(psi, y): dimension(v) for psi in PSI for y, v in (("yp", 1.28), ("y2", 1.41))}
-    return Evidence(EDITIONS[1], SimpleNamespace(), QUALITIES["full"], diagrams, {psi: orbit() for psi in PSI}, dims)
+    return Evidence(EDITIONS[1], SYSTEM, QUALITIES["full"], diagrams, {psi: orbit() for psi in PSI}, dims)
 
 
 def test_every_claim_has_one_judge():
@@ -74,7 +79,7 @@ def test_evidence_in_the_papers_words_satisfies_every_claim():
 def test_a_calm_machine_refutes_the_chaos():
     calm = {psi: diagram(lambda s: s < 0, swing=lambda s: 1 / s) for psi in PSI}
     e = Evidence(
-        EDITIONS[1], SimpleNamespace(), QUALITIES["full"], calm, {psi: orbit(-0.1, 0.01, 4, 0.0) for psi in PSI},
+        EDITIONS[1], SYSTEM, QUALITIES["full"], calm, {psi: orbit(-0.1, 0.01, 4, 0.0) for psi in PSI},
         {(psi, y): {} for psi in PSI for y in ("yp", "y2")},
     )  # fmt: skip
     words = {v.claim.id: v.word for v in judge(e)}
@@ -92,11 +97,11 @@ def test_contact_everywhere_is_no_motion_to_judge():
     gone = {psi: diagram(lambda s: s < 0, ended=lambda s: s > 0) for psi in PSI}
     ended = xr.Dataset({"regime": int(Regime.contact)}, attrs={"indicators": "{}"})
     e = Evidence(
-        EDITIONS[0], SimpleNamespace(), QUALITIES["full"], gone, dict.fromkeys(PSI, ended),
+        EDITIONS[0], SYSTEM, QUALITIES["full"], gone, dict.fromkeys(PSI, ended),
         {(psi, y): {} for psi in PSI for y in ("yp", "y2")},
     )  # fmt: skip
     words = {v.claim.id: v.word for v in judge(e)}
-    assert set(words.values()) <= WORDS
+    assert set(words.values()) <= set(WORDS)
     assert "holds" not in words.values()
     for claim in ("fig2-nonperiodic", "fig2-amplitude-grows", "fig67-lyapunov", "permeability-suppresses-amplitude"):
         assert words[claim] == "cannot be evaluated"
@@ -110,7 +115,7 @@ def test_the_wrong_dimension_fails():
 
 
 def test_safe_windows_are_the_stretches_that_return():
-    windows = safe_windows(as_the_paper_says().diagrams[1e-4])
+    windows = safe_windows(labelled(as_the_paper_says()), PSI.index(1e-4))
     assert [(round(a, 1), round(b, 1)) for a, b, _ in windows] == [(0.3, 1.2), (1.6, 3.1)]
 
 

@@ -225,7 +225,7 @@ def spin_suits_arc(values: Mapping[str, float]) -> str:
 
 def refuse_combination(switches: Mapping[str, str]) -> None:
     """Refuse switches that contradict each other."""
-    on = [name for name, off in BEYOND.items() if switches[name] != off]
+    on = [name for name, off in BEYOND.items() if switches[name] not in (off, "ignore")]  # the print has no wall either
     if switches["edition"] == "literal":
         if switches["arc"] == "positive":
             raise ModelError(
@@ -238,6 +238,11 @@ def refuse_combination(switches: Mapping[str, str]) -> None:
                 f"edition = literal has no {asked}: it is equations (30)-(41) as printed and nothing else; use edition ="
                 " intended or physical"
             )
+    if switches["contact"] == "ignore" and switches["film"] != "printed":
+        raise ModelError(
+            "contact = ignore needs film = printed: only the film without h^3 goes on beyond an eccentricity of one;"
+            " use contact = stop"
+        )
     for name in ("stiffness", "backlash", "torsion"):
         if name in on and switches["mesh"] != "line":
             raise ModelError(
@@ -281,7 +286,9 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         stops={
             "contact_1": Stop(1 - u1x**2 - u1y**2, f"journal 1: {wall}", reachable),
             "contact_2": Stop(1 - u2x**2 - u2y**2, f"journal 2: {wall}", reachable),
-        },
+        }
+        if switches["contact"] != "ignore"
+        else {},
         switchings=switchings(switches),
         start="equilibrium",
         start_where_none={u1x: 0.1, u2x: 0.1},
@@ -325,7 +332,7 @@ GEAR_PAIR = Family(
         "edition": ("intended", "literal", "physical"),
         "film": ("porous", "printed"),
         "arc": ("fixed", "positive"),
-        "contact": ("stop", "rub"),
+        "contact": ("stop", "rub", "ignore"),
         "mesh": ("isotropic", "line"),
         "stiffness": ("constant", "fourier", "rectangular"),
         "backlash": ("none", "dead_zone"),
@@ -337,7 +344,7 @@ GEAR_PAIR = Family(
         "edition": "equations as printed, as derived, or as derived with each shaft on its own clock",
         "film": "with h^3 + 12 Phi H, or as printed with h^3 dropped",
         "arc": "half film fixed at 0..pi, or where the pressure is positive",
-        "contact": "whether a journal that reaches its bearing ends the run, or rubs from the roughness on",
+        "contact": "whether a journal that reaches its bearing ends the run, rubs from the roughness on, or goes on as the printed film does",
         "mesh": "teeth without direction or load, or along the line of action with a transmitted torque",
         "stiffness": "mesh stiffness that is constant, a Fourier series, or that of one pair of teeth and two",
         "backlash": "teeth without play, or that leave each other inside a dead zone",

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
 
 DATASETS = (".nc",)
 PICTURES = (".png", ".svg", ".pdf")
+TEXTS = (".md", ".json", ".toml")
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
     if not parent.is_dir():
         reason = "is not a folder" if parent.exists() else "does not exist"
         raise OutputError(f"{path}: the folder {parent} {reason}; make it first")
-    as_file = path.suffix.lower() in (*DATASETS, *PICTURES)
+    as_file = path.suffix.lower() in (*DATASETS, *PICTURES, *TEXTS)
     if as_file and path.is_dir():
         raise OutputError(f"{path}: found a folder, expected a file or nothing")
     if not as_file and path.exists() and not path.is_dir():

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Mapping
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -14,25 +15,21 @@ from whirlmap.analysis.dimension import STATUS as DIMENSION_STATUS
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
 from whirlmap.analysis.settling import Settling
-from whirlmap.errors import RangeError
+from whirlmap.errors import CaseError, RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT
 from whirlmap.sweep.diagram import bifurcation_diagram
 
 Array = NDArray[np.float64]
 
-#: Permeabilities of Figures 2 to 5, and the speed of Figures 6 and 7.
-PSI = (0.0, 1e-4, 1e-3, 0.1)
-S_ORBIT = 3.27
 #: Speeds drawn; the paper names speeds from 1.18 to 3.27 and shows at least those.
 S_RANGE = (0.3, 4.0)
 #: Speeds that a claim names by themselves, always among those computed.
 S_NAMED = (1.60, 1.61, 1.62)
 #: Fourth-order Runge-Kutta, as in the paper, which does not say its steps.
 PAPERS_METHOD: Any = {"method": "rk4", "steps": 100}
-#: Coordinates of Figures 6 and 7, with the figure's number.
-ORBITS = {"yp": 6, "y2": 7}
 
 
 @dataclass(frozen=True)
@@ -93,6 +90,25 @@ QUALITIES = {
     "quick": Quality(32, Settling(transient=20, most=8, keep=16), 32, Settling(transient=30, most=16), 4000, 100),
     "full": Quality(600, Settling(transient=80, most=16, keep=64), 64, Settling(transient=200, most=64), 20480, 1600),
 }
+
+
+def edition_of(case: str) -> Edition:
+    """Return one of `EDITIONS` by its case, or another case of the gear pair as an edition of its own.
+
+    Raises
+    ------
+    CaseError
+        Where the case is not one of the gear pair.
+    """
+    for edition in EDITIONS:
+        if edition.case == case:
+            return edition
+    system = load(case)
+    if system.model.name != "gear_pair":
+        raise CaseError(f"{case}: found the model {system.model.name}, expected a case of the gear pair")
+    switches = ", ".join(f"{k} {v}" for k, v in system.model.switches.items())
+    name = Path(case).stem
+    return Edition(name, case, float(4 * system.values["r_p"]), f"the case {name} ({switches})")
 
 
 def quality_named(name: str) -> Quality:

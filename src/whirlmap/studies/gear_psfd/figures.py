@@ -14,7 +14,8 @@ from whirlmap.plot.figures import paper_diagram_figure, paper_orbit_figure
 from whirlmap.plot.parts import parts_of, spectrum_of
 from whirlmap.plot.save import encode
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd.evidence import ORBITS, PSI, S_ORBIT, Evidence
+from whirlmap.studies.gear_psfd.evidence import Evidence
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT
 
 #: Of the pictures, which the report carries inside: sharp on a screen.
 DPI = 120

@@ -12,8 +12,9 @@ from typing import Any
 from jinja2 import Environment, StrictUndefined
 
 from whirlmap.studies.gear_psfd.assumptions import strained
-from whirlmap.studies.gear_psfd.claims import Verdict, claims
+from whirlmap.studies.gear_psfd.claims import claims
 from whirlmap.studies.gear_psfd.evidence import Evidence
+from whirlmap.studies.gear_psfd.verdicts import Verdict
 
 HERE = files("whirlmap.studies.gear_psfd")
 
@@ -62,10 +63,17 @@ def write_report(
             provenance=[(e.edition.name, _provenance(e)) for e, _ in done],
             pictures=pictures,
             quality=quality,
+            identified=_identified(),
             amounts=[(e.edition.name, _amount(e)) for e, _ in done],
         ),
         encoding="utf-8",
     )
+
+
+def _identified() -> dict[str, Any] | None:
+    """What a search over the unpublished parameters found (`whirlmap identify`); None where none is kept."""
+    kept = HERE.joinpath("identified.json")
+    return dict(json.loads(kept.read_text(encoding="utf-8"))) if kept.is_file() else None
 
 
 def _equations() -> list[dict[str, Any]]:

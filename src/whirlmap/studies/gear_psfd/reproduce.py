@@ -1,16 +1,17 @@
 """The paper, reproduced and judged: figures, data and a report that opens from disk."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
 from whirlmap.integrate.ensemble import cores
 from whirlmap.results.files import write
-from whirlmap.studies.gear_psfd.claims import Verdict, judge
-from whirlmap.studies.gear_psfd.evidence import EDITIONS, ORBITS, PSI, Evidence, gather, quality_named
+from whirlmap.studies.gear_psfd.evidence import EDITIONS, Edition, Evidence, edition_of, gather, quality_named
 from whirlmap.studies.gear_psfd.figures import DIAGRAM_NUMBER, Studio, plans
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI
 from whirlmap.studies.gear_psfd.output import Folder
 from whirlmap.studies.gear_psfd.report import Picture, write_report
+from whirlmap.studies.gear_psfd.verdicts import Verdict, judge
 
 REPORT = "report.html"
 
@@ -19,6 +20,7 @@ def reproduce(
     out: Path,
     *,
     quality: str = "quick",
+    cases: Sequence[str] | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> dict[str, Any]:
@@ -32,6 +34,8 @@ def reproduce(
         Folder; made where it does not exist. Files that an earlier reproduction wrote are replaced, others never.
     quality : {"quick", "full"}
         How much is computed (`evidence.QUALITIES`).
+    cases : sequence of str, optional
+        Cases of the gear pair, instead of the three editions.
 
     Returns
     -------
@@ -42,16 +46,19 @@ def reproduce(
     ------
     RangeError
         Where the quality is unknown.
+    CaseError
+        Where a case is unknown or not one of the gear pair.
     OutputError
         Where the folder cannot be written, or holds a file of that name that is not its own.
     """
     level = quality_named(quality)
+    editions = EDITIONS if cases is None else tuple(edition_of(case) for case in cases)
     folder = Folder(Path(out))
-    folder.check(file_names())
+    folder.check(file_names(editions))
     done: list[tuple[Evidence, list[Verdict]]] = []
     pictures: list[Picture] = []
     with Studio(workers or cores()) as studio:
-        for edition in EDITIONS:
+        for edition in editions:
             evidence = gather(edition, level, workers=workers, progress=progress)
             for psi in PSI:
                 for kind, ds in (("diagram", evidence.diagrams[psi]), ("orbit", evidence.orbits[psi])):
@@ -70,10 +77,10 @@ def reproduce(
     }
 
 
-def file_names() -> list[str]:
+def file_names(editions: Sequence[Edition] = EDITIONS) -> list[str]:
     """Every file that a reproduction writes, but for its manifest."""
     names = [REPORT]
-    for edition in EDITIONS:
+    for edition in editions:
         for psi in PSI:
             names += [f"{kind}-{edition.name}-psi{psi:g}.nc" for kind in ("diagram", "orbit")]
             names.append(f"fig{DIAGRAM_NUMBER[psi]}-{edition.name}.png")

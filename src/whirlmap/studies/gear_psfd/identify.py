@@ -1,0 +1,323 @@
+"""Which machine did the paper compute? Its claims, asked of every plausible set of the numbers that it does not give.
+
+1. A space-filling design (`ranges.design`) in nested blocks of `BLOCK` sets, the same sets for every variant
+   (`variants`), so that variants are compared set by set.
+2. For every set a coarse labelled diagram: the four permeabilities times `SPEEDS`, which lie inside the windows that the
+   claims name. The claims judge it (`claims`).
+3. A variant has enough sets where the 95 % interval (Wilson) of every claim's share is within `PRECISION`.
+
+Everything is kept in pieces (`blocks`), each a function of the settings and its name alone.
+"""
+
+import hashlib
+import time
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from whirlmap import __version__
+from whirlmap.analysis.settling import Settling
+from whirlmap.errors import RangeError
+from whirlmap.results.schema import variable, with_attributes
+from whirlmap.studies.gear_psfd.blocks import Blocks
+from whirlmap.studies.gear_psfd.claims import HOLDS, NEED_ORBIT, judge_all
+from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT, Array, Labelled, Orbits, least_exponent
+from whirlmap.studies.gear_psfd.ranges import Range, design, digest, ranges
+from whirlmap.studies.gear_psfd.variants import VARIANTS, Variant
+from whirlmap.studies.gear_psfd.verdicts import known_regime
+from whirlmap.sweep.identity import kernel_hash
+from whirlmap.sweep.points import label_points
+
+Progress = Callable[[int], None]
+
+#: Sets in one block.
+BLOCK = 512
+#: Half of the widest interval that is good enough, and the quantile of a 95 % interval.
+PRECISION, Z = 0.02, 1.959964
+#: Sets by which the cost is measured before the start.
+PILOT = 8
+#: Method of integration.
+METHOD = "dop853"
+#: Speeds of the coarse diagrams, the paper's s: 2 to 4 in each window of the claims, and the named 1.61 and 3.27.
+SPEEDS = (0.6, 0.9, 1.1, 1.25, 1.4, 1.5, 1.56, 1.61, 1.9, 2.3, 2.8, S_ORBIT, 3.5, 3.8)
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What every number of a search depends on, but for the variant.
+
+    Attributes
+    ----------
+    seed : int
+        Of the design and of the refinement.
+    speeds : tuple of float
+        The paper's s.
+    settling : Settling
+    exponent_periods : int
+        Common periods of the exponent of points that do not return.
+    accuracy : float
+        Error over one common period that steps are chosen for.
+    ranges : tuple of Range
+    """
+
+    seed: int = 1
+    speeds: tuple[float, ...] = SPEEDS
+    settling: Settling = field(default_factory=lambda: Settling(transient=40, most=8, keep=16))
+    exponent_periods: int = 64
+    accuracy: float = 1e-4
+    ranges: tuple[Range, ...] = field(default_factory=ranges)
+
+    def identity(self) -> dict[str, Any]:
+        """Plain data that tell one search from another: these settings, and all that decides the bits of a point."""
+        kernels = "".join(kernel_hash(v.system(), METHOD) for v in VARIANTS)
+        return {
+            "version": __version__, "seed": self.seed, "speeds": list(self.speeds), "psi": list(PSI),
+            "settling": asdict(self.settling), "exponent_periods": self.exponent_periods, "accuracy": self.accuracy,
+            "method": METHOD, "ranges": digest(self.ranges), "kernels": hashlib.sha256(kernels.encode()).hexdigest()[:16],
+        }  # fmt: skip
+
+    @property
+    def points(self) -> int:
+        """Operating points of one set."""
+        return len(PSI) * len(self.speeds)
+
+
+def diagrams(
+    variant: Variant, sets: Array, settings: Settings, *, workers: int | None = None, progress: Progress | None = None
+) -> xr.Dataset:
+    """Compute the coarse labelled diagrams of many parameter sets in one call.
+
+    Parameters
+    ----------
+    sets : array, shape (group, set)
+        Values in the order of ``settings.ranges``; those that the edition does not read change nothing.
+
+    Returns
+    -------
+    xr.Dataset
+        Over (set, psi, s): ``regime``, ``status``, ``period_T``, ``lyapunov``, ``lyapunov_error``, ``amplitude`` (of y_p),
+        ``max_eccentricity``, ``settled_after``, ``start_found``, ``steps``, ``step_verdict``, ``end_time``; and
+        ``value(group, set)``.
+    """
+    system = variant.system()
+    n, speeds = sets.shape[1], np.asarray(settings.speeds)
+    read = [k for k, r in enumerate(settings.ranges) if r.name in system.parameters]
+    columns: dict[str, Array] = {settings.ranges[k].name: np.repeat(sets[k], settings.points) for k in read}
+    columns["psi"] = np.tile(np.repeat(PSI, speeds.size), n)
+    columns["s"] = np.tile(speeds, len(PSI) * n)
+    ds = label_points(
+        system, columns, settling=settings.settling, lyapunov=settings.exponent_periods, accuracy=settings.accuracy,
+        method=METHOD, workers=workers, progress=progress,
+    )  # fmt: skip
+    over = ("set", "psi", "s")
+
+    def shaped(values: NDArray[Any]) -> NDArray[Any]:
+        return values.reshape(n, len(PSI), speeds.size)
+
+    kept = ("regime", "status", "period_T", "lyapunov", "lyapunov_error", "settled_after", "start_found", "steps",
+            "step_verdict", "end_time")  # fmt: skip
+    data = {name: (over, shaped(ds[name].values), ds[name].attrs) for name in kept}
+    span = ds["peak_to_peak"].sel(quantity="yp").values
+    data["amplitude"] = variable(over, shaped(span), "1", "peak-to-peak of y_p")
+    deepest = ds["max_eccentricity"].max("bearing", skipna=False).values
+    data["max_eccentricity"] = variable(over, shaped(deepest), "1", "largest eccentricity of either journal")
+    data["value"] = variable(("group", "set"), sets, "1", "parameter set")
+    made = xr.Dataset(
+        data,
+        {
+            "psi": variable("psi", PSI, "1", "permeability"), "s": variable("s", speeds, "1", "speed ratio of the paper"),
+            "group": ("group", [r.name for r in settings.ranges], {"long_name": "group"}),
+        },
+    )  # fmt: skip
+    kept_attributes = {k: v for k, v in ds.attrs.items() if k not in ("date", "command")}
+    facts = {"variant": variant.name, "seed": settings.seed, "common_period": system.common_period}
+    return with_attributes(made, kept_attributes | facts)
+
+
+def labelled(ds: xr.Dataset, settings: Settings, orbits: Mapping[str, Array] | None = None) -> Labelled:
+    """Arrange coarse diagrams as the claims read them; without ``orbits`` nothing is known of spectra and dimensions."""
+    regime = known_regime(ds["regime"].values, ds["status"].values)
+    at = settings.speeds.index(S_ORBIT)
+    exponent, error = ds["lyapunov"].values, ds["lyapunov_error"].values
+    nothing = np.full(regime.shape[:2], np.nan)
+    known = orbits or {}
+    least = least_exponent(settings.exponent_periods, float(ds.attrs["common_period"]))
+    return Labelled(
+        s=ds["s"].values, regime=regime, period=ds["period_T"].values, exponent=exponent, error=error,
+        amplitude=ds["amplitude"].values,
+        slowness=np.clip(ds["settled_after"].values / settings.settling.longest, 0.0, 1.0),
+        forced=int(ds.attrs["common_multiple"]), least=least,
+        orbits=Orbits(
+            regime[:, :, at], exponent[:, :, at], error[:, :, at], known.get("lines", nothing),
+            known.get("broadband", nothing),
+            {y: (known.get(f"D2_{y}", nothing), known.get(f"D2_error_{y}", nothing)) for y in ORBITS}, least,
+        ),
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Judged:
+    """Sets of one variant and what the claims say of them; arrays over (claim, set)."""
+
+    variant: Variant
+    claims: tuple[str, ...]
+    values: Array
+    word: NDArray[np.int8]
+    score: Array
+    labelled: Labelled
+
+    @property
+    def holds(self) -> NDArray[np.bool_]:
+        """Which claims hold, shape (claim, set)."""
+        return self.word == HOLDS
+
+    @property
+    def diagram_claims(self) -> NDArray[np.bool_]:
+        """Claims that a labelled diagram decides."""
+        return ~np.isin(self.claims, NEED_ORBIT)
+
+    @property
+    def total(self) -> Array:
+        """Mean score of each set over the claims that a labelled diagram decides."""
+        return np.asarray(self.score[self.diagram_claims].mean(axis=0))
+
+    @property
+    def order(self) -> NDArray[np.intp]:
+        """Sets, best first: by the number of claims that hold, then by score, then as they come."""
+        met = self.holds[self.diagram_claims].sum(axis=0)
+        return np.lexsort((-self.total, -met))
+
+
+def judge_sets(variant: Variant, ds: xr.Dataset, settings: Settings) -> Judged:
+    """Ask every claim of every set of some diagrams."""
+    d = labelled(ds, settings)
+    found = judge_all(d)
+    word = np.stack([j.word for j in found.values()])
+    score = np.stack([j.score for j in found.values()])
+    return Judged(variant, tuple(found), ds["value"].values, word, score, d)
+
+
+def wilson(count: NDArray[np.integer], n: int) -> tuple[Array, Array]:
+    """Wilson's 95 % interval of a share."""
+    p, z2 = count / n, Z**2
+    centre = (p + z2 / (2 * n)) / (1 + z2 / n)
+    half = Z / (1 + z2 / n) * np.sqrt(p * (1 - p) / n + z2 / (4 * n**2))
+    return np.where(count == 0, 0.0, centre - half), np.where(count == n, 1.0, centre + half)
+
+
+def precise(judged: Judged) -> bool:
+    """Whether the share of every claim that a diagram decides is known to `PRECISION`."""
+    holds = judged.holds[judged.diagram_claims]
+    low, high = wilson(holds.sum(axis=1), holds.shape[1])
+    return bool(((high - low) / 2 <= PRECISION).all())
+
+
+def piece(variant: Variant, first: int, count: int) -> str:
+    """Name of a block."""
+    return f"{variant.name}.{first:06d}-{first + count:06d}"
+
+
+def plan(sets: int) -> list[tuple[int, int]]:
+    """First set and number of sets of every block."""
+    return [(first, min(BLOCK, sets - first)) for first in range(0, sets, BLOCK)]
+
+
+def finished(blocks: Blocks, variant: Variant) -> list[str]:
+    """Finished blocks of a variant that follow each other from set 0 on, the longest where several begin at one set."""
+    spans: dict[int, int] = {}
+    for name in blocks.names(f"{variant.name}."):
+        first, last = (int(part) for part in name.rpartition(".")[2].split("-"))
+        spans[first] = max(spans.get(first, 0), last)
+    out, at = [], 0
+    while at in spans:
+        out.append(piece(variant, at, spans[at] - at))
+        at = spans[at]
+    return out
+
+
+def judged_so_far(blocks: Blocks, variant: Variant, settings: Settings) -> Judged | None:
+    """Judge all finished sets of a variant; None where there are none."""
+    names = finished(blocks, variant)
+    if not names:
+        return None
+    parts = [blocks[name] for name in names]
+    ds = parts[0] if len(parts) == 1 else xr.concat(parts, "set", data_vars="minimal", coords="minimal", compat="override")
+    return judge_sets(variant, ds, settings)
+
+
+@dataclass(frozen=True)
+class Cost:
+    """What one set of each variant costs, from a pilot."""
+
+    seconds: dict[str, float]
+
+    def of(self, variant: Variant, sets: int) -> float:
+        """Seconds that many sets take."""
+        return self.seconds[variant.name] * sets
+
+
+def pilot(variants: tuple[Variant, ...], settings: Settings, *, workers: int | None = None) -> Cost:
+    """Measure what a set costs, compiled kernels in hand: the last `PILOT` sets of the first block, thrown away.
+
+    Few sets fill their lanes less well than a block does, so this is on the high side.
+    """
+    seconds = {}
+    for v in variants:
+        sets = design(settings.ranges, BLOCK - PILOT, PILOT, seed=settings.seed)
+        brief = replace(settings, settling=Settling(transient=0, most=1, first_window=2, keep=1), exponent_periods=16)
+        diagrams(v, sets[:, :1], brief, workers=workers)
+        begun = time.monotonic()
+        diagrams(v, sets, settings, workers=workers)
+        seconds[v.name] = (time.monotonic() - begun) / PILOT
+    return Cost(seconds)
+
+
+def search(
+    variants: tuple[Variant, ...],
+    settings: Settings,
+    blocks: Blocks,
+    *,
+    sets: int,
+    cost: Cost | None = None,
+    deadline: float | None = None,
+    share: tuple[int, int] = (1, 1),
+    workers: int | None = None,
+    progress: Progress | None = None,
+    told: Callable[[str], None] = lambda _text: None,
+) -> Iterator[str]:
+    """Compute blocks, round by round over the variants, and yield the name of each that is new.
+
+    Parameters
+    ----------
+    sets : int
+        Most sets of each variant; fewer where `precise` already.
+    cost, deadline : Cost, float, optional
+        No block is begun that would end after ``time.monotonic() == deadline`` at this cost; without one, none after it.
+    share : (int, int)
+        Compute only every n-th block, from the i-th on: several processes share one store.
+    told : callable
+        Takes a sentence about what was left out, and why.
+    """
+    i, n = share
+    if not 1 <= i <= n:
+        raise RangeError(f"share: found {i}/{n}, expected i/n with i from 1 to n")
+    enough: set[str] = set()
+    tasks = [(k, first, count, v) for k, (first, count) in enumerate(plan(sets)) for v in variants]
+    for number, (k, first, count, v) in enumerate(tasks):
+        name = piece(v, first, count)
+        if v.name in enough or name in blocks or number % n != i - 1:
+            continue
+        if k and (so_far := judged_so_far(blocks, v, settings)) is not None and precise(so_far):
+            enough.add(v.name)
+            told(f"{v.name}: {so_far.word.shape[1]} sets are enough")
+            continue
+        if deadline is not None and time.monotonic() + (cost.of(v, count) if cost else 0.0) > deadline:
+            told(f"{v.name}: sets {first} to {first + count} left out, the time is over")
+            continue
+        drawn = design(settings.ranges, first, count, seed=settings.seed)
+        blocks.put(name, diagrams(v, drawn, settings, workers=workers, progress=progress))
+        yield name

@@ -1,0 +1,123 @@
+"""The answer of a search: shares, exclusions, what a claim pins down, and cases that load."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from test_claim_scores import drawn
+
+import whirlmap
+from whirlmap.errors import OutputError
+from whirlmap.studies.gear_psfd.answer import Answer, best_of, exclusions, pinned, pooled, shares, together
+from whirlmap.studies.gear_psfd.answer_pages import BEGIN, END, case_text, fill, page, write_answer
+from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, judge_all
+from whirlmap.studies.gear_psfd.evidence import edition_of
+from whirlmap.studies.gear_psfd.identify import Judged, Settings
+from whirlmap.studies.gear_psfd.ranges import design, ranges
+from whirlmap.studies.gear_psfd.variants import chosen
+
+N = 64
+
+
+def judged(name: str, seed: int) -> Judged:
+    d = drawn(seed, N)
+    found = judge_all(d)
+    (variant,) = chosen((), (name,))
+    word, score = np.stack([j.word for j in found.values()]), np.stack([j.score for j in found.values()])
+    return Judged(variant, tuple(found), design(ranges(), 0, N, seed=seed), word, score, d)
+
+
+@pytest.fixture(scope="module")
+def answered() -> Answer:
+    settings = Settings()
+    names = ("literal-printed-clock-no-wall", "literal-printed-shaft", "intended-porous-fixed-shaft")
+    parts = tuple(judged(name, seed) for seed, name in enumerate(names, 1))
+    best = {j.variant.edition: best_of(j, None, settings) for j in parts}
+    return Answer(settings, parts, best)
+
+
+def test_shares_are_of_the_sets(answered):
+    j = answered.judged[0]
+    for claim in answered.claims:
+        share, low, high = shares(j, claim)
+        assert share == (j.word[list(JUDGES).index(claim)] == HOLDS).mean()
+        assert low <= share <= high
+
+
+def test_claims_that_exclude_each_other_are_found(answered):
+    j = answered.judged[2]
+    word = j.word.copy()
+    a, b = (j.claims.index(c) for c in ("safe-speeds", "permeability-regularises"))
+    word[a], word[b] = np.where(np.arange(N) < 20, HOLDS, 0), np.where(np.arange(N) >= 40, HOLDS, 0)
+    pairs = exclusions(replace(answered, judged=(replace(j, word=word),)), "intended")
+    assert ["permeability-regularises", "safe-speeds"] in [p["claims"] for p in pairs]
+    word[b, 0] = HOLDS
+    pairs = exclusions(replace(answered, judged=(replace(j, word=word),)), "intended")
+    assert ["permeability-regularises", "safe-speeds"] not in [p["claims"] for p in pairs]
+    counts, expected = together(word == HOLDS)
+    assert counts[a, b] == 1
+    assert expected[a, b] == pytest.approx(20 * 25 / N)
+
+
+def test_a_group_that_decides_is_pinned_down():
+    values = design(ranges(), 0, 512, seed=4)
+    names = [r.name for r in ranges()]
+    place = ranges()[names.index("Lambda")].place(values[names.index("Lambda")])
+    rng = np.random.default_rng(0)
+    holds = np.stack([place < 0.25, rng.uniform(size=512) < 0.25, np.arange(512) < 3])
+    distance, limit = pinned(holds, values, ranges())
+    assert distance[0].argmax() == names.index("Lambda")
+    assert distance[0].max() == pytest.approx(0.75, abs=0.01)
+    assert (distance[0] > limit[0]).sum() <= 2
+    assert (distance[1] > limit[1]).sum() <= 1
+    assert np.isnan(distance[2]).all() and np.isnan(limit[2])
+
+
+def test_everything_is_written_and_the_cases_load(answered, tmp_path):
+    files = write_answer(answered, tmp_path / "answer")
+    names = {f.name for f in files}
+    assert {"answer.md", "answer.json", "literal-best.toml", "intended-best.toml", "marginals-literal.png"} <= names
+    assert all(f.stat().st_size > 0 for f in files)
+    found = json.loads((tmp_path / "answer" / "answer.json").read_text())
+    assert set(found["variants"]) == {j.variant.name for j in answered.judged}
+    for edition, best in answered.best.items():
+        system = whirlmap.load(str(tmp_path / "answer" / f"{edition}-best.toml"))
+        assert system.model.switches["edition"] == edition
+        assert system.model.switches["contact"] == best.variant.contact
+        for name, value in best.values.items():
+            assert float(system.values[name]) == value
+        assert float(system.values["j_p"]) == best.variant.changes["j_p"]
+        assert (system.common_multiple, float(system.values["s"])) == (8, 3.27)
+        assert edition_of(str(tmp_path / "answer" / f"{edition}-best.toml")).scale == 1.0
+    with pytest.raises(OutputError, match="exists already"):
+        write_answer(answered, tmp_path / "answer")
+    write_answer(answered, tmp_path / "answer", force=True)
+
+
+def test_a_claim_that_holds_nowhere_is_said_to(answered):
+    parts = tuple(replace(j, word=np.where(np.arange(len(j.claims))[:, None] == 2, 0, j.word)) for j in answered.judged)
+    text = page(replace(answered, judged=parts), {})
+    assert text.count("Claims that hold nowhere: ") == 2
+    assert text.count("`fig3-low-8T`") >= 4
+    for part in text.split("Claims that hold nowhere: ")[1:]:
+        assert "`fig3-low-8T`" in part.split("\n")[0]
+
+
+def test_pages_are_filled_between_their_marks(tmp_path):
+    here = tmp_path / "page.md"
+    here.write_text(f"before\n{BEGIN}\nold\n{END}\nafter\n")
+    fill(here, "new")
+    fill(here, "newer")
+    assert here.read_text() == f"before\n{BEGIN}\n\nnewer\n{END}\nafter\n"
+    here.write_text("no marks")
+    with pytest.raises(OutputError, match="begin: whirlmap identify"):
+        fill(here, "new")
+
+
+def test_a_case_says_what_it_is(answered):
+    text = case_text("literal", answered.best["literal"], answered)
+    assert "Not the paper's own numbers" in text
+    holds, values = pooled(answered, "literal")
+    assert holds.shape == (13, 2 * N)
+    assert values.shape[1] == 2 * N

@@ -1,0 +1,220 @@
+"""The search: the same bits from its seed, killed or not, and a planted machine comes back."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from whirlmap.analysis.settling import Settling
+from whirlmap.errors import OutputError, RangeError
+from whirlmap.results.regime import Regime
+from whirlmap.studies.gear_psfd import identify
+from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
+from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
+from whirlmap.studies.gear_psfd.identify import Cost, Settings, diagrams, judge_sets, judged_so_far, search, wilson
+from whirlmap.studies.gear_psfd.labelled import PSI
+from whirlmap.studies.gear_psfd.ranges import design, ranges
+from whirlmap.studies.gear_psfd.refine import best_starts, refine
+from whirlmap.studies.gear_psfd.variants import chosen
+
+#: A variant without tables: its kernels are quick to have.
+(QUICK,) = chosen((), ("literal-printed-clock",))
+BRIEF = Settings(
+    seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8), exponent_periods=16, accuracy=1e-3
+)
+ALIKE = ("regime", "status", "lyapunov", "lyapunov_error", "amplitude", "max_eccentricity", "value", "steps", "end_time")
+
+
+def same(a: xr.Dataset, b: xr.Dataset) -> None:
+    for name in ALIKE:
+        np.testing.assert_array_equal(a[name].values, b[name].values, err_msg=name)
+
+
+@pytest.fixture
+def small(monkeypatch):
+    """Blocks of four sets."""
+    monkeypatch.setattr(identify, "BLOCK", 4)
+
+
+@pytest.mark.parametrize(
+    ("count", "n", "low", "high"),
+    [(0, 10, 0.0, 0.2775), (5, 10, 0.2366, 0.7634), (9, 10, 0.5958, 0.9821), (81, 263, 0.2553, 0.3662)],
+)
+def test_wilsons_interval(count, n, low, high):
+    """81 of 263: Newcombe, Statistics in Medicine 17 (1998) 857; the others from the closed form by hand."""
+    found = wilson(np.array([count]), n)
+    assert (float(found[0][0]), float(found[1][0])) == pytest.approx((low, high), abs=6e-5)
+
+
+def test_2500_sets_are_always_enough():
+    low, high = wilson(np.arange(2501), 2500)
+    assert ((high - low) / 2).max() < identify.PRECISION
+    low, high = wilson(np.array([256]), 512)
+    assert float((high - low)[0] / 2) > identify.PRECISION
+
+
+def test_points_of_a_block_do_not_depend_on_its_other_sets():
+    sets = design(BRIEF.ranges, 0, 6, seed=BRIEF.seed)
+    whole = diagrams(QUICK, sets, BRIEF)
+    assert len(set(np.unique(whole["regime"]))) > 2
+    same(diagrams(QUICK, sets[:, 2:4], BRIEF, workers=1), whole.isel(set=slice(2, 4)))
+    assert whole["regime"].shape == (6, len(PSI), 4)
+
+
+def test_shares_together_are_the_whole(small, tmp_path):
+    whole = Blocks(None)
+    assert list(search((QUICK,), BRIEF, whole, sets=10)) == [
+        f"literal-printed-clock.{a:06d}-{b:06d}" for a, b in ((0, 4), (4, 8), (8, 10))
+    ]
+    shared = open_blocks(tmp_path / "store", BRIEF.identity(), resume=False)
+    second = open_blocks(tmp_path / "store", BRIEF.identity(), resume=True)
+    assert len(list(search((QUICK,), BRIEF, second, sets=10, share=(2, 2)))) == 1
+    assert judged_so_far(second, QUICK, BRIEF) is None  # the first block is the other share's
+    assert len(list(search((QUICK,), BRIEF, shared, sets=10, share=(1, 2)))) == 2
+    a, b = (judged_so_far(blocks, QUICK, BRIEF) for blocks in (whole, shared))
+    assert a is not None and b is not None
+    np.testing.assert_array_equal(a.score, b.score)
+    np.testing.assert_array_equal(a.values, b.values)
+    assert a.values.shape == (len(BRIEF.ranges), 10)
+
+
+def test_what_is_finished_is_not_computed_again(small, monkeypatch, tmp_path):
+    store = tmp_path / "store"
+    list(search((QUICK,), BRIEF, open_blocks(store, BRIEF.identity(), resume=False), sets=4))
+    monkeypatch.setattr(identify, "diagrams", lambda *_, **__: pytest.fail("computed again"))
+    assert list(search((QUICK,), BRIEF, open_blocks(store, BRIEF.identity(), resume=True), sets=4)) == []
+
+
+def test_a_store_of_another_search_is_refused(tmp_path):
+    store = tmp_path / "store"
+    open_blocks(store, BRIEF.identity(), resume=False)
+    with pytest.raises(OutputError, match="--resume"):
+        open_blocks(store, BRIEF.identity(), resume=False)
+    with pytest.raises(OutputError, match="seed: found 5, now 6"):
+        open_blocks(store, BRIEF.identity() | {"seed": 6}, resume=True)
+    (store / "search.json").write_text("{")
+    with pytest.raises(OutputError, match="not the manifest"):
+        open_blocks(store, BRIEF.identity(), resume=True)
+
+
+def test_time_and_precision_end_a_search(small, monkeypatch):
+    told = []
+    late = {"cost": Cost({QUICK.name: 100.0}), "deadline": time.monotonic() + 5}
+    assert list(search((QUICK,), BRIEF, Blocks(None), sets=8, told=told.append, **late)) == []
+    assert len(told) == 2 and all("time is over" in t for t in told)
+    monkeypatch.setattr(identify, "precise", lambda judged: judged.word.shape[1] >= 4)
+    told.clear()
+    assert len(list(search((QUICK,), BRIEF, Blocks(None), sets=12, told=told.append))) == 1
+    assert told == ["literal-printed-clock: 4 sets are enough"]
+    with pytest.raises(RangeError, match="share"):
+        list(search((QUICK,), BRIEF, Blocks(None), sets=4, share=(3, 2)))
+
+
+KILLED = """
+import sys
+from pathlib import Path
+from whirlmap.analysis.settling import Settling
+from whirlmap.studies.gear_psfd import identify
+from whirlmap.studies.gear_psfd.blocks import open_blocks
+from whirlmap.studies.gear_psfd.variants import chosen
+identify.BLOCK = 4
+settings = identify.Settings(seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8),
+                             exponent_periods=16, accuracy=1e-3)
+blocks = open_blocks(Path(sys.argv[1]), settings.identity(), resume=True)
+for name in identify.search(chosen((), ("literal-printed-clock",)), settings, blocks, sets=400):
+    print(name, flush=True)
+"""
+
+
+def test_a_killed_search_goes_on_to_the_same_bits(small, tmp_path):
+    store = tmp_path / "store"
+    command = [sys.executable, "-c", KILLED, str(store)]
+    run = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=dict(os.environ))
+    assert run.stdout is not None
+    for _ in range(2):
+        run.stdout.readline()  # two blocks are finished: it is in the third
+    time.sleep(0.05)
+    run.send_signal(signal.SIGKILL)
+    run.wait()
+    run.stdout.close()
+    left = sorted(p.name for p in store.glob("*.nc"))
+    assert 2 <= len(left) < 100
+    blocks = open_blocks(store, BRIEF.identity(), resume=True)
+    sets = 4 * (len(left) + 1)
+    assert len(list(search((QUICK,), BRIEF, blocks, sets=sets))) == 1
+    fresh = Blocks(None)
+    list(search((QUICK,), BRIEF, fresh, sets=sets))
+    for name in fresh.names(QUICK.name):
+        same(blocks[name], fresh[name])
+
+
+def test_a_refinement_is_the_same_when_it_goes_on(small, tmp_path):
+    store = tmp_path / "store"
+    blocks = open_blocks(store, BRIEF.identity(), resume=False)
+    list(search((QUICK,), BRIEF, blocks, sets=8))
+    start = judged_so_far(blocks, QUICK, BRIEF)
+    assert start is not None
+    (chosen_start,) = best_starts([start])
+    asked = iter([True, True, False])
+    short = refine(chosen_start, BRIEF, blocks, generations=3, more=lambda: next(asked))
+    assert short.values.shape[1] == 16  # two generations of eight
+    again = open_blocks(store, BRIEF.identity(), resume=True)
+    long = refine(start, BRIEF, again, generations=3)
+    np.testing.assert_array_equal(long.score[:, :16], short.score)
+    fresh = refine(start, BRIEF, Blocks(None), generations=3)
+    np.testing.assert_array_equal(long.values, fresh.values)
+    np.testing.assert_array_equal(long.score, fresh.score)
+    assert long.total.max() >= start.total.max()
+    assert not np.isclose(long.values[:, -1], start.values[:, :].T).all(axis=1).any()
+
+
+@pytest.mark.slow
+def test_a_planted_machine_is_found_again():
+    """A known set's own diagram, turned into claims, is searched for from a design that does not hold it."""
+    (variant,) = chosen((), ("intended-porous-fixed-shaft",))
+    here = Settings(
+        seed=11, speeds=(0.6, 1.61, 2.3, 3.27), settling=Settling(transient=20, most=4, keep=8), exponent_periods=16,
+        accuracy=1e-3,
+    )  # fmt: skip
+    known = judge_sets(variant, diagrams(variant, design(ranges(), 4000, 64, seed=77), here), here)
+    d = known.labelled
+    windows = [own_windows(d, k) for k in range(64)]
+    # Of the sets with contact, an answer to the forcing and open motion, the one with the most windows.
+    rich = [k for k in range(64) if all(m[k].any() for m in (d.kinds["with the forcing"], d.kinds["contact"], d.open))]
+    planted = max(rich, key=lambda k: len(windows[k]))
+    asked = windows[planted]
+    assert len(asked) > len(PSI)
+    claim = claims()[0]
+    met = []
+
+    def score(found):
+        made = [judge(found.labelled, claim) for judge in asked.values()]
+        met.append(np.all([j.word == HOLDS for j in made], axis=0).any())
+        return np.mean([j.score for j in made], axis=0)
+
+    blocks = Blocks(None)
+    list(search((variant,), here, blocks, sets=128))
+    start = judged_so_far(blocks, variant, here)
+    assert start is not None
+    assert not (start.values == known.values[:, [planted]]).all(axis=0).any()
+    assert score(start).max() != 1.0  # the search has something to do
+    refine(start, here, blocks, generations=40, score=score, more=lambda: not any(met))
+    assert any(met), "no set of 40 generations satisfies all windows"
+
+
+def test_identity_is_plain_data():
+    assert json.loads(json.dumps(BRIEF.identity())) == BRIEF.identity()
+    assert BRIEF.identity() != Settings(seed=5).identity()
+
+
+def test_labels_of_a_block_are_the_codes_of_regimes():
+    ds = diagrams(QUICK, design(BRIEF.ranges, 0, 2, seed=1), BRIEF)
+    assert set(np.unique(ds["regime"])) <= {int(r) for r in Regime}
+    assert ds.attrs["variant"] == QUICK.name
+    assert ds.attrs["common_period"] == pytest.approx(16 * np.pi)
