@@ -1,0 +1,100 @@
+"""Basins of attraction: a slice of start states, coloured by the attractor that each leads to."""
+
+import numpy as np
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.colors import ListedColormap, to_rgb
+from matplotlib.figure import Figure
+from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
+
+from whirlmap.plot.labels import axis_label, within_period
+from whirlmap.plot.limits import cell_edges
+from whirlmap.plot.style import BLUE, GREEN, INDIGO, ORANGE, PURPLE, REGIMES, SKY, VERMILION, axes_or_new, new_figure, styled
+from whirlmap.results.regime import Regime
+
+#: Colours of attractors by falling share; more than these are together in the last.
+COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION, INDIGO, "#F0E442", "#8C6D31", "#5A5A5A")
+#: Starts that reach no attractor, in the order in which they are drawn.
+ENDED = (Regime.contact, Regime.diverged, Regime.undecided)
+
+
+def attractor_name(ds: xr.Dataset, number: int) -> str:
+    """What an attractor is called in legends and tables: ``1: periodic, 2T``."""
+    one = ds.sel(attractor=number)
+    regime, period = Regime(int(one["regime"])), int(one["period_T"])
+    unit = "T" if ds.attrs.get("forced", 1) else " crossings"
+    return f"{number}: {regime.label}" + (f", {period}{unit}" if regime == Regime.periodic and period else "")
+
+
+@styled
+def draw_basins(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Colour every start state of a slice by its attractor; contact, divergence and undecided are drawn as such.
+
+    Reads ``attractor_of`` and ``start_regime`` over two states, and ``section(attractor, member, state)``: the section points
+    of the attractors, which lie in the slice only where the other states agree, are marked in ink.
+    """
+    ax = axes_or_new(ax, width=5.2, height=4.4)
+    x, y = (str(d) for d in ds["attractor_of"].dims)
+    of, regime = (ds[name].transpose(x, y).values for name in ("attractor_of", "start_regime"))
+    edges = [cell_edges(ds[d].values.astype(float), log=False) for d in (x, y)]
+    code = np.minimum(of, len(COLOURS))
+    colours = ["#FFFFFF", *(_pale(c) for c in COLOURS)]
+    ax.pcolormesh(
+        *edges, code.T, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(colours) - 0.5, rasterized=True, gid="basins"
+    )
+    for kind in ENDED:
+        chosen = (of == 0) & (regime == kind)
+        if chosen.any():
+            look = REGIMES[kind]
+            shown = np.ma.masked_where(~chosen.T, np.ones(chosen.T.shape))
+            ax.pcolormesh(*edges, shown, cmap=ListedColormap([look.colour]), rasterized=True, gid=f"ended-{look.label}")
+            if look.hatch:
+                ax.contourf(
+                    ds[x].values, ds[y].values, chosen.T.astype(float), levels=[0.5, 1.5], colors="none", hatches=[look.hatch]
+                )
+    ax.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
+    for number in ds["attractor"].values if "attractor" in ds else ():
+        points = ds["section"].sel(attractor=number)
+        at = [within_period(ds, d, points.sel(state=d).values) for d in (x, y)]
+        colour = COLOURS[min(int(number), len(COLOURS)) - 1]
+        many = int(np.isfinite(at[0]).sum()) > 64
+        ax.plot(
+            *at, ls="", marker="o", ms=1.2 if many else 4.5, mfc=colour, mec="black", mew=0.0 if many else 0.7,
+            gid=f"attractor-{number}",
+        )  # fmt: skip
+        if many:  # a strange attractor in its own colour would drown in its basin
+            ax.lines[-1].set_color("black")
+    ax.set_xlabel(axis_label(ds, x, meaning=True))
+    ax.set_ylabel(axis_label(ds, y, meaning=True))
+    return ax
+
+
+@styled
+def basins_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
+    """Basins with their legend: attractors with their shares, and what starts without one come to."""
+    fig = new_figure(6.2, 5.6)
+    draw_basins(ds, ax=fig.add_subplot())
+    handles: list[Patch | Line2D] = []
+    numbers = ds["attractor"].values.tolist() if "attractor" in ds else []
+    for number in numbers[: len(COLOURS)]:
+        share = float(ds["share"].sel(attractor=number))
+        name = attractor_name(ds, number)
+        if number == len(COLOURS) and len(numbers) > len(COLOURS):
+            name, share = f"{number} and {len(numbers) - number} more", float(ds["share"].values[number - 1 :].sum())
+        handles.append(Patch(facecolor=_pale(COLOURS[number - 1]), edgecolor="#555555", lw=0.4, label=f"{name} ({share:.1%})"))
+    for kind in ENDED:
+        share = float(ds["outcome_share"].sel(outcome=kind.label))
+        if share > 0:
+            look = REGIMES[kind]
+            label = f"{look.label} ({share:.1%})"
+            handles.append(Patch(facecolor=look.colour, hatch=look.hatch, edgecolor="#555555", lw=0.4, label=label))
+    fig.legend(handles=handles, loc="outside lower center", ncols=3)
+    if title:
+        fig.suptitle(title)
+    return fig
+
+
+def _pale(colour: str) -> tuple[float, ...]:
+    """A lighter shade of a colour, on which points of the attractor can be seen."""
+    return tuple(0.45 + 0.55 * c for c in to_rgb(colour))
