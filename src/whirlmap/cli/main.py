@@ -11,7 +11,9 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
-from whirlmap.cli import bench, bifurcation, cache, cases, diagnose, map, reproduce, show, simulate  # noqa: A004
+from whirlmap.cli import (
+    attractors, basins, bench, bifurcation, cache, cases, diagnose, map, reproduce, show, simulate,  # noqa: A004
+)  # fmt: skip
 from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
 from whirlmap.errors import WhirlmapError
 
@@ -109,7 +111,7 @@ def program(
         typer.echo(context.get_help())
 
 
-for module in (cases, show, simulate, diagnose, bifurcation, map, reproduce, cache, bench):
+for module in (cases, show, simulate, diagnose, bifurcation, map, attractors, basins, reproduce, cache, bench):
     name = module.__name__.rpartition(".")[2]
     app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
 

@@ -1,5 +1,8 @@
 """Basins of attraction: a slice of start states, coloured by the attractor that each leads to."""
 
+from collections.abc import Callable
+from typing import Any
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -23,8 +26,7 @@ def attractor_name(ds: xr.Dataset, number: int) -> str:
     """What an attractor is called in legends and tables: ``1: periodic, 2T``."""
     one = ds.sel(attractor=number)
     regime, period = Regime(int(one["regime"])), int(one["period_T"])
-    unit = "T" if ds.attrs.get("forced", 1) else " crossings"
-    return f"{number}: {regime.label}" + (f", {period}{unit}" if regime == Regime.periodic and period else "")
+    return f"{number}: {regime.label}" + (f", {period}T" if regime == Regime.periodic and period else "")
 
 
 @styled
@@ -54,27 +56,65 @@ def draw_basins(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
                     ds[x].values, ds[y].values, chosen.T.astype(float), levels=[0.5, 1.5], colors="none", hatches=[look.hatch]
                 )
     ax.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
-    for number in ds["attractor"].values if "attractor" in ds else ():
-        points = ds["section"].sel(attractor=number)
-        at = [within_period(ds, d, points.sel(state=d).values) for d in (x, y)]
-        colour = COLOURS[min(int(number), len(COLOURS)) - 1]
-        many = int(np.isfinite(at[0]).sum()) > 64
-        ax.plot(
-            *at, ls="", marker="o", ms=1.2 if many else 4.5, mfc=colour, mec="black", mew=0.0 if many else 0.7,
-            gid=f"attractor-{number}",
-        )  # fmt: skip
-        if many:  # a strange attractor in its own colour would drown in its basin
-            ax.lines[-1].set_color("black")
+    _mark_attractors(ax, ds, x, y)
     ax.set_xlabel(axis_label(ds, x, meaning=True))
     ax.set_ylabel(axis_label(ds, y, meaning=True))
     return ax
 
 
 @styled
+def draw_starts(ds: xr.Dataset, x: str, y: str, *, ax: Axes | None = None) -> Axes:
+    """Start states of a search, in the plane of two states, coloured by their attractor; those without one by their end.
+
+    Reads ``start_state(state, start)``, ``attractor_of`` and ``start_regime`` over the starts, and ``section``.
+    """
+    ax = axes_or_new(ax, width=5.2, height=4.4)
+    at = [within_period(ds, d, ds["start_state"].sel(state=d).values) for d in (x, y)]
+    of, regime = ds["attractor_of"].values, ds["start_regime"].values
+    for number in np.unique(of[of > 0]):
+        colour = _pale(COLOURS[min(int(number), len(COLOURS)) - 1])
+        ax.plot(at[0][of == number], at[1][of == number], ls="", marker="o", ms=3, mew=0, color=colour, gid=f"starts-{number}")
+    for kind in ENDED:
+        chosen, look = (of == 0) & (regime == kind), REGIMES[kind]
+        if chosen.any():
+            ax.plot(
+                at[0][chosen], at[1][chosen], ls="", marker=look.marker, ms=3.5, mfc=look.colour, mec="#555555", mew=0.4,
+                gid=f"ended-{look.label}",
+            )  # fmt: skip
+    _mark_attractors(ax, ds, x, y)
+    ax.set_xlabel(axis_label(ds, x, meaning=True))
+    ax.set_ylabel(axis_label(ds, y, meaning=True))
+    return ax
+
+
+def _mark_attractors(ax: Axes, ds: xr.Dataset, x: str, y: str) -> None:
+    """Mark the section points of the attractors, rimmed; many of them are dots in ink, which no basin hides."""
+    for number in ds["attractor"].values if "attractor" in ds else ():
+        points = ds["section"].sel(attractor=number)
+        at = [within_period(ds, d, points.sel(state=d).values) for d in (x, y)]
+        colour = COLOURS[min(int(number), len(COLOURS)) - 1]
+        if int(np.isfinite(at[0]).sum()) > 64:
+            look: dict[str, Any] = {"ms": 1.2, "mew": 0, "color": "black"}
+        else:
+            look = {"ms": 4.5, "mew": 0.7, "mfc": colour, "mec": "black"}
+        ax.plot(*at, ls="", marker="o", gid=f"attractor-{number}", **look)
+
+
+@styled
+def attractors_figure(ds: xr.Dataset, x: str, y: str, *, title: str = "") -> Figure:
+    """Start states by their attractor, with the legend of `basins_figure`."""
+    return _with_legend(ds, lambda ax: draw_starts(ds, x, y, ax=ax), title)
+
+
+@styled
 def basins_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
     """Basins with their legend: attractors with their shares, and what starts without one come to."""
+    return _with_legend(ds, lambda ax: draw_basins(ds, ax=ax), title)
+
+
+def _with_legend(ds: xr.Dataset, draw: Callable[[Axes], Axes], title: str) -> Figure:
     fig = new_figure(6.2, 5.6)
-    draw_basins(ds, ax=fig.add_subplot())
+    draw(fig.add_subplot())
     handles: list[Patch | Line2D] = []
     numbers = ds["attractor"].values.tolist() if "attractor" in ds else []
     for number in numbers[: len(COLOURS)]:

@@ -32,6 +32,8 @@ Progress = Callable[[int], None]
 
 #: Section points by which a run that does not return is known to be on an attractor, and those of the attractor itself.
 RECORD, TRACE = 32, 2048
+#: Starts that do not return which are labelled together at most.
+MOST_AT_ONCE = 1024
 #: How far the default box reaches beyond the motion from the default start: its range times this, about its middle.
 WIDER = 2.0
 #: Starts, the first ones, whose steps per T are chosen by the accuracy, settled; all take the most that one of them needs.
@@ -95,7 +97,7 @@ def attractors(
     -----
     1. All starts settle as one batch. Those that return are on the same orbit where their states at phase zero agree with
        a point of it to `whirlmap.analysis.attractors.SAME_POINT` of the range; angles are compared modulo their period.
-    2. Of those that do not return, `LANES` at a time are labelled (`label_points`). Those that come out chaotic or
+    2. Of those that do not return, `LANES` and then twice as many each time are labelled (`label_points`). Those that come out chaotic or
        quasi-periodic are traced over `TRACE` common periods, and the others are on the same attractor where `RECORD` of
        their section points lie on the trace (`on_set`). What is left is labelled in turn, to the last start.
     3. The label of every attractor comes from one more run with all indicators. A start that ends in contact or diverges,
@@ -234,7 +236,7 @@ class _Search:
     def run(self) -> _Found:
         """Gather all starts."""
         self._settle()
-        f = self.found
+        f, block = self.found, LANES
         forced = self.system.model.forced
         while True:
             left = np.flatnonzero((f.of < 0) & (f.status == Status.ok))
@@ -245,7 +247,8 @@ class _Search:
             waiting = left[~self.judged[left]]
             if not waiting.size:
                 break
-            self._label(waiting)
+            self._label(waiting[:block])
+            block = min(2 * block, MOST_AT_ONCE)
         return f
 
     def _settle(self) -> None:
@@ -295,9 +298,8 @@ class _Search:
         self.orbits[len(self.found.representative)] = points, scales(points, extent, self.cyclic)
         self._take(returned[:1], self.x[:, first], m)
 
-    def _label(self, waiting: NDArray[np.intp]) -> None:
-        """Label a block of the starts that do not return; take those that lie on the sets that these trace."""
-        chosen = waiting[:LANES]
+    def _label(self, chosen: NDArray[np.intp]) -> None:
+        """Label starts that do not return, and take all those that lie on the sets that these trace."""
         measured, ensemble = self.labelling.measure(
             self.system, _repeated(self.system, chosen.size), starts=self.x[:, chosen], progress=self.progress
         )
