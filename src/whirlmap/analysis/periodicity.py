@@ -87,26 +87,8 @@ def return_multiple(
             f"section holds {x.shape[0]} points: multiples up to {most} need at least {2 * max(most, 1)}. "
             f"Record more, or ask for most={x.shape[0] // 2}."
         )
-    period = _periods(cyclic, x.shape[1])
-    lanes = x.shape[2]
-    finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
-    multiple, nearest = np.zeros(lanes, np.int64), np.zeros(lanes, np.int64)
-    deciding = np.full(lanes, -1, np.int64)
-    distance, drift = np.full(lanes, np.nan), np.full(lanes, np.nan)
-    distance[finite] = np.inf
-    size = _scales(x, scale, period, floor, finite)
-    left = np.flatnonzero(finite)
-    for m in range(1, most + 1):
-        if left.size == 0:
-            break
-        per_state = _difference(x[m:, :, left] - x[:-m, :, left], period).max(axis=0) / size[:, left]
-        largest = per_state.max(axis=0)
-        closer = largest < distance[left]
-        where = left[closer]
-        distance[where], nearest[where] = largest[closer], m
-        deciding[where] = per_state.argmax(axis=0)[closer]
-        multiple[left[largest < tolerance]] = m
-        left = left[largest >= tolerance]
+    multiple, distance, nearest, deciding, finite, size, period = _search(x, scale, tolerance, most, cyclic, floor)
+    drift = np.full(x.shape[2], np.nan)
     for m in np.unique(nearest[finite]):
         those = np.flatnonzero(finite & (nearest == m))
         drift[those] = _largest_within_classes(x[:, :, those], int(m), period, size[:, those])
@@ -124,6 +106,40 @@ def return_multiple(
     )
     result.attrs = {"tolerance": tolerance, "most": most, "window": x.shape[0], "floor": floor}
     return result
+
+
+def shortest_return(
+    section: Array, *, scale: Array, tolerance: float, most: int, cyclic: Mapping[int, float] | None = None
+) -> tuple[NDArray[np.int64], Array]:
+    """Multiple and distance of `return_multiple`, shape (lane,), without its checks and its Dataset: for inner loops."""
+    return _search(section, scale, tolerance, most, cyclic, 1e-6)[:2]
+
+
+def _search(
+    x: Array, scale: ArrayLike | None, tolerance: float, most: int, cyclic: Mapping[int, float] | None, floor: float
+) -> tuple[Any, ...]:
+    """Multiple, distance, nearest multiple and deciding state of every lane; which are finite, their scales, the periods."""
+    period = _periods(cyclic, x.shape[1])
+    lanes = x.shape[2]
+    finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
+    multiple, nearest = np.zeros(lanes, np.int64), np.zeros(lanes, np.int64)
+    deciding = np.full(lanes, -1, np.int64)
+    distance = np.full(lanes, np.nan)
+    distance[finite] = np.inf
+    size = _scales(x, scale, period, floor, finite)
+    left = np.flatnonzero(finite)
+    for m in range(1, most + 1):
+        if left.size == 0:
+            break
+        per_state = _difference(x[m:, :, left] - x[:-m, :, left], period).max(axis=0) / size[:, left]
+        largest = per_state.max(axis=0)
+        closer = largest < distance[left]
+        where = left[closer]
+        distance[where], nearest[where] = largest[closer], m
+        deciding[where] = per_state.argmax(axis=0)[closer]
+        multiple[left[largest < tolerance]] = m
+        left = left[largest >= tolerance]
+    return multiple, distance, nearest, deciding, finite, size, period
 
 
 def distance_to_limit(

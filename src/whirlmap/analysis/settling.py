@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.periodicity import distance_to_limit, return_multiple, shrinking
+from whirlmap.analysis.periodicity import distance_to_limit, shortest_return, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.routine import LANES
@@ -189,9 +189,9 @@ class _Pool:
         rows = (s.waited[points] - window + np.arange(window)[:, None]) % self.history.shape[0]
         x = self.history[rows, :, self.slot[points]].transpose(0, 2, 1)
         scale = positive(s.scale[:, points])
-        found = return_multiple(x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic)
-        multiple = found["multiple"].values
-        s.distance[points] = found["distance"].values
+        multiple, s.distance[points] = shortest_return(
+            x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
+        )
         returned = np.flatnonzero(multiple > 0)
         these: Any = {"scale": scale[:, returned], "cyclic": self.cyclic}
         near = distance_to_limit(x[:, :, returned], multiple[returned], **these) <= tolerance

@@ -135,7 +135,7 @@ def _joined(parts: list[Measured]) -> Measured:
     rest = {
         name: np.concatenate([getattr(p, name) for p in parts])
         for name in (
-            "status", "end_time", "exponent", "exponent_error", "confidence", "winding", "start_found", "steps",
+            "status", "end_time", "exponent", "exponent_error", "exponent_periods", "confidence", "winding", "start_found", "steps",
             "step_error", "step_verdict",
         )
     }  # fmt: skip

@@ -12,13 +12,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.evidence import LEAST
-from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
+from whirlmap.analysis.lyapunov import BLOCKS
+from whirlmap.analysis.open_points import judge_open_points
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes, tangent_steps
-from whirlmap.analysis.regime import regime
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
-from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
@@ -58,6 +56,7 @@ class Measured:
     end_time: Array
     exponent: Array
     exponent_error: Array
+    exponent_periods: NDArray[np.int64]
     confidence: Array
     winding: Array
     start_found: NDArray[np.bool_]
@@ -97,6 +96,7 @@ class Labelling:
         )
         returns = settle_and_record(ensemble, self.settling, cyclic=cyclic, progress=progress)
         exponent, error, winding = (np.full(ensemble.points, np.nan) for _ in range(3))
+        periods = np.zeros(ensemble.points, dtype=np.int64)
         confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
@@ -105,21 +105,20 @@ class Labelling:
                 starts=ensemble.x[:, open_points], steps=tangent_steps(ensemble)[open_points], method=ensemble.method.name,
                 tangents=1, workers=self.workers,
             )  # fmt: skip
-            rates, section = run_with_section(tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=progress)
-            mean, spread = mean_and_error(rates[:, 0])
-            exponent[open_points], error[open_points] = mean, spread
-            judged = _judge(tangent, mean, spread, self.lyapunov, section, cyclic)
+            judged = judge_open_points(tangent, self.lyapunov, cyclic, progress)
+            exponent[open_points], error[open_points] = judged.exponent, judged.error
+            periods[open_points] = judged.periods
             label = returns.regime.copy()
             # A point that reaches contact only now has no time of contact: it stays undecided.
-            label[open_points] = np.where(tangent.running, judged["regime"], Regime.undecided)
-            confidence[open_points] = np.where(tangent.running, judged["confidence"], 0.0)
-            winding[open_points] = judged["winding"]
+            label[open_points] = np.where(tangent.running, judged.regime, Regime.undecided)
+            confidence[open_points] = np.where(tangent.running, judged.confidence, 0.0)
+            winding[open_points] = judged.winding
             returns = replace(returns, regime=label)
-            contracts = open_points[(label[open_points] == Regime.undecided) & (mean < -3 * spread)]
-            returns = self._given_time(ensemble, returns, contracts, exponent, cyclic, progress)
+            contracts = (judged.regime == Regime.undecided) & (judged.exponent < -3 * judged.error) & tangent.running
+            returns = self._given_time(ensemble, returns, open_points[contracts], exponent, cyclic, progress)
             confidence[returns.regime == Regime.periodic] = 1.0
         return Measured(
-            returns, ensemble.status, ensemble.end_time, exponent, error, confidence, winding, found, ensemble.point_steps,
+            returns, ensemble.status, ensemble.end_time, exponent, error, periods, confidence, winding, found, ensemble.point_steps,
             ensemble.step_error, ensemble.step_verdict,
         ), ensemble  # fmt: skip
 
@@ -143,33 +142,16 @@ class Labelling:
         for length in np.unique(extra):
             these = points[extra == length]
             part = ensemble.subset(these)
-            longer = replace(self.settling, transient=int(length))
+            part.advance(int(length) * part.common_multiple, progress=progress)
+            # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
+            longer = replace(self.settling, transient=int(length) // 4)
             again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
-                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
+                values[..., these] = getattr(again, name) + (values[these] + length if name == "waited" else 0)
             for name, values in extremes.items():
                 values[..., these] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
-
-
-def _judge(
-    tangent: Ensemble, exponent: Array, error: Array, lyapunov: int, section: Array, cyclic: dict[int, float]
-) -> dict[str, Array]:
-    """Regime, confidence and winding of open points, each from as many section points as it has itself."""
-    count = np.isfinite(section[:, 0]).sum(axis=0)
-    count = np.where(count >= LEAST, count, 0)
-    duration = lyapunov * tangent.common_multiple * tangent.period
-    out = {name: np.full(tangent.points, np.nan) for name in ("regime", "confidence", "winding")}
-    for rows in np.unique(count):  # forced: all points of a run that reach its end have the same
-        these = np.flatnonzero(count == rows)
-        judged = regime(
-            tangent.status[these], np.zeros(these.size, dtype=np.int64), exponent=exponent[these],
-            exponent_error=error[these], duration=duration[these], section=section[:rows, :, these], cyclic=cyclic,
-        )  # fmt: skip
-        for name, values in out.items():
-            values[these] = judged[name].values
-    return out
 
 
 def label_points(
@@ -195,8 +177,9 @@ def label_points(
         Transient, windows and tolerance.
     lyapunov : int
         Common periods over which points that do not return have their largest exponent measured and their section
-        recorded, which tells quasi-periodic from chaotic; less than 256 section points leave them undecided, 0
-        measures nothing.
+        recorded, which tells quasi-periodic from chaotic, at most: each point stops when it has a label and the error of
+        its exponent is small enough (`open_points.ENOUGH`). Less than 256 section points leave them undecided, 0 measures
+        nothing.
     steps, accuracy, method, workers
         As in `make_ensemble`.
     starts : array, shape (state, point), optional
@@ -208,8 +191,8 @@ def label_points(
     -------
     xr.Dataset
         Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
-        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``,
-        ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
+        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
+        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps_*``: ``max_eccentricity`` and ``min_film``, in
         clearances. No section is kept.
@@ -288,6 +271,7 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
         "return_distance": variable(dim, r.distance, "1", "return distance over the range of each state"),
         "lyapunov": variable(dim, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
         "lyapunov_error": variable(dim, m.exponent_error, "1/time", "one standard error of it, from block means"),
+        "lyapunov_periods": variable(dim, m.exponent_periods, "1", "common periods over which it was measured, 0: not"),
         "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
         "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
         "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
