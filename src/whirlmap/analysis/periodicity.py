@@ -24,6 +24,9 @@ PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
 
 #: Differences smaller than this fraction of the one a whole orbit before have shrunk.
 SHRINKS = 0.99
+#: Differences over fewer periods that are smaller than `SMALL`, and in the later half of a window smaller than `FALLING` of
+#: those in its first half, are those of a spiral that closes in.
+SMALL, FALLING = 1e-4, 0.5
 
 
 def return_multiple(
@@ -189,6 +192,7 @@ def shrinking(
 
     A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
     after one. On an orbit of m common periods differences over fewer repeat after m: the last one is compared with that.
+    A spiral (complex multipliers near -1) may pass this by chance: so may not its envelope, the two halves of the window.
     Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
     """
     period = _periods(cyclic, section.shape[1])
@@ -198,13 +202,13 @@ def shrinking(
         lanes = np.flatnonzero(multiple == m)
         x, s = section[:, :, lanes], size[:, lanes]
 
-        def change(at: int, d: int, x: Array = x, s: Array = s) -> Array:
-            largest: Array = (_difference((x[at] - x[at - d])[None], period)[0] / s).max(axis=0, initial=0.0)
-            return largest
-
         for d in range(1, int(m)):
             if m % d == 0:
-                out[lanes] |= change(-1, d) < SHRINKS * change(-1 - int(m), d)
+                change = (_difference(x[d:] - x[:-d], period) / s).max(axis=1)
+                out[lanes] |= change[-1] < SHRINKS * change[-1 - int(m)]
+                half = change.shape[0] // 2  # a spiral crosses itself: its envelope shows that it still closes in
+                late = change[half:].max(axis=0)
+                out[lanes] |= (late < SMALL) & (late < FALLING * change[:half].max(axis=0))
     return out
 
 

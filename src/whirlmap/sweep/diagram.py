@@ -15,10 +15,12 @@ from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
-from whirlmap.sweep.points import RETURNS, Labelling, Measured, extreme_variables, point_variables
+from whirlmap.sweep.hysteresis import with_hysteresis
+from whirlmap.sweep.points import RETURNS, Labelling, Measured, extreme_coordinates, extreme_variables, point_variables
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
+
 
 def bifurcation_diagram(
     system: System,
@@ -57,7 +59,9 @@ def bifurcation_diagram(
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
         ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``, ``end_time`` (parameter);
-        ``minimum``, ``maximum``, ``mean``, ``rms`` (parameter, quantity) of states and outputs over all steps of the record.
+        With ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
+        ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak`` (parameter, quantity) of states and outputs over all steps of the record;
+        ``max_eccentricity``, ``min_film`` (parameter, bearing) where the model has bearings.
 
     Notes
     -----
@@ -89,7 +93,8 @@ def bifurcation_diagram(
     attributes = run_attributes(system, ensemble, **facts)
     if doubts := doubtful(ds["step_verdict"].values):
         attributes["accuracy_not_met"] = doubts
-    return with_attributes(ds, attributes)
+    ds = with_attributes(ds, attributes)
+    return with_hysteresis(ds, system, parameter) if follow == "both" else ds
 
 
 @dataclass(frozen=True)
@@ -144,7 +149,6 @@ def _joined(parts: list[Measured]) -> Measured:
 
 def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.Dataset:
     model, r = system.model, m.returns
-    rows = [*system.states, *model.outputs]
     declared = model.parameter(parameter)
     data: dict[str, Any] = {
         "section": variable(
@@ -152,7 +156,7 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.D
             unit_of_each=" ".join(s.unit for s in model.states),
         ),
         **point_variables(parameter, m),
-        **extreme_variables(parameter, m),
+        **extreme_variables(parameter, system, m),
     }  # fmt: skip
     return xr.Dataset(
         data,
@@ -160,6 +164,6 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.D
             parameter: variable(parameter, points, declared.unit, declared.meaning),
             "period": np.arange(1, r.section.shape[0] + 1),
             "state": names_coordinate("state", system.states, "state"),
-            "quantity": names_coordinate("quantity", rows, "state or output"),
+            **extreme_coordinates(system),
         },
     )

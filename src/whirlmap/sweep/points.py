@@ -238,26 +238,13 @@ def label_points(
 
 def points_dataset(system: System, columns: Mapping[str, Array], measured: Measured) -> xr.Dataset:
     """Dataset of measured points over ``point``, without their section, and without attributes of its own."""
-    model, extremes = system.model, measured.returns.extremes
-    rows = [*system.states, *model.outputs]
-    data = point_variables("point", measured) | extreme_variables("point", measured)
-    over = ("point", "quantity")
-    swing = (extremes["maximum"] - extremes["minimum"]).T
-    data["peak_to_peak"] = variable(over, swing, "1", "largest less smallest value over the record")
+    model = system.model
+    data = point_variables("point", measured) | extreme_variables("point", system, measured)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
     }
-    coords["quantity"] = names_coordinate("quantity", rows, "state or output")
-    bearings = [name for name in model.outputs if name.startswith(ECCENTRICITY)]
-    if bearings:
-        largest = extremes["maximum"][[rows.index(name) for name in bearings]].T
-        over = ("point", "bearing")
-        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
-        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
-        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
-        coords["bearing"] = names_coordinate("bearing", names, "bearing")
-    return xr.Dataset(data, coords)
+    return xr.Dataset(data, coords | extreme_coordinates(system))
 
 
 def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
@@ -286,10 +273,32 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def extreme_variables(dim: str, measured: Measured) -> dict[str, Any]:
-    """Variables with one number for each state and output of each point."""
+def extreme_variables(dim: str, system: System, measured: Measured) -> dict[str, Any]:
+    """Variables with one number for each state and output of each point, or for each bearing."""
     extremes = measured.returns.extremes
-    return {
+    data = {
         name: variable((dim, "quantity"), extremes[name].T, "1", f"{meaning} over the record")
         for name, meaning in EXTREMES.items()
     }
+    swing = (extremes["maximum"] - extremes["minimum"]).T
+    data["peak_to_peak"] = variable((dim, "quantity"), swing, "1", "largest less smallest value over the record")
+    outputs = list(system.model.outputs)
+    if bearings := _bearings(system):
+        rows = [len(system.states) + outputs.index(name) for name in bearings]
+        largest, over = extremes["maximum"][rows].T, (dim, "bearing")
+        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
+        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
+    return data
+
+
+def extreme_coordinates(system: System) -> dict[str, Any]:
+    """Names of the states and outputs, and of the bearings, that `extreme_variables` are over."""
+    coords = {"quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output")}
+    if bearings := _bearings(system):
+        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
+        coords["bearing"] = names_coordinate("bearing", names, "bearing")
+    return coords
+
+
+def _bearings(system: System) -> list[str]:
+    return [name for name in system.model.outputs if name.startswith(ECCENTRICITY)]

@@ -26,6 +26,7 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram
+from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
 
 Array = NDArray[np.float64]
@@ -124,6 +125,8 @@ def diagram_in_batches(
     except KeyboardInterrupt:
         pass
     ds = _joined(finished, parameter, points, follow)
+    if ds is not None and "direction" in ds.dims:
+        ds = with_hysteresis(ds, system, parameter)
     if ds is not None and done < total:
         ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
     return Work(ds, done, total)
