@@ -24,9 +24,9 @@ PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
 
 #: Differences smaller than this fraction of the one a whole orbit before have shrunk.
 SHRINKS = 0.99
-#: Differences over fewer periods that are smaller than `SMALL`, and in the later half of a window smaller than `FALLING` of
-#: those in its first half, are those of a spiral that closes in.
-SMALL, FALLING = 1e-4, 0.5
+#: Differences over fewer periods that are smaller than `SMALL` must repeat to this part of themselves to be an orbit's own:
+#: those of a spiral that closes in do not.
+SMALL, STEADY = 1e-4, 0.03
 
 
 def return_multiple(
@@ -192,7 +192,7 @@ def shrinking(
 
     A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
     after one. On an orbit of m common periods differences over fewer repeat after m: the last one is compared with that.
-    A spiral (complex multipliers near -1) may pass this by chance: so may not its envelope, the two halves of the window.
+    A spiral (complex multipliers near -1) may pass this by chance: where they are small they must repeat all over the window.
     Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
     """
     period = _periods(cyclic, section.shape[1])
@@ -206,9 +206,9 @@ def shrinking(
             if m % d == 0:
                 change = (_difference(x[d:] - x[:-d], period) / s).max(axis=1)
                 out[lanes] |= change[-1] < SHRINKS * change[-1 - int(m)]
-                half = change.shape[0] // 2  # a spiral crosses itself: its envelope shows that it still closes in
-                late = change[half:].max(axis=0)
-                out[lanes] |= (late < SMALL) & (late < FALLING * change[:half].max(axis=0))
+                largest = change.max(axis=0)  # over the whole window, for a spiral crosses itself and may stand still at its end
+                varies = np.abs(change[m:] - change[:-m]).max(axis=0, initial=0.0)
+                out[lanes] |= (largest < SMALL) & (varies > STEADY * largest)
     return out
 
 
