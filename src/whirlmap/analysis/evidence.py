@@ -93,7 +93,7 @@ def observables(points: Array, cyclic: Mapping[int, float] | None = None) -> Arr
 
 def moving_coordinates(points: Array, cyclic: Mapping[int, float] | None = None) -> Array | None:
     """Coordinates that move, of zero mean and unit spread, angles as cosine and sine; None where nothing moves."""
-    if not np.isfinite(points).all():
+    if points.shape[0] < 2 or not np.isfinite(points).all():
         return None
     columns = []
     for k in range(points.shape[1]):

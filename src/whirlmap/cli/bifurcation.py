@@ -74,7 +74,8 @@ def bifurcation(
         str | None,
         typer.Option(
             "--plot", metavar="STATE,...", rich_help_panel=options.OUTPUT,
-            help="States in the picture, separated by commas; the displacements of the model where absent.",
+            help="States in the picture and, with their section, in the data, separated by commas; the displacements of"
+            " the model where absent.",
         ),
     ] = None,
     out: options.Out = None,
@@ -106,7 +107,7 @@ def bifurcation(
     with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
-            settling=settling, lyapunov=lyapunov, steps=steps, accuracy=accuracy, method=method, workers=workers,
+            settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method, workers=workers,
             progress=progress, on_batch=lambda done, points: progress.expect(
                 progress.done * points / done, f"{done} of {points} points"
             ),

@@ -1,6 +1,6 @@
 """Bifurcation diagrams: the section of a system against one parameter, every point labelled."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.points import run_attributes
 from whirlmap.analysis.settling import Settling
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
@@ -30,6 +30,7 @@ def bifurcation_diagram(
     follow: Follow | None = None,
     settling: Settling | None = None,
     lyapunov: int = 0,
+    states: Sequence[str] | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
@@ -51,8 +52,11 @@ def bifurcation_diagram(
         Transient, windows and tolerance.
     lyapunov : int
         Common periods over which every point that is not periodic has its largest exponent measured, and its section
-        recorded; zero: none. From 256 on the points are also labelled quasi-periodic or chaotic where the evidence
-        decides (`regime`), with 1000 and more rarely undecided.
+        recorded, at most: each stops when it is labelled and sure enough; zero: none. From 256 on the points are labelled
+        quasi-periodic or chaotic where the evidence decides (`regime`), with 1000 and more rarely undecided.
+    states : sequence of str, optional
+        States whose section is kept; the model's displacements (`kept_states`) where absent. All of them take 512 bytes
+        per point and state with 64 T kept.
 
     Returns
     -------
@@ -76,15 +80,16 @@ def bifurcation_diagram(
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     if not 0 <= lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
+    kept = kept_states(system, states)
     run = _Run(system, parameter, settling, lyapunov, steps, accuracy, method, workers, progress)
     if follow is None:
         measured, ensemble = run.cold(points)
-        ds = _dataset(system, parameter, points, measured)
+        ds = _dataset(system, parameter, points, measured, kept)
     else:
         parts = []
         for way in ("up", "down") if follow == "both" else (follow,):
             measured, ensemble = run.chain(points, downwards=way == "down")
-            parts.append(_dataset(system, parameter, points, measured).assign_coords(direction=way))
+            parts.append(_dataset(system, parameter, points, measured, kept).assign_coords(direction=way))
         ds = parts[0] if len(parts) == 1 else xr.concat(parts, "direction", join="exact", coords="minimal", compat="equals")
     facts = {
         "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
@@ -147,13 +152,39 @@ def _joined(parts: list[Measured]) -> Measured:
     return Measured(returns, **rest)
 
 
-def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.Dataset:
+def kept_states(system: System, states: Sequence[str] | None) -> list[str]:
+    """States whose section a diagram keeps: those asked for, else the model's displacements, else its first state.
+
+    Raises
+    ------
+    RangeError
+        Where a name is not a state of the model.
+    """
+    if states is None:
+        return [s.name for s in system.model.swing] or [system.states[0]]
+    for name in states:
+        if name not in system.states:
+            raise RangeError(
+                f"states: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
+                f"\n  states: {' '.join(system.states)}"
+            )
+    return list(states)
+
+
+def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset:
+    """Return a diagram with the section of some of its states."""
+    out = ds.sel(state=kept)
+    out["section"].attrs["unit_of_each"] = " ".join({s.name: s.unit for s in system.model.states}[n] for n in kept)
+    return out
+
+
+def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: list[str]) -> xr.Dataset:
     model, r = system.model, m.returns
     declared = model.parameter(parameter)
     data: dict[str, Any] = {
         "section": variable(
-            (parameter, "period", "state"), r.section.transpose(2, 0, 1), "1", "section point, once per T",
-            unit_of_each=" ".join(s.unit for s in model.states),
+            (parameter, "period", "state"), r.section[:, [system.states.index(name) for name in kept]].transpose(2, 0, 1), "1",
+            "section point, once per T", unit_of_each=" ".join({s.name: s.unit for s in model.states}[n] for n in kept),
         ),
         **point_variables(parameter, m),
         **extreme_variables(parameter, system, m),
@@ -163,7 +194,7 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.D
         coords={
             parameter: variable(parameter, points, declared.unit, declared.meaning),
             "period": np.arange(1, r.section.shape[0] + 1),
-            "state": names_coordinate("state", system.states, "state"),
+            "state": names_coordinate("state", kept, "state"),
             **extreme_coordinates(system),
         },
     )

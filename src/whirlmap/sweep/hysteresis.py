@@ -41,13 +41,15 @@ def with_hysteresis(ds: xr.Dataset, system: System, parameter: str) -> xr.Datase
     ran = (status == Status.ok).all(axis=0)
     common = int(ds.attrs.get("common_multiple", 1)) if system.model.forced else 1
     a, b = (s["section"].transpose("period", "state", parameter).values[common - 1 :: common] for s in (up, down))
-    extent = (ds["maximum"] - ds["minimum"]).max("direction").sel(quantity=list(system.states)).transpose("quantity", ...).values
+    kept = [str(name) for name in ds["state"].values]
+    cyclic = {kept.index(system.states[k]): p for k, p in cyclic_states(system).items() if system.states[k] in kept}
+    extent = ds["peak_to_peak"].max("direction").sel(quantity=kept).transpose("quantity", ...).values
     periodic = ran & (labels == Regime.periodic).all(axis=0) & bool(system.model.forced)
-    out[periodic] = _apart(a[:, :, periodic], b[-1][:, periodic], extent[:, periodic], cyclic_states(system)) > SAME_BRANCH
+    out[periodic] = _apart(a[:, :, periodic], b[-1][:, periodic], extent[:, periodic], cyclic) > SAME_BRANCH
     for k in np.flatnonzero(ran & ~periodic & (out == 0)):
         pair = [side[np.isfinite(side[:, 0, k]), :, k] for side in (a, b)]
         if min(map(len, pair)) >= LEAST:
-            out[k] = not any(on_set(p[:, :, None], q, cyclic_states(system))[0] for p, q in (pair, pair[::-1]))
+            out[k] = not any(on_set(p[:, :, None], q, cyclic)[0] for p, q in (pair, pair[::-1]))
     out[np.isin(status, (Status.failed, Status.unresolved)).any(axis=0)] = -1
     flags = {"flag_values": np.array(list(MEANINGS), dtype=np.int8), "flag_meanings": " ".join(MEANINGS.values())}
     ds["hysteresis"] = variable(parameter, out, "1", "whether the branches of the sweeps up and down differ", **flags)
