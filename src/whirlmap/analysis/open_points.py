@@ -86,7 +86,8 @@ def _judge(
     left, run = np.arange(members.size), tangent.subset(members)
     done, stretch = 0, min(LEAST, most)
     while left.size:
-        local, section = run_with_section(run, stretch, align=0 if done else max(min(LEAST, most) // 10, 5), progress=progress)
+        align = 0 if done else max(min(LEAST, most) // 10, 5)
+        local, section = run_with_section(run, stretch, align=align, progress=progress)
         rates[done : done + stretch, left] = local[:, 0]
         done += stretch
         for k, point in enumerate(left):

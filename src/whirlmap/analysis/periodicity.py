@@ -192,7 +192,7 @@ def shrinking(
 
     A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
     after one. On an orbit of m common periods differences over fewer repeat after m: the last one is compared with that.
-    A spiral (complex multipliers near -1) may pass this by chance: where they are small they must repeat all over the window.
+    A spiral (complex multipliers near -1) may pass this by chance: small differences must repeat all over the window.
     Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
     """
     period = _periods(cyclic, section.shape[1])
@@ -206,7 +206,7 @@ def shrinking(
             if m % d == 0:
                 change = (_difference(x[d:] - x[:-d], period) / s).max(axis=1)
                 out[lanes] |= change[-1] < SHRINKS * change[-1 - int(m)]
-                largest = change.max(axis=0)  # over the whole window, for a spiral crosses itself and may stand still at its end
+                largest = change.max(axis=0)  # all over the window: a spiral may stand still at its end
                 varies = np.abs(change[m:] - change[:-m]).max(axis=0, initial=0.0)
                 out[lanes] |= (largest < SMALL) & (varies > STEADY * largest)
     return out

@@ -107,8 +107,8 @@ def bifurcation(
     with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
-            settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method, workers=workers,
-            progress=progress, on_batch=lambda done, points: progress.expect(
+            settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,
+            workers=workers, progress=progress, on_batch=lambda done, points: progress.expect(
                 progress.done * points / done, f"{done} of {points} points"
             ),
         )  # fmt: skip

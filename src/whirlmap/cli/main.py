@@ -12,8 +12,18 @@ from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
 from whirlmap.cli import (
-    attractors, basins, bench, bifurcation, cache, cases, diagnose, map, reproduce, show, simulate,  # noqa: A004
-)  # fmt: skip
+    attractors,
+    basins,
+    bench,
+    bifurcation,
+    cache,
+    cases,
+    diagnose,
+    map,  # noqa: A004
+    reproduce,
+    show,
+    simulate,
+)
 from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
 from whirlmap.errors import WhirlmapError
 

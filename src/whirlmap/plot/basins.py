@@ -33,15 +33,15 @@ def attractor_name(ds: xr.Dataset, number: int) -> str:
 def draw_basins(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Colour every start state of a slice by its attractor; contact, divergence and undecided are drawn as such.
 
-    Reads ``attractor_of`` and ``start_regime`` over two states, and ``section(attractor, member, state)``: the section points
-    of the attractors, which lie in the slice only where the other states agree, are marked in ink.
+    Reads ``attractor_of`` and ``start_regime`` over two states, and ``section(attractor, member, state)``: the points of the
+    attractors, which lie in the slice only where the other states agree.
     """
     ax = axes_or_new(ax, width=5.2, height=4.4)
     x, y = (str(d) for d in ds["attractor_of"].dims)
     of, regime = (ds[name].transpose(x, y).values for name in ("attractor_of", "start_regime"))
     edges = [cell_edges(ds[d].values.astype(float), log=False) for d in (x, y)]
     code = np.minimum(of, len(COLOURS))
-    colours = ["#FFFFFF", *(_pale(c) for c in COLOURS)]
+    colours: list[Any] = ["#FFFFFF", *(_pale(c) for c in COLOURS)]
     ax.pcolormesh(
         *edges, code.T, cmap=ListedColormap(colours), vmin=-0.5, vmax=len(colours) - 0.5, rasterized=True, gid="basins"
     )
@@ -53,8 +53,9 @@ def draw_basins(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.pcolormesh(*edges, shown, cmap=ListedColormap([look.colour]), rasterized=True, gid=f"ended-{look.label}")
             if look.hatch:
                 ax.contourf(
-                    ds[x].values, ds[y].values, chosen.T.astype(float), levels=[0.5, 1.5], colors="none", hatches=[look.hatch]
-                )
+                    ds[x].values, ds[y].values, chosen.T.astype(float), levels=[0.5, 1.5], colors="none",
+                    hatches=[look.hatch],
+                )  # fmt: skip
     ax.set(xlim=edges[0][[0, -1]], ylim=edges[1][[0, -1]])
     _mark_attractors(ax, ds, x, y)
     ax.set_xlabel(axis_label(ds, x, meaning=True))
@@ -73,7 +74,8 @@ def draw_starts(ds: xr.Dataset, x: str, y: str, *, ax: Axes | None = None) -> Ax
     of, regime = ds["attractor_of"].values, ds["start_regime"].values
     for number in np.unique(of[of > 0]):
         colour = _pale(COLOURS[min(int(number), len(COLOURS)) - 1])
-        ax.plot(at[0][of == number], at[1][of == number], ls="", marker="o", ms=3, mew=0, color=colour, gid=f"starts-{number}")
+        here = [values[of == number] for values in at]
+        ax.plot(*here, ls="", marker="o", ms=3, mew=0, color=colour, gid=f"starts-{number}")
     for kind in ENDED:
         chosen, look = (of == 0) & (regime == kind), REGIMES[kind]
         if chosen.any():
@@ -122,7 +124,8 @@ def _with_legend(ds: xr.Dataset, draw: Callable[[Axes], Axes], title: str) -> Fi
         name = attractor_name(ds, number)
         if number == len(COLOURS) and len(numbers) > len(COLOURS):
             name, share = f"{number} and {len(numbers) - number} more", float(ds["share"].values[number - 1 :].sum())
-        handles.append(Patch(facecolor=_pale(COLOURS[number - 1]), edgecolor="#555555", lw=0.4, label=f"{name} ({share:.1%})"))
+        colour = _pale(COLOURS[number - 1])
+        handles.append(Patch(facecolor=colour, edgecolor="#555555", lw=0.4, label=f"{name} ({share:.1%})"))
     for kind in ENDED:
         share = float(ds["outcome_share"].sel(outcome=kind.label))
         if share > 0:
@@ -135,6 +138,7 @@ def _with_legend(ds: xr.Dataset, draw: Callable[[Axes], Axes], title: str) -> Fi
     return fig
 
 
-def _pale(colour: str) -> tuple[float, ...]:
+def _pale(colour: str) -> tuple[float, float, float]:
     """A lighter shade of a colour, on which points of the attractor can be seen."""
-    return tuple(0.45 + 0.55 * c for c in to_rgb(colour))
+    red, green, blue = (0.45 + 0.55 * c for c in to_rgb(colour))
+    return red, green, blue

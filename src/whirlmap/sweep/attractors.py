@@ -1,4 +1,4 @@
-"""Coexisting attractors of one operating point: many start states, one batch, clustered, each with its evidence and basin."""
+"""Coexisting attractors of one operating point: many start states, one batch, gathered, each with evidence and basin."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
@@ -23,8 +23,8 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
-from whirlmap.results.status import Status
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
+from whirlmap.results.status import Status
 from whirlmap.sweep.points import POOLS, Labelling, points_dataset
 
 Array = NDArray[np.float64]
@@ -97,9 +97,9 @@ def attractors(
     -----
     1. All starts settle as one batch. Those that return are on the same orbit where their states at phase zero agree with
        a point of it to `whirlmap.analysis.attractors.SAME_POINT` of the range; angles are compared modulo their period.
-    2. Of those that do not return, `LANES` and then twice as many each time are labelled (`label_points`). Those that come out chaotic or
-       quasi-periodic are traced over `TRACE` common periods, and the others are on the same attractor where `RECORD` of
-       their section points lie on the trace (`on_set`). What is left is labelled in turn, to the last start.
+    2. Of those that do not return, `LANES` and then twice as many each time are labelled (`label_points`). Those that come
+       out chaotic or quasi-periodic are traced over `TRACE` common periods, and the others are on the same attractor where
+       `RECORD` of their section points lie on the trace (`on_set`). What is left is labelled in turn, to the last start.
     3. The label of every attractor comes from one more run with all indicators. A start that ends in contact or diverges,
        or whose label is undecided, has no attractor, and is counted as such.
 
@@ -322,8 +322,8 @@ class _Search:
             if known:  # it came there later than its record
                 f.of[start] = known[0]
                 continue
-            left = np.array([i for i in self.records if f.of[i] < 0 and f.status[i] == Status.ok and i != start], dtype=np.intp)
-            left = left[(self.multiple[left] == 0) | (not forced)]
+            left = np.array([i for i in self.records if i != start], dtype=np.intp)
+            left = left[(f.of[left] < 0) & (f.status[left] == Status.ok) & ((self.multiple[left] == 0) | (not forced))]
             if left.size:
                 records = np.stack([self.records[int(i)] for i in left], axis=2)
                 left = left[on_set(records, trace, self.cyclic, smooth=smooth)]

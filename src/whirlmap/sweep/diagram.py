@@ -62,10 +62,10 @@ def bifurcation_diagram(
     -------
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
-        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``, ``end_time`` (parameter);
-        With ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
-        ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak`` (parameter, quantity) of states and outputs over all steps of the record;
-        ``max_eccentricity``, ``min_film`` (parameter, bearing) where the model has bearings.
+        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``winding``,
+        ``end_time`` (parameter); ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak`` (parameter, quantity) of
+        states and outputs over all steps of the record; ``max_eccentricity``, ``min_film`` (parameter, bearing) where the
+        model has bearings; with ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
 
     Notes
     -----
@@ -145,8 +145,8 @@ def _joined(parts: list[Measured]) -> Measured:
     rest = {
         name: np.concatenate([getattr(p, name) for p in parts])
         for name in (
-            "status", "end_time", "exponent", "exponent_error", "exponent_periods", "confidence", "winding", "start_found", "steps",
-            "step_error", "step_verdict",
+            "status", "end_time", "exponent", "exponent_error", "exponent_periods", "confidence", "winding", "start_found",
+            "steps", "step_error", "step_verdict",
         )
     }  # fmt: skip
     return Measured(returns, **rest)
@@ -181,10 +181,11 @@ def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset
 def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: list[str]) -> xr.Dataset:
     model, r = system.model, m.returns
     declared = model.parameter(parameter)
+    rows = [system.states.index(name) for name in kept]
     data: dict[str, Any] = {
         "section": variable(
-            (parameter, "period", "state"), r.section[:, [system.states.index(name) for name in kept]].transpose(2, 0, 1), "1",
-            "section point, once per T", unit_of_each=" ".join({s.name: s.unit for s in model.states}[n] for n in kept),
+            (parameter, "period", "state"), r.section[:, rows].transpose(2, 0, 1), "1", "section point, once per T",
+            unit_of_each=" ".join(model.states[k].unit for k in rows),
         ),
         **point_variables(parameter, m),
         **extreme_variables(parameter, system, m),

@@ -118,8 +118,8 @@ class Labelling:
             returns = self._given_time(ensemble, returns, open_points[contracts], exponent, cyclic, progress)
             confidence[returns.regime == Regime.periodic] = 1.0
         return Measured(
-            returns, ensemble.status, ensemble.end_time, exponent, error, periods, confidence, winding, found, ensemble.point_steps,
-            ensemble.step_error, ensemble.step_verdict,
+            returns, ensemble.status, ensemble.end_time, exponent, error, periods, confidence, winding, found,
+            ensemble.point_steps, ensemble.step_error, ensemble.step_verdict,
         ), ensemble  # fmt: skip
 
     def _given_time(

@@ -111,7 +111,8 @@ def diagram_in_batches(
         + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "settling": settling, "lyapunov": lyapunov, "states": kept_states(system, states), "steps": steps, "accuracy": accuracy, "method": method,
+        "settling": settling, "lyapunov": lyapunov, "states": kept_states(system, states), "steps": steps,
+        "accuracy": accuracy, "method": method,
         "workers": workers, "progress": progress,
     }  # fmt: skip
     finished: dict[Any, list[xr.Dataset]] = {way: [] for way in ways}
