@@ -13,7 +13,8 @@ from whirlmap.results.regime import Regime
 def slice_of_basins():
     """Four by five starts: two attractors, and one column each in contact, diverged and undecided."""
     of = np.array([[1, 2, 0, 0, 0]] * 4)
-    regime = np.array([[Regime.periodic, Regime.chaotic, Regime.contact, Regime.diverged, Regime.undecided]] * 4, dtype=np.int8)
+    kinds = [Regime.periodic, Regime.chaotic, Regime.contact, Regime.diverged, Regime.undecided]
+    regime = np.array([kinds] * 4, dtype=np.int8)
     section = np.full((2, 100, 2), np.nan)
     section[0, 0], section[1] = (0.1, 0.2), np.random.default_rng(1).uniform(-1, 1, (100, 2))
     return xr.Dataset(
@@ -43,7 +44,8 @@ def test_every_start_has_its_colour_and_no_other_end_is_an_attractor(slice_of_ba
         shown = ~np.ma.getmaskarray(meshes[f"ended-{kind}"].get_array()).reshape(5, 4)
         assert shown[row].all() and shown.sum() == 4
     words = [t.get_text() for t in fig.legends[0].get_texts()]
-    assert words == ["1: periodic, 3T (20.0%)", "2: chaotic (20.0%)", "contact (20.0%)", "diverged (20.0%)", "undecided (20.0%)"]
+    names = ["1: periodic, 3T", "2: chaotic", "contact", "diverged", "undecided"]
+    assert words == [f"{name} (20.0%)" for name in names]
 
 
 def test_starts_are_drawn_by_their_attractor(slice_of_basins):
