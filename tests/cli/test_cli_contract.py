@@ -22,6 +22,8 @@ SMALL = {
     "diagnose": "diagnose duffing --set gamma=0.2 --transient 20 --max-periods 64",
     "bifurcation": "bifurcation duffing --vary gamma=0.2:0.21:2 --transient 20",
     "cache": "cache",
+    "attractors": "attractors duffing --set gamma=0.2 --starts 4 --transient 20 --lyapunov 256",
+    "basins": "basins duffing --set gamma=0.2 --grid x=-1:1:3 --grid v=-1:1:3 --transient 20 --lyapunov 256",
     "map": "map duffing --vary gamma=0.2:0.21:2 --transient 20",
 }
 
