@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.points import run_attributes
 from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.settling import Settling
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
@@ -23,6 +23,7 @@ from whirlmap.sweep.points import (
     Measured,
     extreme_coordinates,
     extreme_variables,
+    kept_states,
     point_variables,
     section_variable,
 )
@@ -161,25 +162,6 @@ def _joined(parts: list[Measured]) -> Measured:
         )
     }  # fmt: skip
     return Measured(returns, **rest)
-
-
-def kept_states(system: System, states: Sequence[str] | None) -> list[str]:
-    """States whose section a diagram keeps: those asked for, else the model's displacements, else its first state.
-
-    Raises
-    ------
-    RangeError
-        Where a name is not a state of the model.
-    """
-    if states is None:
-        return [s.name for s in system.model.swing] or [system.states[0]]
-    for name in states:
-        if name not in system.states:
-            raise RangeError(
-                f"states: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
-                f"\n  states: {' '.join(system.states)}"
-            )
-    return list(states)
 
 
 def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset:

@@ -17,7 +17,7 @@ from whirlmap.analysis.open_points import judge_open_points
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes, tangent_steps
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
@@ -247,10 +247,30 @@ def points_dataset(
         for name, column in columns.items()
     }
     if sections:
-        data["section"] = section_variable("point", system, measured, system.states)
+        kept = kept_states(system, None)
+        data["section"] = section_variable("point", system, measured, kept)
         coords["period"] = ("period", np.arange(1, measured.returns.section.shape[0] + 1), {"long_name": "T"})
-        coords["state"] = names_coordinate("state", system.states, "state")
+        coords["state"] = names_coordinate("state", kept, "state")
     return xr.Dataset(data, coords | extreme_coordinates(system))
+
+
+def kept_states(system: System, states: Sequence[str] | None) -> list[str]:
+    """States whose section a diagram keeps: those asked for, else the model's displacements, else its first state.
+
+    Raises
+    ------
+    RangeError
+        Where a name is not a state of the model.
+    """
+    if states is None:
+        return [s.name for s in system.model.swing] or [system.states[0]]
+    for name in states:
+        if name not in system.states:
+            raise RangeError(
+                f"states: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
+                f"\n  states: {' '.join(system.states)}"
+            )
+    return list(states)
 
 
 def section_variable(dim: str, system: System, measured: Measured, kept: Sequence[str]) -> Any:
