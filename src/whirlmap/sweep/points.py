@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.open_points import judge_open_points
-from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes, tangent_steps
+from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
 from whirlmap.errors import RangeError, nearest
@@ -102,7 +102,7 @@ class Labelling:
         if self.lyapunov and open_points.size:
             tangent, _ = make_ensemble(
                 system, {name: np.atleast_1d(np.asarray(v, dtype=float))[open_points] for name, v in values.items()},
-                starts=ensemble.x[:, open_points], steps=tangent_steps(ensemble)[open_points], method=ensemble.method.name,
+                starts=ensemble.x[:, open_points], steps=ensemble.point_steps[open_points], method=ensemble.method.name,
                 tangents=1, workers=self.workers,
             )  # fmt: skip
             judged = judge_open_points(tangent, self.lyapunov, cyclic, progress)
