@@ -161,6 +161,7 @@ def _joined(
     finished: dict[Any, list[xr.Dataset]], parameter: str, points: Array, follow: Follow | None
 ) -> xr.Dataset | None:
     sweeps = []
+    attributes = next((parts[0].attrs for parts in finished.values() if parts), {})  # it began where the user said
     for way, parts in finished.items():
         if parts:
             ordered = parts[::-1] if way == "down" else parts
@@ -172,11 +173,10 @@ def _joined(
         if sweeps[1].sizes[parameter] < points.size:
             meta = {name: v.attrs for name, v in sweeps[1].variables.items()}
             sweeps[1] = sweeps[1].reindex({parameter: ds[parameter]}, fill_value=_fill(sweeps[1]))
-            for name, attributes in meta.items():
-                sweeps[1][name].attrs = attributes
+            for name, own in meta.items():
+                sweeps[1][name].attrs = own
         ds = _concat(sweeps, "direction")
-    first = next(parts[0] for parts in finished.values() if parts)  # it began where the user said
-    ds.attrs = {k: v for k, v in first.attrs.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
+    ds.attrs = {k: v for k, v in attributes.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
     if doubts := doubtful(ds["step_verdict"].values):
         ds.attrs["accuracy_not_met"] = doubts
     return ds
@@ -187,7 +187,25 @@ def _fill(ds: xr.Dataset) -> dict[Any, Any]:
 
 
 def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
-    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN."""
+    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN.
+
+    Where they do not, the parts give up each variable as it is joined: a large diagram is not in memory twice.
+    """
+    if dim != "direction" and len({part.sizes["period"] for part in parts}) == 1:
+        lengths = [part.sizes[dim] for part in parts]
+        bounds = np.cumsum([0, *lengths])
+        whole = {}
+        for name, first in parts[0].variables.items():
+            if dim not in first.dims:
+                continue
+            assert first.dims[0] == dim, name
+            out = np.empty((bounds[-1], *first.shape[1:]), dtype=first.dtype)
+            for i, part in enumerate(parts):
+                out[bounds[i] : bounds[i + 1]] = part.variables[name].values
+                parts[i] = part.drop_vars(str(name))
+            whole[name] = (first.dims, out, first.attrs)
+        coordinate = whole.pop(dim)
+        return parts[0].assign(whole).assign_coords({dim: coordinate})
     joined: xr.Dataset = xr.concat(
         parts, dim=dim, join="outer", data_vars="minimal" if dim != "direction" else "all", coords="minimal",
         compat="equals", combine_attrs="override",
