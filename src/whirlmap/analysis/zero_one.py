@@ -2,11 +2,11 @@
 
 from typing import Any
 
-import numba
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ OVERSAMPLED = 0.1
 LAGS = 25
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+@compiled(fastmath={"contract", "reassoc", "nsz"})
 def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: Array) -> None:
     """Mean square displacement of the walk of each angle, ``out`` of shape (angle, lag)."""
     n = series.size
