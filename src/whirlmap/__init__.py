@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from whirlmap.sweep.map import regime_map as regime_map
     from whirlmap.sweep.map import tolerance_sweep as tolerance_sweep
     from whirlmap.sweep.points import label_points as label_points
+    from whirlmap.sweep.speeds import safe_speeds as safe_speeds
     from whirlmap.sweep.waterfall import waterfall as waterfall
 
 
@@ -53,6 +54,7 @@ _HOMES = {
     "basins": "whirlmap.sweep.basins",
     "bifurcation_diagram": "whirlmap.sweep.diagram",
     "label_points": "whirlmap.sweep.points",
+    "safe_speeds": "whirlmap.sweep.speeds",
     "regime_map": "whirlmap.sweep.map",
     "tolerance_sweep": "whirlmap.sweep.map",
     "waterfall": "whirlmap.sweep.waterfall",

@@ -24,6 +24,7 @@ from whirlmap.cli import (
     reproduce,
     show,
     simulate,
+    speeds,
 )
 from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
 from whirlmap.errors import WhirlmapError
@@ -123,7 +124,7 @@ def program(
 
 
 for module in (
-    cases, show, simulate, diagnose, bifurcation, map, attractors, basins, reproduce, identify, cache, bench,
+    cases, show, simulate, diagnose, bifurcation, map, speeds, attractors, basins, reproduce, identify, cache, bench,
 ):  # fmt: skip
     name = module.__name__.rpartition(".")[2]
     app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
