@@ -56,6 +56,14 @@ def estimates() -> bool:
     return LANES == 8 and "+avx512f" in processor()[1].split(",")  # they are written for registers of eight
 
 
+def fuses() -> bool:
+    """Whether the processor adds a product without rounding it."""
+    level, features = os.environ.get("WHIRLMAP_CPU", ""), processor()[1].split(",")  # a level that is not had is refused
+    if level:
+        return "fma" in LEVELS[level]
+    return "+fma" in features or llvm.get_default_triple().startswith(("aarch64", "arm64"))
+
+
 def platform() -> str:
     """Versions and processor that compiled code depends on."""
     from llvmlite import __version__

@@ -12,6 +12,7 @@ from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import Kind, Routine, Value, number
+from whirlmap.kernels.sines import Sines
 from whirlmap.kernels.vector import VectorCode
 
 #: How time is known: every lane at the same phase of the forcing, or each at its own time.
@@ -36,10 +37,13 @@ class ModelRoutines:
         Inputs of the kernel; their order is that of its rows ``p``.
     time : {"locked", "free"}
         With ``locked`` the harmonics ``c`` are plain numbers, cosine and sine of each; with ``free`` rows.
+    roots, sines : Roots, Sines
+        How these functions are computed.
     """
 
-    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots) -> None:
-        self.module, self.model, self.hoisted, self.time, self.roots = module, model, hoisted, time, roots
+    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots, sines: Sines) -> None:
+        self.module, self.model, self.hoisted, self.time = module, model, hoisted, time
+        self.roots, self.sines = roots, sines
         self.places = Places(model.tables)
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
@@ -121,8 +125,9 @@ class ModelRoutines:
         r = Routine(self.module, "phases", {"time": "rows", "p": "rows", "c": "rows"})
         for i, frequency in enumerate(self._results(r, frequencies)):
             angle = r.mul(frequency, r.load(r.at["time"]))
-            r.store(r.per_lane("cos", angle), r.at["c"], 2 * i)
-            r.store(r.per_lane("sin", angle), r.at["c"], 2 * i + 1)
+            sine, cosine = self.sines.pair(r, angle)
+            r.store(cosine, r.at["c"], 2 * i)
+            r.store(sine, r.at["c"], 2 * i + 1)
         r.done()
         return r
 
@@ -146,7 +151,7 @@ class ModelRoutines:
                 if f"{kind}{i}" in names:
                     wave = r.load(r.at["c"], 2 * i + part)
                     known[f"{kind}{i}"] = r.spread(wave) if self.time == "locked" else wave
-        return VectorCode(r, known, self.roots)
+        return VectorCode(r, known, self.roots, self.sines)
 
 
 def split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:

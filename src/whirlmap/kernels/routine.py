@@ -130,14 +130,23 @@ class Routine:
         """Square root of a vector."""
         return self._intrinsic(f"llvm.sqrt.v{LANES}f64", value)
 
-    def _intrinsic(self, name: str, value: Value) -> Value:
-        function = self.module.globals.get(name) or ir.Function(self.module, ir.FunctionType(LANE, [LANE]), name)
-        return self.b.call(function, [value], fastmath=FAST_MATH)
+    def fused(self, a: Value, b: Value, c: Value) -> Value:
+        """``a b + c``, rounded once and never rearranged; slow where the processor has no instruction for it."""
+        return self._intrinsic(f"llvm.fma.v{LANES}f64", a, b, c, flags=())
+
+    def _intrinsic(self, name: str, *values: Value, flags: tuple[str, ...] = FAST_MATH) -> Value:
+        return self.b.call(self._declared(name, LANE, len(values)), values, fastmath=flags)
+
+    def _declared(self, name: str, kind: ir.Type, count: int) -> ir.Function:
+        return self.module.globals.get(name) or ir.Function(self.module, ir.FunctionType(kind, [kind] * count), name)
+
+    def library(self, name: str, count: int = 1) -> ir.Function:
+        """A function of the C library, of so many plain numbers."""
+        return self._declared(name, DOUBLE, count)
 
     def per_lane(self, name: str, *values: Value) -> Value:
         """A function of the C library, called once for each lane."""
-        kind = ir.FunctionType(DOUBLE, [DOUBLE] * len(values))
-        function = self.module.globals.get(name) or ir.Function(self.module, kind, name)
+        function = self.library(name, len(values))
         out = ir.Constant(LANE, ir.Undefined)
         for lane in range(LANES):
             place = ir.Constant(ir.IntType(32), lane)

@@ -20,12 +20,13 @@ from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import along_code, jacobian_code
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, local_name, straight
-from whirlmap.kernels.machine import estimates
+from whirlmap.kernels.machine import estimates, fuses
 from whirlmap.kernels.marching import evaluate, march
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.rates import ModelRoutines, Slopes, Time, direction_name
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import FAST_MATH, LANES
+from whirlmap.kernels.sines import Sines
 from whirlmap.kernels.stepping import Sizes
 
 #: Of every function: LLVM would else split vectors of 512 bits on processors that have them.
@@ -88,7 +89,7 @@ KEYS = {"text", "sizes", "inputs", "hoisted", "entries", "tables", "nodes"}
 
 def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
     """Return `kernel_source` from the cache, where it was written before for the same declaration and method."""
-    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH} {estimates()}"
+    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH} {estimates()} {fuses()}"
     data = remembered(
         question,
         lambda: kernel_source(model, method, slopes=slopes, kind=kind).as_data(),
@@ -115,7 +116,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     nodes = tuple(sorted({float(c) for c in method.c}))
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
-    routines = ModelRoutines(module, model, hoisted, kind, Roots(estimates()))
+    routines = ModelRoutines(module, model, hoisted, kind, Roots(estimates()), Sines(module, fuses()))
     of_rates = routines.rates(rates, along=slopes == "along")
     of_tangent = routines.tangent(entries, slots) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)

@@ -3,7 +3,7 @@
 from typing import Any
 
 from llvmlite import ir
-from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow
+from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow, cos, sin
 from sympy import sign as sympy_sign
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import And, Not, Or
@@ -12,9 +12,10 @@ from whirlmap.errors import ModelError
 from whirlmap.kernels.lower import inverse, root
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import LANES, MASK, Routine, Value, number
+from whirlmap.kernels.sines import Sines
 
 #: Functions of the C library: they work on one lane at a time, and belong outside of a right-hand side where possible.
-LIBRARY = ("sin", "cos", "exp", "log", "atan2", "atan", "tanh")
+LIBRARY = ("exp", "log", "atan2", "atan", "tanh")
 
 
 class VectorCode:
@@ -27,11 +28,14 @@ class VectorCode:
         Values of the symbols; an assignment adds one.
     roots : Roots
         How square roots and reciprocals are computed.
+    sines : Sines
+        How sines and cosines are.
     """
 
-    def __init__(self, routine: Routine, names: dict[str, Value], roots: Roots) -> None:
-        self.r, self.names, self.roots = routine, names, roots
-        self.made: dict[Any, Value] = {}
+    def __init__(self, routine: Routine, names: dict[str, Value], roots: Roots, sines: Sines) -> None:
+        self.r, self.names, self.roots, self.sines = routine, names, roots, sines
+        self.made: dict[Expr, Value] = {}
+        self.waves: dict[Expr, tuple[Value, Value]] = {}
 
     def value(self, e: Expr) -> Value:
         """Instructions of an expression."""
@@ -55,6 +59,11 @@ class VectorCode:
             return self._power(e)
         if isinstance(e, root | inverse):
             return self.roots.write(self, e)
+        if isinstance(e, sin | cos):
+            angle = e.args[0]
+            if angle not in self.waves:
+                self.waves[angle] = self.sines.pair(r, self.value(angle))
+            return self.waves[angle][0 if isinstance(e, sin) else 1]
         if isinstance(e, Abs):
             return r.absolute(self.value(e.args[0]))
         if isinstance(e, sympy_sign):
