@@ -60,7 +60,8 @@ def test_parts_are_a_quarter_turn():
 def test_last_places(system):
     rng = np.random.default_rng(1)
     v = np.concatenate([
-        rng.uniform(-7, 7, 2000), rng.uniform(-1e3, 1e3, 1000), 10.0 ** rng.uniform(-300, 9, 2000) * rng.choice([-1, 1], 2000),
+        rng.uniform(-7, 7, 2000), rng.uniform(-1e3, 1e3, 1000),
+        10.0 ** rng.uniform(-300, 9, 2000) * rng.choice([-1, 1], 2000),
         [0.0, -0.0, 5e-324, -1e-310, 1e-20, LIMIT, -LIMIT],
     ])  # fmt: skip
     assert worst(values(system, v), v) < 1.5

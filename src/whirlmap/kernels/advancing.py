@@ -97,37 +97,38 @@ def _block(
     with r.loop(a["steps"], going=going) as n:
         here = r.spread(n)
         running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
-        x = stepper.step(a["y"], h, inputs, count, waves_at)
-        r.call(examine, y=x, p=a["p"], good=good)
-        lost = b.and_(running, b.not_(r.load(good)))
-        truth = b.icmp_signed("!=", lost, _every(0))
-        r.store(b.select(truth, here, r.load(a["failed"])), a["failed"])
-        running = b.and_(running, r.load(good))
-        r.store(running, on)
-        runs = b.icmp_signed("!=", running, _every(0))
-        with r.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
-            r.store(b.select(runs, r.load(x, i), r.load(a["y"], i)), a["y"], i)
+        with b.if_then(r.any(b.icmp_signed("!=", running, _every(0)))):  # no step where all lanes wait
+            x = stepper.step(a["y"], h, inputs, count, waves_at)
+            r.call(examine, y=x, p=a["p"], good=good)
+            lost = b.and_(running, b.not_(r.load(good)))
+            truth = b.icmp_signed("!=", lost, _every(0))
+            r.store(b.select(truth, here, r.load(a["failed"])), a["failed"])
+            running = b.and_(running, r.load(good))
+            r.store(running, on)
+            runs = b.icmp_signed("!=", running, _every(0))
+            with r.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
+                r.store(b.select(runs, r.load(x, i), r.load(a["y"], i)), a["y"], i)
+            done = b.add(n, integer(1))
+            if turn:
+                due = b.icmp_signed("==", b.srem(done, a["orth_every"]), integer(0))
+                with b.if_then(b.and_(due, b.icmp_signed(">", count, integer(0)))):
+                    event = b.sub(b.sdiv(done, a["orth_every"]), integer(1))
+                    with b.if_then(b.icmp_signed("<", event, a["events"])):
+                        r.call(turn, y=a["y"], count=count, growth=r.row(a["growth"], b.mul(event, count)), active=on)
+            with b.if_then(b.icmp_signed("!=", a["folded"], integer(0))):
+                r.call(observed, y=a["y"], p=a["p"], o=stepper.o)
+                for values, before, size in ((a["y"], 0, sizes.states), (stepper.o, sizes.states, sizes.outputs)):
+                    r.call(fold, v=values, sums=r.row(a["sums"], before), rows=integer(size), active=on)
+            with b.if_then(b.icmp_signed("==", b.srem(done, a["save_every"]), integer(0))):
+                at = b.sub(b.sdiv(done, a["save_every"]), integer(1))
+                with b.if_then(b.icmp_signed("<", at, a["saves"])):
+                    place = r.row(a["saved"], b.mul(at, integer(sizes.states)))
+                    with r.loop(sizes.states) as i:
+                        r.store(b.select(runs, r.load(a["y"], i), r.load(place, i)), place, i)
         with r.loop(sizes.harmonics) as j:
             following = b.add(r.load(counters, j), integer(1))
             ends = b.icmp_signed("==", following, r.load(a["lengths"], j))
             r.store(b.select(ends, integer(0), following), counters, j)
-        done = b.add(n, integer(1))
-        if turn:
-            due = b.icmp_signed("==", b.srem(done, a["orth_every"]), integer(0))
-            with b.if_then(b.and_(due, b.icmp_signed(">", count, integer(0)))):
-                event = b.sub(b.sdiv(done, a["orth_every"]), integer(1))
-                with b.if_then(b.icmp_signed("<", event, a["events"])):
-                    r.call(turn, y=a["y"], count=count, growth=r.row(a["growth"], b.mul(event, count)), active=on)
-        with b.if_then(b.icmp_signed("!=", a["folded"], integer(0))):
-            r.call(observed, y=a["y"], p=a["p"], o=stepper.o)
-            for values, before, size in ((a["y"], 0, sizes.states), (stepper.o, sizes.states, sizes.outputs)):
-                r.call(fold, v=values, sums=r.row(a["sums"], before), rows=integer(size), active=on)
-        with b.if_then(b.icmp_signed("==", b.srem(done, a["save_every"]), integer(0))):
-            at = b.sub(b.sdiv(done, a["save_every"]), integer(1))
-            with b.if_then(b.icmp_signed("<", at, a["saves"])):
-                place = r.row(a["saved"], b.mul(at, integer(sizes.states)))
-                with r.loop(sizes.states) as i:
-                    r.store(b.select(runs, r.load(a["y"], i), r.load(place, i)), place, i)
     r.done()
     return r
 
@@ -155,9 +156,10 @@ def orthonormalise(module: ir.Module, states: int) -> Routine:
         this = vector(v)
         with r.loop(v) as w:
             other = vector(w)
-            along = b.select(runs, product(this, other), number(0.0))
+            along = product(this, other)
             with r.loop(states) as i:
-                r.store(r.sub(r.load(this, i), r.mul(along, r.load(other, i))), this, i)
+                less = r.sub(r.load(this, i), r.mul(along, r.load(other, i)))
+                r.store(b.select(runs, less, r.load(this, i)), this, i)
         length = b.select(runs, r.root(product(this, this)), number(1.0))
         r.store(r.add(r.load(a["growth"], v), r.per_lane("log", length)), a["growth"], v)
         shrink = r.div(number(1.0), length)

@@ -122,7 +122,9 @@ class Code:
 
     def function(self, name: str, arguments: Mapping[str, Kind]) -> "Function":
         """One of its functions."""
-        return Function(self, name, self._engine.get_function_address(name), arguments)
+        address = self._engine.get_function_address(name)
+        assert address, f"the kernel has no function {name}"  # to call it would end the program
+        return Function(self, name, address, arguments)
 
 
 class Function:

@@ -107,13 +107,18 @@ class ModelRoutines:
         return r
 
     def examine(self, lines: Straight) -> Routine:
-        """Write ``examine``: whether every gap is open, every state finite and within the model's bound, as -1 or 0."""
+        """Write ``examine``: whether every gap is open, every state finite and (but for angles) in bounds, as -1 or 0."""
         r = Routine(self.module, "examine", {"y": "rows", "p": "rows", "good": "flags"})
-        size = number(0.0)
+        size, cyclic = number(0.0), []
         for i, s in enumerate(self.model.states):
+            value = r.absolute(r.load(r.at["y"], i))
             if s.cyclic is None:
-                size = r.add(size, r.absolute(r.load(r.at["y"], i)))
+                size = r.add(size, value)
+            else:
+                cyclic.append(r.less(value, number(float("inf"))))
         good = r.less(size, number(float(self.model.bound)))
+        for finite in cyclic:
+            good = r.b.and_(good, finite)
         for gap in self._results(r, lines):
             good = r.b.and_(good, r.less(number(0.0), gap))
         r.store(r.b.sext(good, r.at["good"].type.pointee), r.at["good"])

@@ -2,7 +2,7 @@
 
 The C library works on one lane at a time, and a pendulum's right-hand side is little else than a sine. Here all lanes take
 the same path: the nearest multiple of pi/2 is subtracted in three parts, both functions of what is left are polynomials,
-and the quadrant chooses between them and their signs. Every product goes into a sum without rounding (`Routine.fused`), and no
+and the quadrant chooses between them and their signs. Products go into sums without rounding (`Routine.fused`), and no
 instruction may be reassociated: the reduction is built of differences that algebra would cancel.
 
 Within 1.5 units in the last place up to `LIMIT`. Lanes beyond it, infinite or not a number are left to the C library, so

@@ -15,6 +15,7 @@ from sympy import Expr, Symbol, sympify
 from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
+from whirlmap.errors import ModelError
 from whirlmap.kernels.advancing import advance
 from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import along_code, jacobian_code
@@ -89,7 +90,8 @@ KEYS = {"text", "sizes", "inputs", "hoisted", "entries", "tables", "nodes"}
 
 def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
     """Return `kernel_source` from the cache, where it was written before for the same declaration and method."""
-    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH} {estimates()} {fuses()}"
+    question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH}"
+    question += f" {estimates()} {fuses()}"
     data = remembered(
         question,
         lambda: kernel_source(model, method, slopes=slopes, kind=kind).as_data(),
@@ -157,7 +159,22 @@ def _entry(at: tuple[int, int], e: Expr, slots: dict[tuple[int, int], int], hois
 
 
 def _table_parameters(model: Model) -> dict[str, str | float]:
-    """Name of the parameter that each table is made for, or its value where it is a number."""
-    read = {e.table_name: e.parameter for rate in model.equations.values() for e in sympify(rate).atoms(tabulated)}
-    chosen = {table.name: read[table.name] for table in model.tables}
-    return {name: p.name if p in model.parameters else float(p) for name, p in chosen.items()}
+    """Name of the parameter that each table is made for, or its value where it is a number.
+
+    Raises
+    ------
+    ModelError
+        A table is read at none, at several, or at an expression: its entries are made for one parameter.
+    """
+    found: dict[str, str | float] = {}
+    for table in model.tables:
+        calls = {e for rate in model.equations.values() for e in sympify(rate).atoms(tabulated)}
+        read = sorted({e.parameter for e in calls if e.table_name == table.name}, key=str)
+        if len(read) != 1 or not (read[0] in model.parameters or read[0].is_number):
+            where = " and ".join(f"at {p}" for p in read)
+            raise ModelError(
+                f"model {model.name!r}: table {table.name!r} is read {where or 'by no equation'}, expected one parameter of"
+                " the model or one number: declare one table for each"
+            )
+        found[table.name] = read[0].name if read[0] in model.parameters else float(read[0])
+    return found

@@ -1,0 +1,113 @@
+"""Corners of the kernels: what is not a number anywhere is seen, steps without lanes cost nothing, tables are what they say."""
+
+import numpy as np
+import pytest
+import sympy as sp
+
+from whirlmap.equations import Model, Parameter, State
+from whirlmap.equations.pieces import Table
+from whirlmap.errors import ModelError
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.system import System
+from whirlmap.kernels.lanes import Waves, blocked, lane_kernel
+from whirlmap.kernels.methods import RK4
+from whirlmap.kernels.routine import LANES
+from whirlmap.models import family
+from whirlmap.results.status import Status
+
+angle, v = State("angle", "rad", "angle", cyclic=2 * np.pi), State("v", "1", "v")
+a, b = Parameter("a", "1", "a"), Parameter("b", "1", "b")
+
+
+def waves(parameter, u):
+    return (np.sin(parameter * u),)
+
+
+TABLE = Table("wave", ("u",), ("f",), waves, waves, lambda p: (np.linspace(-2, 2, 9),), 6)
+
+
+def model(name, rate, **more):
+    return Model(name, (angle, v), (a, b), {angle: rate, v: sp.Integer(-1)}, **more)
+
+
+def test_a_cyclic_state_that_is_no_number_ends_its_point():
+    """The angle's rate is sqrt(v), and v falls below zero at 0.5: no other state notices."""
+    system = System(model("blind-angle", sp.sqrt(v)), {"a": 1.0, "b": 1.0})
+    e = Ensemble(system.model, system.vector[:, None], np.array([[0.0], [0.5]]), orders=(), steps=10)
+    saved = e.advance(2, save_every=1).saved[..., 0]
+    assert e.status[0] != Status.ok
+    assert np.isfinite(e.x).all()
+    assert 0.4 <= e.end_time[0] <= 0.6
+    assert np.isfinite(saved[:4]).all() and np.isnan(saved[6:]).all()
+
+
+def test_a_cyclic_state_has_no_bound():
+    system = System(Model("far-angle", (angle, v), (), {angle: sp.Integer(10) ** 9, v: -v}), {})
+    e = Ensemble(system.model, system.vector[:, None], np.array([[0.0], [0.5]]), orders=(), steps=10)
+    e.advance(3)
+    assert e.status[0] == Status.ok and e.x[0, 0] == pytest.approx(3e9)
+
+
+def test_a_table_is_read_at_one_parameter():
+    with pytest.raises(ModelError, match="table 'wave' is read at a and at b"):
+        System(model("two", TABLE(a, v)[0] + TABLE(b, v)[0], tables=(TABLE,)), {"a": 1.0, "b": 2.0}).rhs(0.0, [0.0, 0.5])
+
+
+def test_a_tables_parameter_is_a_parameter():
+    with pytest.raises(ModelError, match=r"table 'wave' is read at 2\*a"):
+        System(model("twice", TABLE(2 * a, v)[0], tables=(TABLE,)), {"a": 1.0, "b": 2.0}).rhs(0.0, [0.0, 0.5])
+
+
+def test_a_table_that_is_not_read_is_refused():
+    with pytest.raises(ModelError, match="'wave'"):
+        System(model("unread", v, tables=(TABLE,)), {"a": 1.0, "b": 2.0}).rhs(0.0, [0.0, 0.5])
+
+
+def run(system, x, *, first, active, steps, sentinel):
+    """Call ``advance`` of a locked kernel for one block; working memory is filled with a number before."""
+    kernel = lane_kernel(system.plain_model(), RK4, slopes="none", kind="locked")
+    y = blocked(x)
+    flags = {name: np.array(value, dtype=np.int64).reshape(1, 1, LANES) for name, value in (
+        ("first", first), ("active", active), ("failed", [-1] * LANES))}  # fmt: skip
+    work = kernel.work(0)
+    work[:] = sentinel
+    h = np.full((1, 1, LANES), system.period / 20)
+    kernel.advance(
+        blocks=1, count=0, y=y, h=h, **kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES)),
+        **Waves.of(system.orders, 20, kernel.source.nodes).arguments(0), steps=steps, **flags, save_every=steps + 1, saves=0,
+        saved=np.empty(0), orth_every=20, events=0, growth=np.empty(0), folded=0, sums=np.empty(0), work=work,
+    )  # fmt: skip
+    return y[0], work
+
+
+DUFFING = {"delta": 0.2, "alpha": -1, "beta": 1, "gamma": 0.3, "omega": 1.2}
+
+
+def test_steps_before_the_first_lane_enters_are_not_computed():
+    """A run goes on at its mended step; without this every mended step would cost the run from its beginning."""
+    system = System(family("duffing").model(), DUFFING)
+    x = np.random.default_rng(0).uniform(-1, 1, (2, LANES))
+    y, work = run(system, x, first=[30] * LANES, active=[1] * LANES, steps=30, sentinel=7.5)
+    np.testing.assert_array_equal(y, x)
+    assert (work == 7.5).all()
+
+
+def test_lanes_that_wait_enter_at_the_phase_of_their_step():
+    """Lanes that enter at step 13 end as if those 13 steps had been run from where the others then stood."""
+    system = System(family("duffing").model(), DUFFING)
+    x = np.random.default_rng(1).uniform(-1, 1, (2, LANES))
+    begun, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=13, sentinel=0.0)
+    whole, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=50, sentinel=0.0)
+    late = np.arange(LANES) % 3 == 0
+    mixed = np.where(late, begun, x)
+    for first in (np.where(late, 13, 0), np.full(LANES, 13)):
+        start = mixed if (first == 0).any() else begun
+        got, _ = run(system, start, first=first, active=[1] * LANES, steps=50, sentinel=0.0)
+        np.testing.assert_array_equal(got, whole)
+
+
+def test_a_kernel_without_a_function_says_so():
+    system = System(family("duffing").model(), DUFFING)
+    kernel = lane_kernel(system.plain_model(), RK4, slopes="none", kind="free")
+    with pytest.raises(AssertionError, match="advance"):
+        kernel.advance  # noqa: B018
