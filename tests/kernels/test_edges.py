@@ -1,4 +1,4 @@
-"""Corners of the kernels: what is not a number anywhere is seen, steps without lanes cost nothing, tables are what they say."""
+"""Corners of the kernels: what is no number is seen anywhere, steps without lanes cost nothing, tables are what they say."""
 
 import numpy as np
 import pytest
@@ -19,11 +19,11 @@ angle, v = State("angle", "rad", "angle", cyclic=2 * np.pi), State("v", "1", "v"
 a, b = Parameter("a", "1", "a"), Parameter("b", "1", "b")
 
 
-def waves(parameter, u):
+def sines(parameter, u):
     return (np.sin(parameter * u),)
 
 
-TABLE = Table("wave", ("u",), ("f",), waves, waves, lambda p: (np.linspace(-2, 2, 9),), 6)
+TABLE = Table("wave", ("u",), ("f",), sines, sines, lambda p: (np.linspace(-2, 2, 9),), 6)
 
 
 def model(name, rate, **more):
@@ -72,9 +72,10 @@ def run(system, x, *, first, active, steps, sentinel):
     work = kernel.work(0)
     work[:] = sentinel
     h = np.full((1, 1, LANES), system.period / 20)
+    inputs = kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES))
+    waves = Waves.of(system.orders, 20, kernel.source.nodes).arguments(0)
     kernel.advance(
-        blocks=1, count=0, y=y, h=h, **kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES)),
-        **Waves.of(system.orders, 20, kernel.source.nodes).arguments(0), steps=steps, **flags, save_every=steps + 1, saves=0,
+        blocks=1, count=0, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
         saved=np.empty(0), orth_every=20, events=0, growth=np.empty(0), folded=0, sums=np.empty(0), work=work,
     )  # fmt: skip
     return y[0], work

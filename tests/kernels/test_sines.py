@@ -1,5 +1,7 @@
 """Sine and cosine of vectors: right to the last places over all magnitudes, and of a lane's own angle alone."""
 
+import math
+
 import mpmath
 import numpy as np
 import pytest
@@ -9,6 +11,9 @@ from whirlmap.equations import Model, State
 from whirlmap.integrate.system import System
 from whirlmap.kernels import machine
 from whirlmap.kernels.sines import LIMIT, PARTS
+
+#: Units of the last place. The GNU C library's own error is 1.99 at the doubles nearest to multiples of pi/2.
+ALLOWED = 1.5 if machine.fuses() else 2.0
 
 x, y = (State(name, "1", name) for name in "xy")
 
@@ -64,14 +69,14 @@ def test_last_places(system):
         10.0 ** rng.uniform(-300, 9, 2000) * rng.choice([-1, 1], 2000),
         [0.0, -0.0, 5e-324, -1e-310, 1e-20, LIMIT, -LIMIT],
     ])  # fmt: skip
-    assert worst(values(system, v), v) < 1.5
+    assert worst(values(system, v), v) < ALLOWED
 
 
 def test_near_multiples_of_quarter_turns(system):
     v = near_quarters()
     assert np.abs(values(system, v)).min() < 1e-17  # some are so near that two parts of pi/2 would not do
     for angles in (v, -v, np.nextafter(v, 0)):
-        assert worst(values(system, angles), angles) < 1.5
+        assert worst(values(system, angles), angles) < ALLOWED
 
 
 def test_limits(system):
@@ -82,8 +87,8 @@ def test_limits(system):
 
 
 def test_far_angles_are_those_of_the_c_library(system):
-    v = np.array([np.nextafter(LIMIT, np.inf), -1e15, 1e22, 1e300, 3 * LIMIT])
-    assert worst(values(system, v), v) < 1.0
+    v = np.concatenate([[np.nextafter(LIMIT, np.inf), -1e15, 1e22, 1e300], np.linspace(-9 * LIMIT, -1.1 * LIMIT, 500)])
+    np.testing.assert_array_equal(values(system, v), [[math.sin(a) for a in v], [math.cos(a) for a in v]])
 
 
 def test_neighbours_beyond_the_limit_change_no_bit(system):

@@ -3,7 +3,7 @@
 from llvmlite import ir
 
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.routine import INT, INTS, LANES, Kind, Routine, Value, integer, number
+from whirlmap.kernels.routine import INT, INTS, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes, Stepper
 
 #: Arguments of ``advance``, arrays of consecutive blocks: see `advance`.
@@ -76,9 +76,9 @@ def _block(
     with r.loop(sizes.harmonics) as j:
         r.store(r.load(a["begin"], j), counters, j)
     on, good = r.local(INTS), r.local(INTS)
-    asked = b.icmp_signed("!=", r.load(a["active"]), _every(0))
-    later = b.and_(asked, b.icmp_signed(">", r.load(a["first"]), _every(0)))
-    entry = b.select(later, r.load(a["first"]), _every(-1))
+    asked = b.icmp_signed("!=", r.load(a["active"]), integers(0))
+    later = b.and_(asked, b.icmp_signed(">", r.load(a["first"]), integers(0)))
+    entry = b.select(later, r.load(a["first"]), integers(-1))
     r.store(b.sext(b.and_(asked, b.not_(later)), INTS), on)
     inputs = {name: a[name] for name in ("p", "tables", "offsets")}
 
@@ -92,20 +92,20 @@ def _block(
 
     def going(n: Value) -> Value:
         waiting = b.icmp_signed(">=", entry, r.spread(n))
-        return r.any(b.or_(b.icmp_signed("!=", r.load(on), _every(0)), waiting))
+        return r.any(b.or_(b.icmp_signed("!=", r.load(on), integers(0)), waiting))
 
     with r.loop(a["steps"], going=going) as n:
         here = r.spread(n)
         running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
-        with b.if_then(r.any(b.icmp_signed("!=", running, _every(0)))):  # no step where all lanes wait
+        with b.if_then(r.any(b.icmp_signed("!=", running, integers(0)))):  # no step where all lanes wait
             x = stepper.step(a["y"], h, inputs, count, waves_at)
             r.call(examine, y=x, p=a["p"], good=good)
             lost = b.and_(running, b.not_(r.load(good)))
-            truth = b.icmp_signed("!=", lost, _every(0))
+            truth = b.icmp_signed("!=", lost, integers(0))
             r.store(b.select(truth, here, r.load(a["failed"])), a["failed"])
             running = b.and_(running, r.load(good))
             r.store(running, on)
-            runs = b.icmp_signed("!=", running, _every(0))
+            runs = b.icmp_signed("!=", running, integers(0))
             with r.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
                 r.store(b.select(runs, r.load(x, i), r.load(a["y"], i)), a["y"], i)
             done = b.add(n, integer(1))
@@ -141,7 +141,7 @@ def orthonormalise(module: ir.Module, states: int) -> Routine:
     r = Routine(module, "orthonormalise", {"y": "rows", "count": "int", "growth": "rows", "active": "flags"})
     b, a = r.b, r.at
     total = r.local(number(0.0).type)
-    runs = b.icmp_signed("!=", r.load(a["active"]), _every(0))
+    runs = b.icmp_signed("!=", r.load(a["active"]), integers(0))
 
     def vector(index: Value) -> Value:
         return r.row(a["y"], b.mul(b.add(index, integer(1)), integer(states)))
@@ -173,7 +173,7 @@ def folding(module: ir.Module, rows: int) -> Routine:
     """Write ``fold``: rows of one step into the running minimum, maximum, sum and sum of squares of active lanes."""
     r = Routine(module, "fold", {"v": "rows", "sums": "rows", "rows": "int", "active": "flags"})
     b, a = r.b, r.at
-    runs = b.icmp_signed("!=", r.load(a["active"]), _every(0))
+    runs = b.icmp_signed("!=", r.load(a["active"]), integers(0))
     with r.loop(a["rows"]) as i:
         value = r.load(a["v"], i)
         away = b.select(runs, r.sub(value, r.load(a["sums"], i)), number(0.0))
@@ -189,7 +189,3 @@ def folding(module: ir.Module, rows: int) -> Routine:
         r.store(r.add(r.load(a["sums"], part(4)), r.mul(away, away)), a["sums"], part(4))
     r.done()
     return r
-
-
-def _every(value: int) -> Value:
-    return ir.Constant(INTS, [value] * LANES)

@@ -39,6 +39,11 @@ def integer(value: int) -> Value:
     return ir.Constant(INT, value)
 
 
+def integers(value: int) -> Value:
+    """The same integer in every lane."""
+    return ir.Constant(INTS, [value] * LANES)
+
+
 class Routine:
     """One function while it is written.
 

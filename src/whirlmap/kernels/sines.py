@@ -14,7 +14,7 @@ k_sin.c and k_cos.c.
 
 from llvmlite import ir
 
-from whirlmap.kernels.routine import INTS, LANE, LANES, Routine, Value, number
+from whirlmap.kernels.routine import INTS, LANE, LANES, Routine, Value, integers, number
 
 #: pi/2 in three parts of 53 bits. The first difference is exact; what the third leaves out is 2^-163 of a quarter turn.
 PARTS = (1.5707963267948966, 6.123233995736766e-17, -1.4973849048591698e-33)
@@ -102,9 +102,9 @@ def _near(r: Routine, x: Value) -> tuple[Value, Value]:
     lost = b.fsub(b.fsub(number(1.0), one), half)
     c = b.fadd(one, r.fused(b.fmul(square, square), _polynomial(r, COSINE, square), lost))
     quarter = b.bitcast(shifted, INTS)
-    odd = b.icmp_signed("!=", b.and_(quarter, _every(1)), _every(0))
+    odd = b.icmp_signed("!=", b.and_(quarter, integers(1)), integers(0))
     sine = _signed(r, b.select(odd, c, s), quarter)
-    return sine, _signed(r, b.select(odd, s, c), b.add(quarter, _every(1)))
+    return sine, _signed(r, b.select(odd, s, c), b.add(quarter, integers(1)))
 
 
 def _polynomial(r: Routine, coefficients: tuple[float, ...], x: Value) -> Value:
@@ -117,9 +117,5 @@ def _polynomial(r: Routine, coefficients: tuple[float, ...], x: Value) -> Value:
 def _signed(r: Routine, value: Value, quarter: Value) -> Value:
     """The number with its sign changed in the third and fourth quarter."""
     b = r.b
-    change = b.shl(b.and_(quarter, _every(2)), _every(62))
+    change = b.shl(b.and_(quarter, integers(2)), integers(62))
     return b.bitcast(b.xor(b.bitcast(value, INTS), change), LANE)
-
-
-def _every(value: int) -> Value:
-    return ir.Constant(INTS, [value] * LANES)
