@@ -22,6 +22,8 @@ SMALL = {
     "diagnose": "diagnose duffing --set gamma=0.2 --transient 20 --max-periods 64",
     "bifurcation": "bifurcation duffing --vary gamma=0.2:0.21:2 --transient 20",
     "cache": "cache",
+    "linear": "linear jeffcott",
+    "campbell": "campbell jeffcott --vary s=1:2:5",
     "map": "map duffing --vary gamma=0.2:0.21:2 --transient 20",
 }
 

@@ -11,7 +11,20 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
-from whirlmap.cli import bench, bifurcation, cache, cases, diagnose, identify, map, reproduce, show, simulate  # noqa: A004
+from whirlmap.cli import (
+    bench,
+    bifurcation,
+    cache,
+    campbell,
+    cases,
+    diagnose,
+    identify,
+    linear,
+    map,  # noqa: A004
+    reproduce,
+    show,
+    simulate,
+)
 from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
 from whirlmap.errors import WhirlmapError
 
@@ -109,7 +122,7 @@ def program(
         typer.echo(context.get_help())
 
 
-for module in (cases, show, simulate, diagnose, bifurcation, map, reproduce, identify, cache, bench):
+for module in (cases, show, simulate, diagnose, linear, campbell, bifurcation, map, reproduce, identify, cache, bench):
     name = module.__name__.rpartition(".")[2]
     app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
 

@@ -77,3 +77,10 @@ def regime_map(system: "System", ds: "xr.Dataset", quantity: str) -> "Figure":
 
     draw = regime_map_figure if len(ds["regime"].dims) == 2 else regime_line_figure
     return draw(ds, quantity, title=system.case)
+
+
+def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
+    """Draw frequencies, order lines and damping against speed."""
+    from whirlmap.plot.campbell import campbell_figure
+
+    return campbell_figure(ds, title=system.case)
