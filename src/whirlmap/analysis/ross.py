@@ -11,6 +11,19 @@ from whirlmap.integrate.system import System
 Matrix = NDArray[np.float64]
 
 
+def has_si_film(system: System) -> bool:
+    """Whether the system is a Jeffcott rotor on journal bearings with dimensional inputs."""
+    given = getattr(system.details, "inputs", {})
+    return system.model.name == "jeffcott" and system.model.switches["bearing"] == "journal" and {"M", "g", "c"} <= set(given)
+
+
+def load_scale(system: System) -> tuple[float, float]:
+    """W/c [N/m] and W/(c omega) [N*s/m] of one bearing of such a rotor."""
+    M, g, c = (float(system.details.inputs[name].value) for name in ("M", "g", "c"))
+    omega = float(system.values["s"]) * np.sqrt(g / c)
+    return M * g / 2 / c, M * g / 2 / (c * omega)
+
+
 def film_coefficients(system: System) -> tuple[Matrix, Matrix]:
     """Stiffness [N/m] and damping [N*s/m] of one film of a dimensional Jeffcott rotor at its static equilibrium.
 
@@ -21,19 +34,17 @@ def film_coefficients(system: System) -> tuple[Matrix, Matrix]:
     RangeError
         Where the system is not a Jeffcott rotor on journal bearings with dimensional inputs, or has no equilibrium.
     """
-    given = getattr(system.details, "inputs", {})
-    if system.model.name != "jeffcott" or system.model.switches["bearing"] != "journal" or not {"M", "g", "c"} <= set(given):
+    if not has_si_film(system):
         raise RangeError(
             f"{system.case or system.model.name}: coefficients in N/m need a dimensional Jeffcott rotor on journal bearings,"
             " such as machines/jeffcott-rig"
         )
-    M, g, c = (float(given[name].value) for name in ("M", "g", "c"))
     ux, uy = linear_analysis(system).equilibrium[:2]
     film = linear_film(np.hypot(ux, uy), 0.0)
     load = np.arctan2(uy, ux) - film.attitude  # direction of the load, from which the film counts the line of centres
     turn = np.array([[np.cos(load), -np.sin(load)], [np.sin(load), np.cos(load)]])
-    W, omega = M * g / 2, float(system.values["s"]) * np.sqrt(g / c)
-    return W / c * turn @ film.K @ turn.T, W / (c * omega) * turn @ film.C @ turn.T
+    stiffness, damping = load_scale(system)
+    return stiffness * turn @ film.K @ turn.T, damping * turn @ film.C @ turn.T
 
 
 def ross_bearing(system: System) -> dict[str, float]:
