@@ -26,10 +26,13 @@ if TYPE_CHECKING:
     from whirlmap.analysis.trajectory import simulate as simulate
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
+    from whirlmap.sweep.attractors import attractors as attractors
+    from whirlmap.sweep.basins import basins as basins
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
     from whirlmap.sweep.map import regime_map as regime_map
     from whirlmap.sweep.map import tolerance_sweep as tolerance_sweep
     from whirlmap.sweep.points import label_points as label_points
+    from whirlmap.sweep.speeds import safe_speeds as safe_speeds
     from whirlmap.sweep.waterfall import waterfall as waterfall
 
 
@@ -51,8 +54,11 @@ _HOMES = {
     "simulate": "whirlmap.analysis.trajectory",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
+    "attractors": "whirlmap.sweep.attractors",
+    "basins": "whirlmap.sweep.basins",
     "bifurcation_diagram": "whirlmap.sweep.diagram",
     "label_points": "whirlmap.sweep.points",
+    "safe_speeds": "whirlmap.sweep.speeds",
     "regime_map": "whirlmap.sweep.map",
     "tolerance_sweep": "whirlmap.sweep.map",
     "waterfall": "whirlmap.sweep.waterfall",

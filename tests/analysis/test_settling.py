@@ -83,3 +83,16 @@ def test_a_slow_approach_is_not_taken_for_a_return():
     found = return_multiple(x, scale=np.ones((1, 1)), most=8)
     assert found["multiple"].values[0] == 1
     assert distance_to_limit(x, np.array([1]), scale=np.ones((1, 1)))[0] > 1e-5
+
+
+def test_a_spiral_that_closes_in_is_not_a_doubled_orbit():
+    """Multipliers 0.88 exp(+-i 3.0): after two periods the difference is small long before it is after one.
+
+    Hardening spring at 60 frequencies; nothing is doubled there, as a run with a hundredth of the tolerance agrees.
+    """
+    system = load("duffing", alpha=1, beta=0.5, delta=0.1, gamma=0.5)
+    omega = {"omega": np.linspace(0.8, 2.2, 60)}
+    for tolerance in (1e-6, 1e-8):
+        ensemble, _ = make_ensemble(system, omega)
+        found = settle(ensemble, Settling(transient=200, most=8, tolerance=tolerance))
+        assert (found.multiple == 1).all(), tolerance

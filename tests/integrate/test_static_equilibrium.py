@@ -43,7 +43,7 @@ def test_mesh_shifts_the_load_between_the_shafts():
     np.testing.assert_allclose(-2 * d_2 / (4 * f), [-0.17, 0.81], atol=6e-3)  # kappa_g = 2, nu_g = 4
 
 
-@pytest.mark.parametrize("eps", [0.1, 0.3, 0.5, 0.8])
+@pytest.mark.parametrize("eps", [0.1, 0.3, 0.5, 0.8, 0.95, 0.99])
 def test_plain_bearing_sits_on_its_locus(eps):
     """eps sqrt(B^2 + D^2) = 1/(Gamma s), tan(attitude) = D/(-B); both rotors of the Jeffcott model."""
     B, D = -2 * eps / (1 - eps**2) ** 2, np.pi / (2 * (1 - eps**2) ** 1.5)

@@ -42,7 +42,7 @@ def diagram() -> xr.Dataset:
     """Duffing's oscillator from periodic to chaotic, with exponents."""
     system = load("duffing", gamma=0.5, delta=0.3, alpha=-1, beta=1, omega=1.2)
     values = [0.20, 0.22, 0.24, 0.27, 0.275, 0.28, 0.40, 0.44, 0.48]
-    return bifurcation_diagram(system, "gamma", values, settling=QUICK, lyapunov=32)
+    return bifurcation_diagram(system, "gamma", values, settling=QUICK, lyapunov=32, states=["x", "v"])
 
 
 @pytest.fixture(scope="session")
@@ -50,7 +50,8 @@ def both() -> xr.Dataset:
     """A hardening spring swept up and down: two branches between the folds."""
     system = load("duffing", gamma=0.5, delta=0.1, alpha=1, beta=1, omega=1.2)
     values = [1.0, 1.4, 1.8, 2.2, 2.6]
-    return bifurcation_diagram(system, "omega", values, follow="both", settling=Settling(transient=120, most=4, keep=8))
+    settling = Settling(transient=120, most=4, keep=8)
+    return bifurcation_diagram(system, "omega", values, follow="both", settling=settling, states=["x", "v"])
 
 
 @pytest.fixture(scope="session")

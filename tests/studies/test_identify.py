@@ -170,7 +170,7 @@ def test_a_refinement_is_the_same_when_it_goes_on(small, tmp_path):
     fresh = refine(start, BRIEF, Blocks(None), generations=3)
     np.testing.assert_array_equal(long.values, fresh.values)
     np.testing.assert_array_equal(long.score, fresh.score)
-    assert long.total.max() >= start.total.max()
+    assert long.total.max() >= start.total.max() - 1e-12  # the best one came back through the unit cube
     assert not np.isclose(long.values[:, -1], start.values[:, :].T).all(axis=1).any()
 
 

@@ -11,7 +11,7 @@ on as plainly as before. It has settled there only if all of these hold:
 
 Otherwise the point goes back to the state before, and plain settling goes on as though nothing had been tried.
 
-A full monodromy matrix would cost as much as 17 common periods for the twenty states of the gear pair, and a second kernel;
+A full monodromy matrix would cost as much as 13 common periods for the twenty states of the gear pair, and a second kernel;
 the plain run that is needed anyway says as much of the directions that the motion can leave in.
 """
 

@@ -5,9 +5,10 @@ All pairs are counted exactly, in blocks of points, so that the counts do not de
 
 from concurrent.futures import ThreadPoolExecutor
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
+
+from whirlmap.analysis.compiled import compiled
 
 # Radii run down from the largest by eighths of an octave, 27 to a decade. The kernel sorts squared distances
 # by the upper bits of their binary form (16 bins to an octave of r^2, no logarithm per pair), so the radii
@@ -19,7 +20,7 @@ _OCTAVES = 3  # of r^2 above the mean squared distance: nothing that is fitted l
 _FLAGS = {"contract", "reassoc", "nsz", "arcp", "afn"}
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath=_FLAGS)
+@compiled(fastmath=_FLAGS)
 def _count_pairs(
     x: NDArray[np.float64],
     wrap: NDArray[np.float64],

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.winding import Winding, converged_digits, winding_number
-from whirlmap.analysis.zero_one import STATUS, remove_cycle, zero_one_test
+from whirlmap.analysis.zero_one import STATUS, growth_rates, remove_cycle
 
 Array = NDArray[np.float64]
 
@@ -74,9 +74,9 @@ def section_evidence(
             # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
             if (rest.std(axis=0) < REST * watched.std(axis=0)).any():
                 continue
-            found = zero_one_test(rest, angles=angles)
-            if not (found["status"].values == STATUS.index("oversampled")).any():
-                growth[k], low[k] = (float(np.median(found[name])) for name in ("K", "K_low"))
+            (lower, middle, _), status, _ = growth_rates(rest, angles)
+            if not (status == STATUS.index("oversampled")).any():
+                growth[k], low[k] = float(np.median(middle)), float(np.median(lower))
             digits[k] = np.median(converged_digits(rest))
     return SectionEvidence(growth, low, digits, section.shape[0])
 
@@ -93,7 +93,7 @@ def observables(points: Array, cyclic: Mapping[int, float] | None = None) -> Arr
 
 def moving_coordinates(points: Array, cyclic: Mapping[int, float] | None = None) -> Array | None:
     """Coordinates that move, of zero mean and unit spread, angles as cosine and sine; None where nothing moves."""
-    if not np.isfinite(points).all():
+    if points.shape[0] < 2 or not np.isfinite(points).all():
         return None
     columns = []
     for k in range(points.shape[1]):

@@ -24,6 +24,9 @@ PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
 
 #: Differences smaller than this fraction of the one a whole orbit before have shrunk.
 SHRINKS = 0.99
+#: Differences over fewer periods that are smaller than `SMALL` must repeat to this part of themselves to be an orbit's own:
+#: those of a spiral that closes in do not.
+SMALL, STEADY = 1e-4, 0.03
 
 
 def return_multiple(
@@ -87,26 +90,8 @@ def return_multiple(
             f"section holds {x.shape[0]} points: multiples up to {most} need at least {2 * max(most, 1)}. "
             f"Record more, or ask for most={x.shape[0] // 2}."
         )
-    period = _periods(cyclic, x.shape[1])
-    lanes = x.shape[2]
-    finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
-    multiple, nearest = np.zeros(lanes, np.int64), np.zeros(lanes, np.int64)
-    deciding = np.full(lanes, -1, np.int64)
-    distance, drift = np.full(lanes, np.nan), np.full(lanes, np.nan)
-    distance[finite] = np.inf
-    size = _scales(x, scale, period, floor, finite)
-    left = np.flatnonzero(finite)
-    for m in range(1, most + 1):
-        if left.size == 0:
-            break
-        per_state = _difference(x[m:, :, left] - x[:-m, :, left], period).max(axis=0) / size[:, left]
-        largest = per_state.max(axis=0)
-        closer = largest < distance[left]
-        where = left[closer]
-        distance[where], nearest[where] = largest[closer], m
-        deciding[where] = per_state.argmax(axis=0)[closer]
-        multiple[left[largest < tolerance]] = m
-        left = left[largest >= tolerance]
+    multiple, distance, nearest, deciding, finite, size, period = _search(x, scale, tolerance, most, cyclic, floor)
+    drift = np.full(x.shape[2], np.nan)
     for m in np.unique(nearest[finite]):
         those = np.flatnonzero(finite & (nearest == m))
         drift[those] = _largest_within_classes(x[:, :, those], int(m), period, size[:, those])
@@ -124,6 +109,40 @@ def return_multiple(
     )
     result.attrs = {"tolerance": tolerance, "most": most, "window": x.shape[0], "floor": floor}
     return result
+
+
+def shortest_return(
+    section: Array, *, scale: Array, tolerance: float, most: int, cyclic: Mapping[int, float] | None = None
+) -> tuple[NDArray[np.int64], Array]:
+    """Multiple and distance of `return_multiple`, shape (lane,), without its checks and its Dataset: for inner loops."""
+    return _search(section, scale, tolerance, most, cyclic, 1e-6)[:2]
+
+
+def _search(
+    x: Array, scale: ArrayLike | None, tolerance: float, most: int, cyclic: Mapping[int, float] | None, floor: float
+) -> tuple[Any, ...]:
+    """Multiple, distance, nearest multiple and deciding state of every lane; which are finite, their scales, the periods."""
+    period = _periods(cyclic, x.shape[1])
+    lanes = x.shape[2]
+    finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
+    multiple, nearest = np.zeros(lanes, np.int64), np.zeros(lanes, np.int64)
+    deciding = np.full(lanes, -1, np.int64)
+    distance = np.full(lanes, np.nan)
+    distance[finite] = np.inf
+    size = _scales(x, scale, period, floor, finite)
+    left = np.flatnonzero(finite)
+    for m in range(1, most + 1):
+        if left.size == 0:
+            break
+        per_state = _difference(x[m:, :, left] - x[:-m, :, left], period).max(axis=0) / size[:, left]
+        largest = per_state.max(axis=0)
+        closer = largest < distance[left]
+        where = left[closer]
+        distance[where], nearest[where] = largest[closer], m
+        deciding[where] = per_state.argmax(axis=0)[closer]
+        multiple[left[largest < tolerance]] = m
+        left = left[largest >= tolerance]
+    return multiple, distance, nearest, deciding, finite, size, period
 
 
 def distance_to_limit(
@@ -174,7 +193,8 @@ def shrinking(
     A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
     after one, and a spiral that turns by nearly a third of a round returns after three. On an orbit of m common periods
     differences over fewer repeat after m: the largest of the last m is compared with the largest of m a whole number of
-    returns earlier, as many as the window holds.
+    returns earlier, as many as the window holds; and small ones must repeat all over the window, for a spiral may stand
+    still at its end.
     Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
     """
     period = _periods(cyclic, section.shape[1])
@@ -184,16 +204,16 @@ def shrinking(
         lanes = np.flatnonzero(multiple == m)
         x, s = section[:, :, lanes], size[:, lanes]
 
-        def change(at: int, d: int, x: Array = x, s: Array = s) -> Array:
-            largest: Array = (_difference((x[at] - x[at - d])[None], period)[0] / s).max(axis=0, initial=0.0)
-            return largest
-
         for d in range(1, int(m)):
             if m % d == 0:
+                change = (_difference(x[d:] - x[:-d], period) / s).max(axis=1)
                 phases = range(max(min(int(m), x.shape[0] - int(m) - d), 1))
                 returns = (x.shape[0] - d - len(phases)) // int(m)
-                late, early = (np.max([change(-1 - p - b * int(m), d) for p in phases], axis=0) for b in (0, returns))
+                late, early = (np.max([change[-1 - p - b * int(m)] for p in phases], axis=0) for b in (0, returns))
                 out[lanes] |= late < SHRINKS * early
+                largest = change.max(axis=0)
+                varies = np.abs(change[m:] - change[:-m]).max(axis=0, initial=0.0)
+                out[lanes] |= (largest < SMALL) & (varies > STEADY * largest)
     return out
 
 

@@ -1,24 +1,16 @@
 """Recurrence rate and determinism: how often states come back, and whether they then stay together."""
 
-import numba
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
 
 Array = NDArray[np.float64]
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy")
-def _close(x: Array, i: int, j: int, square: float) -> bool:
-    total = 0.0
-    for k in range(x.shape[1]):
-        total += (x[i, k] - x[j, k]) ** 2
-    return total <= square
-
-
-@numba.njit(cache=True, nogil=True, error_model="numpy")
+@compiled()
 def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, int, int, int]:
     """Recurrent pairs, those on diagonal lines of at least ``least``, the number of such lines, the longest."""
     n = x.shape[0]
@@ -27,10 +19,14 @@ def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, 
     for lag in range(theiler, n):
         run = 0
         for i in range(n - lag):
-            if _close(x, i, i + lag, square):
+            total = 0.0
+            for k in range(x.shape[1]):
+                total += (x[i, k] - x[i + lag, k]) ** 2
+            close = total <= square
+            if close:
                 run += 1
                 recurrent += 1
-            if run > 0 and (i == n - lag - 1 or not _close(x, i, i + lag, square)):
+            if run > 0 and (i == n - lag - 1 or not close):
                 if run >= least:
                     on_lines += run
                     lines += 1

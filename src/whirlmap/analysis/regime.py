@@ -137,10 +137,10 @@ def decide(evidence: Evidence) -> xr.Dataset:
 
     Notes
     -----
-    A zero exponent is one whose total growth, exponent x duration, stays below ln(periods) + 3: distances on a torus grow
-    in proportion to time. Narrow bands of chaos hop round a cycle with a rational rotation number to many digits, so
-    that a number within ten errors of a ratio with a denominator up to 32 does not speak for a torus. A section that
-    turns slowly (oversampled) gives the 0-1 test no say.
+    A zero exponent is one whose total growth, exponent x duration, stays below ln(periods) + 3: distances on a torus grow in
+    proportion to time. They do not shrink, so that a sure fall below -3 contracts. Narrow bands of chaos hop round a cycle
+    with a rational rotation number to many digits, so that a number within ten errors of a ratio with a denominator up to
+    32 does not speak for a torus. A section that turns slowly (oversampled) gives the 0-1 test no say.
 
     Limits: a torus about to break up, and chaos whose exponent is below 10 / duration, are undecided. A transient longer
     than the run is what it looks like.
@@ -196,7 +196,8 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
         sure = np.abs(e.exponent) > 3 * e.exponent_error
         vote = np.where(np.abs(grown) < limit, Vote.regular, Vote.none)
         vote = np.where(sure & (grown >= limit), Vote.chaotic, vote)
-        return np.where(sure & (grown <= -limit), Vote.periodic, vote)
+        # Shear makes neutral vectors longer, never shorter: what shrinks by more than they breathe is contracting.
+        return np.where(sure & (grown <= -BREATHING), Vote.periodic, vote)
 
 
 def _zero_one_votes(e: Evidence) -> NDArray[np.int64]:

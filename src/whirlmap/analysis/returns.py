@@ -117,8 +117,10 @@ def _settle_accurately(
     settled = settle(ensemble, settling, cyclic=cyclic, progress=progress)
     if ensemble.accuracy is None:
         return settled
-    left = np.flatnonzero(settled.multiple > 0)
+    # Points that did not return are asked too: steps that are too long may be why. One that returned has settled.
+    left = np.flatnonzero(ensemble.running)
     for _ in range(MORE_STEPS):
+        left = left[ensemble.running[left]]
         rungs = choose_steps(ensemble, ensemble.accuracy, members=left, progress=progress)
         more = rungs.steps > ensemble.point_steps[left]
         ensemble.step_error[left], ensemble.step_verdict[left] = rungs.error, rungs.verdict

@@ -13,8 +13,8 @@ Matrix = NDArray[np.float64]
 
 def has_si_film(system: System) -> bool:
     """Whether the system is a Jeffcott rotor on journal bearings with dimensional inputs."""
-    given = getattr(system.details, "inputs", {})
-    return system.model.name == "jeffcott" and system.model.switches["bearing"] == "journal" and {"M", "g", "c"} <= set(given)
+    rotor = system.model.name == "jeffcott" and system.model.switches["bearing"] == "journal"
+    return rotor and {"M", "g", "c"} <= set(getattr(system.details, "inputs", {}))
 
 
 def load_scale(system: System) -> tuple[float, float]:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.acceleration import LONGEST_RETURN, Trials
 from whirlmap.analysis.extrapolation import DIFFERENCES
-from whirlmap.analysis.periodicity import distance_to_limit, return_multiple, shrinking
+from whirlmap.analysis.periodicity import distance_to_limit, shortest_return, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.routine import LANES
@@ -223,9 +223,9 @@ class _Pool:
         s, tolerance = self.settled, self.settling.tolerance
         x = self.last(points, window)
         scale = positive(s.scale[:, points])
-        found = return_multiple(x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic)
-        multiple = found["multiple"].values
-        s.distance[points] = found["distance"].values
+        multiple, s.distance[points] = shortest_return(
+            x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
+        )
         returned = np.flatnonzero(multiple > 0)
         multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
         near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance

@@ -2,11 +2,11 @@
 
 from typing import Any
 
-import numba
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
 
 Array = NDArray[np.float64]
@@ -23,7 +23,7 @@ OVERSAMPLED = 0.1
 LAGS = 25
 
 
-@numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"contract", "reassoc", "nsz"})
+@compiled(fastmath={"contract", "reassoc", "nsz"})
 def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: Array) -> None:
     """Mean square displacement of the walk of each angle, ``out`` of shape (angle, lag)."""
     n = series.size
@@ -99,6 +99,24 @@ def zero_one_test(
         raise RangeError(
             f"angles = {angles}, longest = {longest}, damping = {damping}: at least 10, in (0, 0.5], not negative."
         )
+    (K_low, middle, K_high), status, reach = growth_rates(x, angles, damping, longest, seed)
+    flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
+    ds = xr.Dataset(
+        {
+            "K": _lane(middle, "growth rate of the 0-1 test, median over angles"),
+            "K_low": _lane(K_low, "lower quartile over angles"),
+            "K_high": _lane(K_high, "upper quartile over angles"),
+            "status": _lane(status, "status of the 0-1 test", **flags),
+        }
+    )
+    ds.attrs = {"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed}
+    return ds
+
+
+def growth_rates(
+    x: Array, angles: int, damping: float = 0.0, longest: float = 0.1, seed: int = 2009
+) -> tuple[Array, NDArray[np.int8], int]:
+    """Quartiles of K, shape (3, lane), index of the status, and the largest lag: the 0-1 test without a Dataset."""
     c = np.random.default_rng(seed).uniform(np.pi / 5, 4 * np.pi / 5, angles)
     reach = max(int(longest * x.shape[0]), 10)
     lags = np.unique(np.linspace(1, reach, min(reach, LAGS)).astype(np.int64))
@@ -121,18 +139,7 @@ def zero_one_test(
             status[lane] = STATUS.index("oversampled")
         _displacements(walk, c, lags, displacement)
         K[lane] = _correlation(n, displacement + wobble)
-    K_low, middle, K_high = np.percentile(K, (25, 50, 75), axis=1)
-    flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
-    ds = xr.Dataset(
-        {
-            "K": _lane(middle, "growth rate of the 0-1 test, median over angles"),
-            "K_low": _lane(K_low, "lower quartile over angles"),
-            "K_high": _lane(K_high, "upper quartile over angles"),
-            "status": _lane(status, "status of the 0-1 test", **flags),
-        }
-    )
-    ds.attrs = {"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed}
-    return ds
+    return np.percentile(K, (25, 50, 75), axis=1), status, reach
 
 
 def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.9) -> tuple[Array, NDArray[np.int64]]:

@@ -62,10 +62,10 @@ def bifurcation(
         typer.Option(
             "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
             help="Common periods over which points that do not return have their largest Lyapunov exponent"
-            " measured; 0: not measured, else 16 or more. From 256 on, better 1000, they are labelled quasi-periodic"
-            " or chaotic where the evidence agrees.",
+            " measured at most: each stops when it is labelled and sure enough; 0: not measured, else 16 or more. From"
+            " 256 on they are labelled quasi-periodic or chaotic where the evidence agrees.",
         ),
-    ] = 0,
+    ] = 1024,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,
@@ -74,7 +74,8 @@ def bifurcation(
         str | None,
         typer.Option(
             "--plot", metavar="STATE,...", rich_help_panel=options.OUTPUT,
-            help="States in the picture, separated by commas; the displacements of the model where absent.",
+            help="States in the picture and, with their section, in the data, separated by commas; the displacements of"
+            " the model where absent.",
         ),
     ] = None,
     out: options.Out = None,
@@ -106,8 +107,8 @@ def bifurcation(
     with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
-            settling=settling, lyapunov=lyapunov, steps=steps, accuracy=accuracy, method=method, workers=workers,
-            progress=progress, on_batch=lambda done, points: progress.expect(
+            settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,
+            workers=workers, progress=progress, on_batch=lambda done, points: progress.expect(
                 progress.done * points / done, f"{done} of {points} points"
             ),
         )  # fmt: skip
@@ -156,6 +157,8 @@ def _words(text: str) -> list[str]:
 
 def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
     """Say what a diagram holds, every sweep point by point."""
+    from whirlmap.sweep.hysteresis import intervals
+
     sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
     return {
         "case": system.case,
@@ -165,6 +168,7 @@ def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any
         "follow": ds.attrs["follow"],
         "values": ds[parameter].values,
         "sweeps": [_sweep(sweep) for sweep in sweeps],
+        "hysteresis": intervals(ds, parameter) if "hysteresis" in ds else None,
         "incomplete": ds.attrs.get("incomplete"),
     }
 
@@ -183,7 +187,7 @@ def _sweep(ds: "xr.Dataset") -> dict[str, Any]:
         "lyapunov_error": ds["lyapunov_error"].values,
         "end_time": ds["end_time"].values,
         "peak_to_peak": {
-            str(q): (ds["maximum"] - ds["minimum"]).sel(quantity=q).values for q in ds["quantity"].values
+            str(q): ds["peak_to_peak"].sel(quantity=q).values for q in ds["quantity"].values
         },
     }  # fmt: skip
 
@@ -207,6 +211,9 @@ def _print(facts: dict[str, Any]) -> None:
         report.show(report.table(title, columns, rows[:60], numbers=(0, 1, 2)))
         if len(rows) > 60:
             typer.echo(f"  and {len(rows) - 60} more stretches: --json or --out NAME.nc has them all")
+    if facts["hysteresis"] is not None:
+        found = [f"{a:.6g} to {b:.6g}" if b > a else f"{a:.6g}" for a, b in facts["hysteresis"]]
+        typer.echo(f"hysteresis: up and down differ at {name} = {', '.join(found)}" if found else "hysteresis: none seen")
 
 
 def _label(regime: str, period: int | None, status: str) -> str:

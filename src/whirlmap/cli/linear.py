@@ -63,7 +63,7 @@ def linear(
             (name, *(float(film[key][i, j]) for key in ("K_over_W_c", "K", "C_over_W_c_omega", "C")))
             for name, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
         ]
-        columns = ("axes", "k [W/c]", "k [N/m]", "c [W/(c omega)]", "c [N*s/m]")
-        report.show(report.table("Film of one bearing, x horizontal, y up", columns, rows, numbers=(1, 2, 3, 4)))
+        heads = ("axes", "k [W/c]", "k [N/m]", "c [W/(c omega)]", "c [N*s/m]")
+        report.show(report.table("Film of one bearing, x horizontal, y up", heads, rows, numbers=(1, 2, 3, 4)))
     if bracket:
         typer.echo(f"stability is lost at {bracket.name} = {limit:.9g}")

@@ -12,6 +12,8 @@ from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
 from whirlmap.cli import (
+    attractors,
+    basins,
     bench,
     bifurcation,
     cache,
@@ -24,6 +26,7 @@ from whirlmap.cli import (
     reproduce,
     show,
     simulate,
+    speeds,
 )
 from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
 from whirlmap.errors import WhirlmapError
@@ -122,7 +125,10 @@ def program(
         typer.echo(context.get_help())
 
 
-for module in (cases, show, simulate, diagnose, linear, campbell, bifurcation, map, reproduce, identify, cache, bench):
+for module in (
+    cases, show, simulate, diagnose, linear, campbell, bifurcation, map, speeds, attractors, basins, reproduce, identify,
+    cache, bench,
+):  # fmt: skip
     name = module.__name__.rpartition(".")[2]
     app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
 

@@ -84,3 +84,18 @@ def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
     from whirlmap.plot.campbell import campbell_figure
 
     return campbell_figure(ds, title=system.case)
+
+
+def attractors(system: "System", ds: "xr.Dataset") -> "Figure":
+    """Draw the start states of a search by their attractor."""
+    from whirlmap.plot.basins import attractors_figure
+
+    state = swing_of(system)[0]
+    return attractors_figure(ds, state, partner_of(system, state), title=system.case)
+
+
+def basins(system: "System", ds: "xr.Dataset") -> "Figure":
+    """Draw a slice of basins."""
+    from whirlmap.plot.basins import basins_figure
+
+    return basins_figure(ds, title=system.case)

@@ -16,10 +16,10 @@ Array = NDArray[np.float64]
 MOST_STEPS = 60
 #: How often a step is halved before its point counts as stuck.
 HALVINGS = 30
-#: Steps from the guess's own rates to zero, where Newton's method alone finds nothing.
-STAGES = 5
-#: Newton steps in each of these: they start close by, so that more means that there is nothing to find.
-STAGE_STEPS = 12
+#: Implicit steps of a run to rest, where Newton's method alone finds nothing, and the first of them in units of time.
+RUN, FIRST = 120, 0.1
+#: Growth of a step that went well, and shrinking of one that did not.
+GROWS, SHRINKS = 2.0, 0.25
 
 
 def start_states(model: Model, values: Array) -> tuple[Array, NDArray[np.bool_]]:
@@ -50,9 +50,8 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
 
     Damped Newton on the compiled kernel with its own Jacobian: the step is halved until every gap stays open and the
     residual falls; a point ends when its step is below 1e-11, or is given up after `MOST_STEPS`. Points that this leaves
-    without an equilibrium (journals carried close to the wall) are led there from the guess:
-    rates = (1 - k/n) rates(guess) for k = 1..n, n = `STAGES`, each solved from the one before. What is found is the rest
-    state of the kernel: as good as the tables of its films.
+    without an equilibrium (journals carried close to the wall) are first run to rest from the guess (`_run_to_rest`). What
+    is found is the rest state of the kernel: as good as the tables of its films.
 
     Returns
     -------
@@ -62,19 +61,12 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     x, found = guess.copy(), np.zeros(guess.shape[1], dtype=bool)
     for form, members in variants(model, values):
         rates = _Rates(form, values[:, members])
-        local = np.arange(members.size)
-        near, there = _newton(rates, local, guess[:, members])
+        near, there = _newton(rates, np.arange(members.size), guess[:, members])
         x[:, members], found[members] = near, there
-        left = local[~there]
+        left = np.flatnonzero(~there)
         if left.size:
-            near = guess[:, members[left]]
-            away = rates(near, left)[0]
-            for k in range(1, STAGES + 1):
-                near, there = _newton(rates, left, near, less=(1 - k / STAGES) * away, most=STAGE_STEPS)
-                near, away, left = near[:, there], away[:, there], left[there]
-                if not left.size:
-                    break
-            x[:, members[left]], found[members[left]] = near, True
+            near, there = _newton(rates, left, _run_to_rest(rates, left, guess[:, members[left]]))
+            x[:, members[left[there]]], found[members[left[there]]] = near[:, there], True
     return x, found
 
 
@@ -94,16 +86,35 @@ class _Rates:
         return rates, jacobian.transpose(2, 0, 1)
 
 
-def _newton(
-    rates: _Rates, points: NDArray[np.intp], guess: Array, *, less: Array | None = None, most: int = MOST_STEPS
-) -> tuple[Array, NDArray[np.bool_]]:
+def _run_to_rest(rates: _Rates, points: NDArray[np.intp], x: Array) -> Array:
+    """Pseudo-transient continuation: implicit Euler steps that grow, so that a run to rest ends as Newton's method.
+
+    A step is taken where it keeps every gap open and does not raise the rates by more than half; else it is shortened.
+    """
+    step = np.full(points.size, FIRST)
+    f, jacobian = rates(x, points)
+    for _ in range(RUN):
+        matrix = np.eye(x.shape[0]) / step[:, None, None] - jacobian
+        moves = np.isfinite(f).all(axis=0) & np.isfinite(matrix).all(axis=(1, 2))
+        moves[moves] = np.linalg.slogdet(matrix[moves])[0] != 0
+        change = np.zeros_like(x)
+        change[:, moves] = np.linalg.solve(matrix[moves], f[:, moves].T[..., None])[..., 0].T
+        trial, slopes = rates(x + change, points)
+        good = moves & np.isfinite(slopes).all(axis=(1, 2))
+        good &= np.linalg.norm(trial, axis=0) < 1.5 * np.linalg.norm(f, axis=0)
+        x, f = np.where(good, x + change, x), np.where(good, trial, f)
+        jacobian = np.where(good[:, None, None], slopes, jacobian)
+        step *= np.where(good, GROWS, SHRINKS)
+    return x
+
+
+def _newton(rates: _Rates, points: NDArray[np.intp], guess: Array) -> tuple[Array, NDArray[np.bool_]]:
     def residual(x: Array, at: NDArray[np.intp]) -> tuple[Array, Array]:
-        f, jacobian = rates(x, points[at])
-        return (f if less is None else f - less[:, at]), jacobian
+        return rates(x, points[at])
 
     x, found = guess.copy(), np.zeros(points.size, dtype=bool)
     active = np.arange(points.size)
-    for _ in range(most):
+    for _ in range(MOST_STEPS):
         now = x[:, active]
         f, jacobian = residual(now, active)
         regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))

@@ -344,7 +344,7 @@ GEAR_PAIR = Family(
         "edition": "equations as printed, as derived, or as derived with each shaft on its own clock",
         "film": "with h^3 + 12 Phi H, or as printed with h^3 dropped",
         "arc": "half film fixed at 0..pi, or where the pressure is positive",
-        "contact": "whether a journal that reaches its bearing ends the run, rubs from the roughness on, or goes on as the printed film does",
+        "contact": "whether a journal that reaches its bearing ends the run, rubs from its roughness on, or goes on",
         "mesh": "teeth without direction or load, or along the line of action with a transmitted torque",
         "stiffness": "mesh stiffness that is constant, a Fourier series, or that of one pair of teeth and two",
         "backlash": "teeth without play, or that leave each other inside a dead zone",

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from whirlmap.plot.labels import axis_label, check_name, within_period
 from whirlmap.plot.limits import is_log, limits
 from whirlmap.plot.style import axes_or_new, look_of, styled
-from whirlmap.plot.sweeps import parameter_axis, shade_ended, sweeps, varied
+from whirlmap.plot.sweeps import parameter_axis, shade_ended, shade_hysteresis, sweeps, varied
 
 
 @styled
@@ -24,7 +24,8 @@ def draw_diagram(
     """Section values of one state against the varied parameter.
 
     Reads ``section(parameter, period, state)``, ``regime``, ``status`` and, for the shortest axis,
-    ``minimum`` and ``maximum``; with a dimension ``direction`` the two sweeps get a colour each. Values at
+    ``minimum`` and ``maximum``; with a dimension ``direction`` the two sweeps get a colour each, and
+    the values at which they differ (``hysteresis``) a ground of their own. Values at
     which no run came to its end are hatched: contact, divergence and unresolved steps are results, not gaps.
 
     Parameters
@@ -54,6 +55,7 @@ def draw_diagram(
             _points(ax, at, values, colour, size * 1.8 if "direction" in ds.dims and order == 0 else size)
     parameter_axis(ax, ds, at, log)
     shade_ended(ax, ds, at, log)
+    shade_hysteresis(ax, ds, at, log)
     swing = _swing(ds, state)
     ax.set_ylim(limits(within_period(ds, state, cloud.values), amplitude=swing, others=_largest(ds)))
     ax.set_ylabel(axis_label(ds, state))

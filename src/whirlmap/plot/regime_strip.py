@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from whirlmap.plot.labels import axis_label, unit_of, unit_text
 from whirlmap.plot.limits import cell_edges, is_log, limits, runs
-from whirlmap.plot.style import DIRECTIONS, INK, Look, axes_or_new, look_of, styled
-from whirlmap.plot.sweeps import directions, parameter_axis, shade_ended, share, sweeps, varied
+from whirlmap.plot.style import DIRECTIONS, HYSTERESIS, INK, Look, axes_or_new, look_of, styled
+from whirlmap.plot.sweeps import directions, parameter_axis, shade_ended, shade_hysteresis, share, sweeps, varied
 
 
 @styled
@@ -92,6 +92,7 @@ def draw_exponents(ds: xr.Dataset, *, ax: Axes | None = None, log: bool | None =
                 )
     parameter_axis(ax, ds, at, log)
     shade_ended(ax, ds, at, log, words=False)
+    shade_hysteresis(ax, ds, at, log)
     ax.set_ylim(limits(np.append(ds["lyapunov"].values.ravel(), 0.0)))
     ax.set_ylabel(rf"$\lambda_1$ {unit_text(unit_of(ds, 'lyapunov'))}")
     return ax
@@ -106,6 +107,8 @@ def legend_handles(ds: xr.Dataset) -> list[Patch | Line2D]:
         if direction is not None:
             one = DIRECTIONS[direction]
             handles.append(Line2D([], [], ls="", marker=".", ms=5, color=one.colour, label=f"sweep {direction}"))
+    if "hysteresis" in ds and (ds["hysteresis"] == 1).any():
+        handles.append(Patch(facecolor=HYSTERESIS, edgecolor="#555555", lw=0.4, label="up and down differ"))
     return handles
 
 

@@ -24,6 +24,9 @@ R = TypeVar("R")
 BLUE, VERMILION, GREEN, ORANGE = "#0072B2", "#D55E00", "#009E73", "#E69F00"
 SKY, PURPLE, INDIGO, INK, GREY, PALE = "#56B4E9", "#CC79A7", "#332288", "#1A1A1A", "#B8B8B8", "#E9E9E9"
 
+#: Ground behind values at which sweeps in both directions differ.
+HYSTERESIS = "#FBF0D2"
+
 #: Width of a figure over both columns of a page, and over one [inch].
 WIDE, NARROW = 7.2, 4.2
 

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from whirlmap.errors import RangeError
 from whirlmap.plot.labels import axis_label
 from whirlmap.plot.limits import cell_edges, runs
-from whirlmap.plot.style import DIRECTIONS, INK, look_of
+from whirlmap.plot.style import DIRECTIONS, HYSTERESIS, INK, look_of
 
 
 def varied(ds: xr.Dataset) -> str:
@@ -72,6 +72,17 @@ def shade_ended(ax: Axes, ds: xr.Dataset, at: NDArray[np.float64], log: bool, *,
                     bbox={"fc": "white", "ec": "none", "pad": 1.5},
                     clip_on=True,
                 )
+
+
+def shade_hysteresis(ax: Axes, ds: xr.Dataset, at: NDArray[np.float64], log: bool) -> None:
+    """Shade the stretches in which the sweeps up and down differ, where the Dataset says so."""
+    if "hysteresis" not in ds:
+        return
+    edges = cell_edges(at, log=log)
+    differs = (ds["hysteresis"] == 1).values
+    for first, last in runs(list(differs)):
+        if differs[first]:
+            ax.axvspan(edges[first], edges[last + 1], facecolor=HYSTERESIS, edgecolor="none", zorder=0.3, gid="hysteresis")
 
 
 def parameter_axis(ax: Axes, ds: xr.Dataset, at: NDArray[np.float64], log: bool) -> None:

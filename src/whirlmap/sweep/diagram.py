@@ -1,6 +1,6 @@
 """Bifurcation diagrams: the section of a system against one parameter, every point labelled."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
@@ -16,10 +16,21 @@ from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
-from whirlmap.sweep.points import RETURNS, Labelling, Measured, extreme_variables, point_variables, section_variable
+from whirlmap.sweep.hysteresis import with_hysteresis
+from whirlmap.sweep.points import (
+    RETURNS,
+    Labelling,
+    Measured,
+    extreme_coordinates,
+    extreme_variables,
+    kept_states,
+    point_variables,
+    section_variable,
+)
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
+
 
 def bifurcation_diagram(
     system: System,
@@ -29,6 +40,7 @@ def bifurcation_diagram(
     follow: Follow | None = None,
     settling: Settling | None = None,
     lyapunov: int = 0,
+    states: Sequence[str] | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
@@ -50,15 +62,20 @@ def bifurcation_diagram(
         Transient, windows and tolerance.
     lyapunov : int
         Common periods over which every point that is not periodic has its largest exponent measured, and its section
-        recorded; zero: none. From 256 on the points are also labelled quasi-periodic or chaotic where the evidence
-        decides (`regime`), with 1000 and more rarely undecided.
+        recorded, at most: each stops when it is labelled and sure enough; zero: none. From 256 on the points are labelled
+        quasi-periodic or chaotic where the evidence decides (`regime`), with 1000 and more rarely undecided.
+    states : sequence of str, optional
+        States whose section is kept; the model's displacements (`kept_states`) where absent. All of them take 512 bytes
+        per point and state with 64 T kept.
 
     Returns
     -------
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
-        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``, ``end_time`` (parameter);
-        ``minimum``, ``maximum``, ``mean``, ``rms`` (parameter, quantity) of states and outputs over all steps of the record.
+        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``winding``,
+        ``end_time`` (parameter); ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak`` (parameter, quantity) of
+        states and outputs over all steps of the record; ``max_eccentricity``, ``min_film`` (parameter, bearing) where the
+        model has bearings; with ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
 
     Notes
     -----
@@ -75,15 +92,16 @@ def bifurcation_diagram(
         raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
     if lyapunov:
         refuse_jumps(system.model, "a Lyapunov exponent")
+    kept = kept_states(system, states)
     run = _Run(system, parameter, settling, lyapunov, steps, accuracy, method, workers, progress)
     if follow is None:
         measured, ensemble = run.cold(points)
-        ds = _dataset(system, parameter, points, measured)
+        ds = _dataset(system, parameter, points, measured, kept)
     else:
         parts = []
         for way in ("up", "down") if follow == "both" else (follow,):
             measured, ensemble = run.chain(points, downwards=way == "down")
-            parts.append(_dataset(system, parameter, points, measured).assign_coords(direction=way))
+            parts.append(_dataset(system, parameter, points, measured, kept).assign_coords(direction=way))
         ds = parts[0] if len(parts) == 1 else xr.concat(parts, "direction", join="exact", coords="minimal", compat="equals")
     facts = {
         "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
@@ -92,7 +110,8 @@ def bifurcation_diagram(
     attributes = run_attributes(system, ensemble, **facts)
     if doubts := doubtful(ds["step_verdict"].values):
         attributes["accuracy_not_met"] = doubts
-    return with_attributes(ds, attributes)
+    ds = with_attributes(ds, attributes)
+    return with_hysteresis(ds, system, parameter) if follow == "both" else ds
 
 
 @dataclass(frozen=True)
@@ -138,28 +157,34 @@ def _joined(parts: list[Measured]) -> Measured:
     rest = {
         name: np.concatenate([getattr(p, name) for p in parts])
         for name in (
-            "status", "end_time", "exponent", "exponent_error", "confidence", "winding", "start_found", "steps",
-            "step_error", "step_verdict",
+            "status", "end_time", "exponent", "exponent_error", "exponent_periods", "confidence", "winding", "start_found",
+            "steps", "step_error", "step_verdict",
         )
     }  # fmt: skip
     return Measured(returns, **rest)
 
 
-def _dataset(system: System, parameter: str, points: Array, m: Measured) -> xr.Dataset:
+def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset:
+    """Return a diagram with the section of some of its states."""
+    out = ds.sel(state=kept)
+    out["section"].attrs["unit_of_each"] = " ".join({s.name: s.unit for s in system.model.states}[n] for n in kept)
+    return out
+
+
+def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: list[str]) -> xr.Dataset:
     model, r = system.model, m.returns
-    rows = [*system.states, *model.outputs]
     declared = model.parameter(parameter)
     data: dict[str, Any] = {
-        "section": section_variable(parameter, system, m),
+        "section": section_variable(parameter, system, m, kept),
         **point_variables(parameter, m),
-        **extreme_variables(parameter, m),
+        **extreme_variables(parameter, system, m),
     }  # fmt: skip
     return xr.Dataset(
         data,
         coords={
             parameter: variable(parameter, points, declared.unit, declared.meaning),
             "period": np.arange(1, r.section.shape[0] + 1),
-            "state": names_coordinate("state", system.states, "state"),
-            "quantity": names_coordinate("quantity", rows, "state or output"),
+            "state": names_coordinate("state", kept, "state"),
+            **extreme_coordinates(system),
         },
     )

@@ -4,7 +4,7 @@ The numbers of a point depend on its own parameters and start alone: not on the 
 order, nor on the number of threads.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -12,14 +12,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.evidence import LEAST
-from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
-from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes, tangent_steps
-from whirlmap.analysis.regime import regime
+from whirlmap.analysis.lyapunov import BLOCKS
+from whirlmap.analysis.open_points import judge_open_points
+from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
-from whirlmap.analysis.tangent_run import run_with_section
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
@@ -46,7 +44,7 @@ EXTREMES = {
 }  # fmt: skip
 
 #: Arrays over the points of `Returns` that can be replaced by those of a later look.
-RETURNS = ("section", "regime", "period", "multiple", "distance", "waited")
+RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated")
 
 
 @dataclass(frozen=True)
@@ -58,6 +56,7 @@ class Measured:
     end_time: Array
     exponent: Array
     exponent_error: Array
+    exponent_periods: NDArray[np.int64]
     confidence: Array
     winding: Array
     start_found: NDArray[np.bool_]
@@ -97,30 +96,30 @@ class Labelling:
         )
         returns = settle_and_record(ensemble, self.settling, cyclic=cyclic, progress=progress)
         exponent, error, winding = (np.full(ensemble.points, np.nan) for _ in range(3))
+        periods = np.zeros(ensemble.points, dtype=np.int64)
         confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
             tangent, _ = make_ensemble(
                 system, {name: np.atleast_1d(np.asarray(v, dtype=float))[open_points] for name, v in values.items()},
-                starts=ensemble.x[:, open_points], steps=tangent_steps(ensemble)[open_points], method=ensemble.method.name,
+                starts=ensemble.x[:, open_points], steps=ensemble.point_steps[open_points], method=ensemble.method.name,
                 tangents=1, workers=self.workers,
             )  # fmt: skip
-            rates, section = run_with_section(tangent, self.lyapunov, align=max(self.lyapunov // 10, 5), progress=progress)
-            mean, spread = mean_and_error(rates[:, 0])
-            exponent[open_points], error[open_points] = mean, spread
-            judged = _judge(tangent, mean, spread, self.lyapunov, section, cyclic)
+            judged = judge_open_points(tangent, self.lyapunov, cyclic, progress)
+            exponent[open_points], error[open_points] = judged.exponent, judged.error
+            periods[open_points] = judged.periods
             label = returns.regime.copy()
             # A point that reaches contact only now has no time of contact: it stays undecided.
-            label[open_points] = np.where(tangent.running, judged["regime"], Regime.undecided)
-            confidence[open_points] = np.where(tangent.running, judged["confidence"], 0.0)
-            winding[open_points] = judged["winding"]
+            label[open_points] = np.where(tangent.running, judged.regime, Regime.undecided)
+            confidence[open_points] = np.where(tangent.running, judged.confidence, 0.0)
+            winding[open_points] = judged.winding
             returns = replace(returns, regime=label)
-            contracts = open_points[(label[open_points] == Regime.undecided) & (mean < -3 * spread)]
-            returns = self._given_time(ensemble, returns, contracts, exponent, cyclic, progress)
+            contracts = (judged.regime == Regime.undecided) & (judged.exponent < -3 * judged.error) & tangent.running
+            returns = self._given_time(ensemble, returns, open_points[contracts], exponent, cyclic, progress)
             confidence[returns.regime == Regime.periodic] = 1.0
         return Measured(
-            returns, ensemble.status, ensemble.end_time, exponent, error, confidence, winding, found, ensemble.point_steps,
-            ensemble.step_error, ensemble.step_verdict,
+            returns, ensemble.status, ensemble.end_time, exponent, error, periods, confidence, winding, found,
+            ensemble.point_steps, ensemble.step_error, ensemble.step_verdict,
         ), ensemble  # fmt: skip
 
     def _given_time(
@@ -143,33 +142,16 @@ class Labelling:
         for length in np.unique(extra):
             these = points[extra == length]
             part = ensemble.subset(these)
-            longer = replace(self.settling, transient=int(length))
+            part.advance(int(length) * part.common_multiple, progress=progress)
+            # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
+            longer = replace(self.settling, transient=int(length) // 4)
             again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
-                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
+                values[..., these] = getattr(again, name) + (values[these] + length if name == "waited" else 0)
             for name, values in extremes.items():
                 values[..., these] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
-
-
-def _judge(
-    tangent: Ensemble, exponent: Array, error: Array, lyapunov: int, section: Array, cyclic: dict[int, float]
-) -> dict[str, Array]:
-    """Regime, confidence and winding of open points, each from as many section points as it has itself."""
-    count = np.isfinite(section[:, 0]).sum(axis=0)
-    count = np.where(count >= LEAST, count, 0)
-    duration = lyapunov * tangent.common_multiple * tangent.period
-    out = {name: np.full(tangent.points, np.nan) for name in ("regime", "confidence", "winding")}
-    for rows in np.unique(count):  # forced: all points of a run that reach its end have the same
-        these = np.flatnonzero(count == rows)
-        judged = regime(
-            tangent.status[these], np.zeros(these.size, dtype=np.int64), exponent=exponent[these],
-            exponent_error=error[these], duration=duration[these], section=section[:rows, :, these], cyclic=cyclic,
-        )  # fmt: skip
-        for name, values in out.items():
-            values[these] = judged[name].values
-    return out
 
 
 def label_points(
@@ -195,8 +177,9 @@ def label_points(
         Transient, windows and tolerance.
     lyapunov : int
         Common periods over which points that do not return have their largest exponent measured and their section
-        recorded, which tells quasi-periodic from chaotic; less than 256 section points leave them undecided, 0
-        measures nothing.
+        recorded, which tells quasi-periodic from chaotic, at most: each point stops when it has a label and the error of
+        its exponent is small enough (`open_points.ENOUGH`). Less than 256 section points leave them undecided, 0 measures
+        nothing.
     steps, accuracy, method, workers
         As in `make_ensemble`.
     starts : array, shape (state, point), optional
@@ -208,8 +191,8 @@ def label_points(
     -------
     xr.Dataset
         Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
-        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``confidence``, ``winding``,
-        ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
+        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
+        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps_*``: ``max_eccentricity`` and ``min_film``, in
         clearances. No section is kept.
@@ -257,37 +240,45 @@ def points_dataset(
     system: System, columns: Mapping[str, Array], measured: Measured, *, sections: bool = False
 ) -> xr.Dataset:
     """Dataset of measured points over ``point``, with their sections or without, and no attributes of its own."""
-    model, extremes = system.model, measured.returns.extremes
-    rows = [*system.states, *model.outputs]
-    data = point_variables("point", measured) | extreme_variables("point", measured)
-    over = ("point", "quantity")
-    swing = (extremes["maximum"] - extremes["minimum"]).T
-    data["peak_to_peak"] = variable(over, swing, "1", "largest less smallest value over the record")
+    model = system.model
+    data = point_variables("point", measured) | extreme_variables("point", system, measured)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
     }
-    coords["quantity"] = names_coordinate("quantity", rows, "state or output")
     if sections:
-        data["section"] = section_variable("point", system, measured)
+        kept = kept_states(system, None)
+        data["section"] = section_variable("point", system, measured, kept)
         coords["period"] = ("period", np.arange(1, measured.returns.section.shape[0] + 1), {"long_name": "T"})
-        coords["state"] = names_coordinate("state", system.states, "state")
-    bearings = [name for name in model.outputs if name.startswith(ECCENTRICITY)]
-    if bearings:
-        largest = extremes["maximum"][[rows.index(name) for name in bearings]].T
-        over = ("point", "bearing")
-        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
-        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
-        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
-        coords["bearing"] = names_coordinate("bearing", names, "bearing")
-    return xr.Dataset(data, coords)
+        coords["state"] = names_coordinate("state", kept, "state")
+    return xr.Dataset(data, coords | extreme_coordinates(system))
 
 
-def section_variable(dim: str, system: System, measured: Measured) -> Any:
-    """Section of every point."""
+def kept_states(system: System, states: Sequence[str] | None) -> list[str]:
+    """States whose section a diagram keeps: those asked for, else the model's displacements, else its first state.
+
+    Raises
+    ------
+    RangeError
+        Where a name is not a state of the model.
+    """
+    if states is None:
+        return [s.name for s in system.model.swing] or [system.states[0]]
+    for name in states:
+        if name not in system.states:
+            raise RangeError(
+                f"states: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
+                f"\n  states: {' '.join(system.states)}"
+            )
+    return list(states)
+
+
+def section_variable(dim: str, system: System, measured: Measured, kept: Sequence[str]) -> Any:
+    """Section of every point, of some of its states."""
+    rows = [system.states.index(name) for name in kept]
     return variable(
-        (dim, "period", "state"), measured.returns.section.transpose(2, 0, 1), "1", "section point, once per T",
-        unit_of_each=" ".join(s.unit for s in system.model.states),
+        (dim, "period", "state"), measured.returns.section[:, rows].transpose(2, 0, 1), "1", "section point, once per T",
+        unit_of_each=" ".join(system.model.states[k].unit for k in rows),
     )  # fmt: skip
 
 
@@ -302,11 +293,13 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
         "return_distance": variable(dim, r.distance, "1", "return distance over the range of each state"),
         "lyapunov": variable(dim, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
         "lyapunov_error": variable(dim, m.exponent_error, "1/time", "one standard error of it, from block means"),
+        "lyapunov_periods": variable(dim, m.exponent_periods, "1", "common periods over which it was measured, 0: not"),
         "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
         "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
         "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),
         "settled_after": variable(dim, r.waited, "1", "common periods run before the record"),
+        "accelerated": variable(dim, r.accelerated.astype(np.int8), "1", "whether the approach was cut short"),
         "steps": variable(dim, m.steps, "1/T", "steps per T"),
         "step_error": variable(dim, m.step_error, "1", "measured error over one common period"),
         "step_verdict": variable(
@@ -316,10 +309,32 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def extreme_variables(dim: str, measured: Measured) -> dict[str, Any]:
-    """Variables with one number for each state and output of each point."""
+def extreme_variables(dim: str, system: System, measured: Measured) -> dict[str, Any]:
+    """Variables with one number for each state and output of each point, or for each bearing."""
     extremes = measured.returns.extremes
-    return {
+    data = {
         name: variable((dim, "quantity"), extremes[name].T, "1", f"{meaning} over the record")
         for name, meaning in EXTREMES.items()
     }
+    swing = (extremes["maximum"] - extremes["minimum"]).T
+    data["peak_to_peak"] = variable((dim, "quantity"), swing, "1", "largest less smallest value over the record")
+    outputs = list(system.model.outputs)
+    if bearings := _bearings(system):
+        rows = [len(system.states) + outputs.index(name) for name in bearings]
+        largest, over = extremes["maximum"][rows].T, (dim, "bearing")
+        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
+        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
+    return data
+
+
+def extreme_coordinates(system: System) -> dict[str, Any]:
+    """Names of the states and outputs, and of the bearings, that `extreme_variables` are over."""
+    coords = {"quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output")}
+    if bearings := _bearings(system):
+        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
+        coords["bearing"] = names_coordinate("bearing", names, "bearing")
+    return coords
+
+
+def _bearings(system: System) -> list[str]:
+    return [name for name in system.model.outputs if name.startswith(ECCENTRICITY)]

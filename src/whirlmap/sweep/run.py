@@ -4,7 +4,7 @@ The numbers do not depend on the parts: points never see each other, a chain han
 to the next, and a stretch of a simulation starts from the end of the one before, at the same phase.
 """
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from math import gcd
 from typing import Any
@@ -25,7 +25,8 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
-from whirlmap.sweep.diagram import Follow, bifurcation_diagram
+from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, select_states
+from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
 
 Array = NDArray[np.float64]
@@ -39,7 +40,7 @@ STRETCHES = 16
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
 NOT_REACHED = {
     "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
-    "steps": 0, "step_verdict": 0,
+    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0,
 }  # fmt: skip
 
 
@@ -73,6 +74,7 @@ def diagram_in_batches(
     follow: Follow | None = None,
     settling: Settling | None = None,
     lyapunov: int = 0,
+    states: Sequence[str] | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
@@ -105,18 +107,19 @@ def diagram_in_batches(
     if follow is not None and not system.model.forced:
         size = points.size  # its section does not hold the state at the end of a record
     refuse_memory(
-        "the diagram", 2 * len(ways) * points.size * _kept(system, settling) * system.model.dimension
+        "the diagram", 2 * len(ways) * points.size * _kept(system, settling) * len(kept_states(system, states))
         + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
     )  # fmt: skip
     options: dict[str, Any] = {
-        "settling": settling, "lyapunov": lyapunov, "steps": steps, "accuracy": accuracy, "method": method,
+        "settling": settling, "lyapunov": lyapunov, "states": kept_states(system, states), "steps": steps,
+        "accuracy": accuracy, "method": method,
         "workers": workers, "progress": progress,
     }  # fmt: skip
     finished: dict[Any, list[xr.Dataset]] = {way: [] for way in ways}
     done, total = 0, points.size * len(ways)
     try:
         for way in ways:
-            for part in _batches(system, parameter, points, way, size, options):
+            for part in _batches(system, parameter, points, way, size, dict(options)):
                 finished[way].append(part)
                 done += part.sizes[parameter]
                 if on_batch:
@@ -124,6 +127,8 @@ def diagram_in_batches(
     except KeyboardInterrupt:
         pass
     ds = _joined(finished, parameter, points, follow)
+    if ds is not None and "direction" in ds.dims:
+        ds = with_hysteresis(ds, system, parameter)
     if ds is not None and done < total:
         ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
     return Work(ds, done, total)
@@ -135,10 +140,11 @@ def _batches(
     parts = [points[i : i + size] for i in range(0, points.size, size)]
     if way == "down":
         parts = [points[max(i - size, 0) : i] for i in range(points.size, 0, -size)]
-    now = system
+    now, kept = system, options.pop("states")
+    every = kept if way is None else system.states  # a chain goes on from the whole state
     for part in parts:
-        ds = bifurcation_diagram(now, parameter, part, follow=way, **options)
-        yield ds
+        ds = bifurcation_diagram(now, parameter, part, follow=way, states=every, **options)
+        yield ds if way is None else select_states(ds, system, kept)
         if way is not None and part is not parts[-1]:
             last = ds.isel({parameter: 0 if way == "down" else -1})
             state = last["section"].isel(period=-1).values
@@ -155,6 +161,7 @@ def _joined(
     finished: dict[Any, list[xr.Dataset]], parameter: str, points: Array, follow: Follow | None
 ) -> xr.Dataset | None:
     sweeps = []
+    attributes = next((parts[0].attrs for parts in finished.values() if parts), {})  # it began where the user said
     for way, parts in finished.items():
         if parts:
             ordered = parts[::-1] if way == "down" else parts
@@ -166,11 +173,10 @@ def _joined(
         if sweeps[1].sizes[parameter] < points.size:
             meta = {name: v.attrs for name, v in sweeps[1].variables.items()}
             sweeps[1] = sweeps[1].reindex({parameter: ds[parameter]}, fill_value=_fill(sweeps[1]))
-            for name, attributes in meta.items():
-                sweeps[1][name].attrs = attributes
+            for name, own in meta.items():
+                sweeps[1][name].attrs = own
         ds = _concat(sweeps, "direction")
-    first = next(parts[0] for parts in finished.values() if parts)  # it began where the user said
-    ds.attrs = {k: v for k, v in first.attrs.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
+    ds.attrs = {k: v for k, v in attributes.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
     if doubts := doubtful(ds["step_verdict"].values):
         ds.attrs["accuracy_not_met"] = doubts
     return ds
@@ -181,7 +187,25 @@ def _fill(ds: xr.Dataset) -> dict[Any, Any]:
 
 
 def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
-    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN."""
+    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN.
+
+    Where they do not, the parts give up each variable as it is joined: a large diagram is not in memory twice.
+    """
+    if dim != "direction" and len({part.sizes["period"] for part in parts}) == 1:
+        lengths = [part.sizes[dim] for part in parts]
+        bounds = np.cumsum([0, *lengths])
+        whole = {}
+        for name, first in parts[0].variables.items():
+            if dim not in first.dims:
+                continue
+            assert first.dims[0] == dim, name
+            out = np.empty((bounds[-1], *first.shape[1:]), dtype=first.dtype)
+            for i, part in enumerate(parts):
+                out[bounds[i] : bounds[i + 1]] = part.variables[name].values
+                parts[i] = part.drop_vars(str(name))
+            whole[name] = (first.dims, out, first.attrs)
+        coordinate = whole.pop(dim)
+        return parts[0].assign(whole).assign_coords({dim: coordinate})
     joined: xr.Dataset = xr.concat(
         parts, dim=dim, join="outer", data_vars="minimal" if dim != "direction" else "all", coords="minimal",
         compat="equals", combine_attrs="override",

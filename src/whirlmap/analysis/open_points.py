@@ -1,0 +1,131 @@
+"""Operating points that do not return: exponent, section and verdict of each, run as long as that one needs.
+
+A run with one tangent vector gives both. It goes on in stretches that double, until the indicators agree on a label and the
+error of the exponent is small enough, or to the longest length. A point's numbers depend on its own run alone.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.lyapunov import mean_and_error
+from whirlmap.analysis.regime import regime
+from whirlmap.analysis.tangent_run import run_with_section
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.results.regime import Regime
+
+Array = NDArray[np.float64]
+
+#: Error of the largest exponent, relative and absolute, with which a labelled point stops.
+ENOUGH = (0.05, 0.005)
+#: Points that run together: their section points are kept until they are judged.
+TOGETHER = 512
+
+
+@dataclass(frozen=True)
+class OpenPoints:
+    """What was found, each array of shape (point,).
+
+    Attributes
+    ----------
+    regime : array of int
+        `Regime`: quasi-periodic, chaotic or undecided.
+    confidence, winding : array
+        As of `whirlmap.analysis.regime.regime`.
+    exponent, error : array
+        Largest Lyapunov exponent and one standard error, per unit of the model's time.
+    periods : array of int
+        Common periods over which it was measured.
+    """
+
+    regime: NDArray[np.int8]
+    confidence: Array
+    winding: Array
+    exponent: Array
+    error: Array
+    periods: NDArray[np.int64]
+
+
+def judge_open_points(
+    tangent: Ensemble, most: int, cyclic: Mapping[int, float] | None, progress: Callable[[int], None] | None = None
+) -> OpenPoints:
+    """Measure and judge points that have settled but do not return.
+
+    Parameters
+    ----------
+    tangent : Ensemble
+        At the settled states, with one tangent vector; its ``status`` is taken forward in place.
+    most : int
+        Common periods (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
+    """
+    n = tangent.points
+    found = OpenPoints(
+        np.full(n, Regime.undecided, dtype=np.int8), np.zeros(n), np.full(n, np.nan), np.full(n, np.nan), np.full(n, np.nan),
+        np.zeros(n, dtype=np.int64),
+    )  # fmt: skip
+    for first in range(0, n, TOGETHER):
+        members = np.arange(first, min(first + TOGETHER, n))
+        _judge(tangent, members, most, cyclic, found, progress)
+    return found
+
+
+def _judge(
+    tangent: Ensemble,
+    members: NDArray[np.intp],
+    most: int,
+    cyclic: Mapping[int, float] | None,
+    found: OpenPoints,
+    progress: Callable[[int], None] | None,
+) -> None:
+    """Run some of the points to their verdicts, into ``found``."""
+    rates = np.full((most, members.size), np.nan)
+    sections: list[list[Array]] = [[] for _ in members]
+    left, run = np.arange(members.size), tangent.subset(members)
+    done, stretch = 0, min(LEAST, most)
+    while left.size:
+        align = 0 if done else max(min(LEAST, most) // 10, 5)
+        local, section = run_with_section(run, stretch, align=align, progress=progress)
+        rates[done : done + stretch, left] = local[:, 0]
+        done += stretch
+        for k, point in enumerate(left):
+            here = section[:, :, k]
+            sections[point].append(here[np.isfinite(here[:, 0])])
+        at = members[left]
+        tangent.status[at], tangent.end_time[at] = run.status, run.end_time
+        found.exponent[at], found.error[at] = mean_and_error(rates[:done, left])
+        found.periods[at] = done
+        unsure = np.flatnonzero((found.regime[at] == Regime.undecided) & run.running)
+        _vote(run, unsure, at, done, [np.concatenate(sections[p]) for p in left[unsure]], cyclic, found)
+        target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1])
+        stay = run.running & ((found.regime[at] == Regime.undecided) | (found.error[at] > target))
+        stretch = min(done, most - done)
+        if not stretch:
+            return
+        left, run = left[stay], run.subset(np.flatnonzero(stay))
+
+
+def _vote(
+    run: Ensemble,
+    unsure: NDArray[np.intp],
+    at: NDArray[np.intp],
+    done: int,
+    sections: list[Array],
+    cyclic: Mapping[int, float] | None,
+    found: OpenPoints,
+) -> None:
+    """Judge the points of a run that have no label yet, each from as many section points as it has itself."""
+    count = np.array([len(s) for s in sections], dtype=np.int64)
+    duration = done * run.common_multiple * run.period
+    for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
+        these = np.flatnonzero(count == rows)
+        lanes = unsure[these]
+        judged = regime(
+            run.status[lanes], np.zeros(lanes.size, dtype=np.int64), exponent=found.exponent[at[lanes]],
+            exponent_error=found.error[at[lanes]], duration=duration[lanes],
+            section=np.stack([sections[k] for k in these], axis=2), cyclic=cyclic,
+        )  # fmt: skip
+        for name in ("regime", "confidence", "winding"):
+            getattr(found, name)[at[lanes]] = judged[name].values

@@ -1,0 +1,72 @@
+"""``whirlmap basins``: which attractor each start state of a slice leads to."""
+
+from typing import Annotated
+
+import typer
+
+from whirlmap.cli import options, pictures, report
+from whirlmap.cli.attractors import Lyapunov, say_attractors, summary
+from whirlmap.cli.outputs import claim
+from whirlmap.cli.progress import Progress
+from whirlmap.errors import RangeError
+
+EXAMPLES = (
+    "whirlmap basins duffing --set gamma=0.2 --grid x=-2:2:200 --grid v=-2:2:200 --out basins.png",
+    "whirlmap basins pendulum --set g=1.35 --grid x=-3:3:60 --grid v=-3:3:60 --json",
+)
+
+
+def basins(
+    case: options.CaseName,
+    grid: Annotated[
+        list[str],
+        typer.Option(
+            "--grid", metavar="STATE=START:STOP:COUNT", rich_help_panel="Start states",
+            help="State and range of its start values; given twice. The other states keep their start value.",
+        ),
+    ],
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    most: options.Most = 64,
+    tolerance: options.Tolerance = 1e-6,
+    lyapunov: Lyapunov = 512,
+    steps: options.Steps = None,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    workers: options.Workers = None,
+    out: options.Out = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Colour a two-dimensional slice of start states of CASE by the attractor that each leads to.
+
+    Starts that end in contact, diverge, or stay undecided are shown as such, and belong to no attractor.
+    """
+    from whirlmap.sweep.grid import Range
+
+    ranges = [Range.parse(text) for text in grid]
+    if len(ranges) != 2 or ranges[0].name == ranges[1].name:
+        raise RangeError(f"--grid: found {' and '.join(r.name for r in ranges)}, expected two different states")
+    destination = claim(out, "basins", force=force)
+    system = options.open_system(case, changes, start)
+    from whirlmap.analysis.settling import Settling
+    from whirlmap.sweep.basins import basins as find
+    from whirlmap.sweep.run import expected_periods
+
+    settling = Settling(transient=transient, most=most, tolerance=tolerance)
+    points = ranges[0].count * ranges[1].count
+    with Progress("basins", expected_periods(system, points, settling), quiet=quiet) as progress:
+        ds = find(
+            system, {r.name: r.values for r in ranges}, settling=settling, lyapunov=lyapunov, steps=steps,
+            accuracy=accuracy, method=method, workers=workers, progress=progress,
+        )  # fmt: skip
+    files = destination.write(ds, lambda done: pictures.basins(system, done))
+    report.say_doubts(ds.attrs)
+    facts = summary(system, ds)
+    if json:
+        report.print_json({**facts, "grid": {r.name: [r.start, r.stop, r.count] for r in ranges}, "files": files})
+    else:
+        say_attractors(facts)
+        report.print_written(files)

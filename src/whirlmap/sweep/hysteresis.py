@@ -1,0 +1,75 @@
+"""Where a sweep up and a sweep down come to different motions."""
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from whirlmap.analysis.attractors import on_set
+from whirlmap.analysis.points import cyclic_states
+from whirlmap.integrate.system import System
+from whirlmap.results.regime import Regime
+from whirlmap.results.schema import variable
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+
+#: Part of each state's range within which section points of two periodic branches are the same. Both are settled to
+#: 1e-6, but close to a fold or a doubling, and where the right-hand side is not smooth, the branches settle less well.
+SAME_BRANCH = 1e-3
+#: Section points below which two sets are not compared.
+LEAST = 16
+#: Meaning of ``hysteresis`` by value.
+MEANINGS = {-1: "not-compared", 0: "same", 1: "different"}
+
+
+def with_hysteresis(ds: xr.Dataset, system: System, parameter: str) -> xr.Dataset:
+    """Add ``hysteresis(parameter)`` to a diagram in both directions: whether its branches are different motions.
+
+    Notes
+    -----
+    Different are: two labels of which none is undecided and one is not the other's; two periodic orbits, none of whose
+    points at the phase of the common period agree to `SAME_BRANCH` of the range; two sets without a period, where the one
+    does not lie on the other (`on_set`; with the few points that a diagram keeps only those far apart are told apart).
+    Not compared are values that one of the sweeps did not reach, or where its run failed.
+    """
+    up, down = (ds.sel(direction=d) for d in ("up", "down"))
+    labels = np.stack([side["regime"].values for side in (up, down)])
+    status = np.stack([side["status"].values for side in (up, down)])
+    out = np.zeros(labels.shape[1], dtype=np.int8)
+    decided = (labels != Regime.undecided).all(axis=0)
+    out[decided & (labels[0] != labels[1])] = 1
+    ran = (status == Status.ok).all(axis=0)
+    common = int(ds.attrs.get("common_multiple", 1)) if system.model.forced else 1
+    a, b = (s["section"].transpose("period", "state", parameter).values[common - 1 :: common] for s in (up, down))
+    kept = [str(name) for name in ds["state"].values]
+    cyclic = {kept.index(system.states[k]): p for k, p in cyclic_states(system).items() if system.states[k] in kept}
+    extent = ds["peak_to_peak"].max("direction").sel(quantity=kept).transpose("quantity", ...).values
+    periodic = ran & (labels == Regime.periodic).all(axis=0) & bool(system.model.forced)
+    out[periodic] = _apart(a[:, :, periodic], b[-1][:, periodic], extent[:, periodic], cyclic) > SAME_BRANCH
+    for k in np.flatnonzero(ran & ~periodic & (out == 0)):
+        pair = [side[np.isfinite(side[:, 0, k]), :, k] for side in (a, b)]
+        if min(map(len, pair)) >= LEAST:
+            out[k] = not any(on_set(p[:, :, None], q, cyclic)[0] for p, q in (pair, pair[::-1]))
+    out[np.isin(status, (Status.failed, Status.unresolved)).any(axis=0)] = -1
+    flags = {"flag_values": np.array(list(MEANINGS), dtype=np.int8), "flag_meanings": " ".join(MEANINGS.values())}
+    ds["hysteresis"] = variable(parameter, out, "1", "whether the branches of the sweeps up and down differ", **flags)
+    return ds
+
+
+def _apart(points: Array, other: Array, extent: Array, cyclic: dict[int, float]) -> Array:
+    """Smallest scaled distance of any of the points (time, state, point) from one other (state, point)."""
+    scale = np.maximum(extent, 1e-6 * np.maximum(extent.max(axis=0, initial=0.0), np.abs(other)))
+    apart = points - other
+    for k, period in cyclic.items():
+        scale[k] = np.minimum(scale[k], period)
+        apart[:, k] -= period * np.rint(apart[:, k] / period)
+    found: Array = (np.abs(apart) / np.where(scale > 0, scale, 1.0)).max(axis=1, initial=0.0).min(axis=0, initial=np.inf)
+    return found
+
+
+def intervals(ds: xr.Dataset, parameter: str) -> list[tuple[float, float]]:
+    """First and last value of each stretch in which the branches differ."""
+    differs = np.concatenate([[False], ds["hysteresis"].values == 1, [False]])
+    edges = np.flatnonzero(differs[1:] != differs[:-1])
+    at = ds[parameter].values
+    return [(float(at[i]), float(at[j - 1])) for i, j in zip(edges[::2], edges[1::2], strict=True)]

@@ -1,0 +1,59 @@
+"""``whirlmap speeds``: engineering units in, windows out, and one message where the input is wrong."""
+
+import json
+import shlex
+
+import pytest
+from typer.testing import CliRunner
+
+from whirlmap.cli.main import app
+
+RIG = "machines/jeffcott-rig"
+
+
+def run(line):
+    return CliRunner().invoke(app, shlex.split(line))
+
+
+def test_windows_in_rpm_and_micrometres(tmp_path):
+    done = run(f'speeds {RIG} --limit "60 um" --range "1000 rpm:6000 rpm" --points 16 --quiet --json --out {tmp_path / "a"}')
+    assert done.exit_code == 0, done.output
+    facts = json.loads(done.stdout)
+    assert facts["limit_um"] == pytest.approx(60) and facts["limit"] == pytest.approx(0.6)
+    assert facts["rpm"][0] == pytest.approx(1000) and facts["rpm"][-1] == pytest.approx(6000)
+    assert facts["windows"] and sum(facts["verdicts"].values()) == 16
+    assert {f.suffix for f in (tmp_path / "a").iterdir()} == {".nc", ".png"}
+
+
+def test_limit_and_range_of_the_case_are_the_defaults():
+    done = run(f"speeds {RIG} --points 4 --quiet --json")
+    facts = json.loads(done.stdout)
+    assert facts["limit_um"] == pytest.approx(60) and facts["rpm"][0] == pytest.approx(600)
+
+
+def test_draws_over_tolerances_give_probabilities():
+    line = f"speeds {RIG} --points 4 --tolerance c=5% --tolerance M=10% --draws 3 --quiet --json"
+    done = run(line)
+    assert done.exit_code == 0, done.output
+    facts = json.loads(done.stdout)
+    assert len(facts["probability"]) == 4 and all(0 <= p <= 1 for p in facts["probability"])
+    assert facts == json.loads(run(line).stdout)
+
+
+@pytest.mark.parametrize(
+    ("options", "word"),
+    [
+        ('--limit "20 kg"', "unit"), ("--limit 5000", "unit"), ('--range "6000 rpm:500 rpm"', "lower one first"),
+        ('--range "-500 rpm:500 rpm"', "positive"), ("--range 0:1", "positive"), ("--range 1", "LOW:HIGH"),
+        ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "name=value"),
+    ],
+)  # fmt: skip
+def test_wrong_input_gets_one_message(options, word):
+    done = run(f"speeds {RIG} --points 4 --quiet {options}")
+    assert done.exit_code == 2
+    assert done.stderr.startswith("error: ") and word in done.stderr, done.stderr
+
+
+def test_a_case_without_dimensions_wants_numbers():
+    done = run('speeds gear-psfd/intended --limit "20 um" --points 4 --quiet')
+    assert done.exit_code == 2 and "--range" in done.stderr

@@ -1,0 +1,158 @@
+"""Coexisting attractors and their basins, where symmetry or known_values.md says what they are."""
+
+import numpy as np
+import pytest
+import xarray as xr
+from scipy.integrate import solve_ivp
+
+import whirlmap
+from whirlmap.errors import RangeError
+from whirlmap.results.regime import Regime
+from whirlmap.sweep.attractors import attractors, default_box, draw_starts
+from whirlmap.sweep.basins import basins
+from whirlmap.sweep.points import Labelling
+
+BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
+SHORT = whirlmap.Settling(transient=60, most=8)
+
+
+@pytest.fixture(scope="module")
+def duffing():
+    return whirlmap.load("duffing", gamma=0.2)
+
+
+@pytest.fixture(scope="module")
+def twins(duffing):
+    """At gamma = 0.2 two orbits coexist, each the mirror of the other half a period later."""
+    return attractors(duffing, starts=300, box=BOX, seed=3, settling=SHORT, lyapunov=256)
+
+
+def test_two_mirrored_orbits_share_the_plane(duffing, twins):
+    assert twins.sizes["attractor"] == 2
+    assert (twins["regime"] == Regime.periodic).all() and (twins["period_T"] == 1).all()
+    np.testing.assert_allclose(twins["mean"][0], -twins["mean"][1], atol=1e-5)
+    np.testing.assert_allclose(twins["maximum"][0], -twins["minimum"][1], atol=1e-5)
+    # The exponents of each sum to -delta, and a complex pair makes both equal: -0.15.
+    np.testing.assert_allclose(twins["lyapunov"], -0.15, atol=0.003)
+    assert float(twins["starts"].sum()) == 300 and int(twins["outcome_starts"].sum()) == 0
+    assert (twins["attractor_of"] > 0).all() and np.all(np.diff(twins["starts"]) <= 0)
+
+
+def test_a_start_and_its_mirror_half_a_period_later_reach_opposite_orbits(duffing, twins):
+    """If z(t) is a motion, so is -z(t + T/2): its start is -z(T/2), integrated here by SciPy."""
+    first = twins["start_state"].values[:, :60]
+    omega, delta, gamma = (float(duffing.values[n]) for n in ("omega", "delta", "gamma"))
+
+    def rates(t, z):
+        x, v = z
+        return [v, gamma * np.cos(omega * t) - delta * v + x - x**3]
+
+    half = np.array([solve_ivp(rates, (0, np.pi / omega), z, rtol=1e-10, atol=1e-12).y[:, -1] for z in first.T])
+    mirrored = attractors(duffing, starts=-half.T, settling=SHORT, lyapunov=256)
+    sign = np.sign(twins["mean"].sel(quantity="x").values)[twins["attractor_of"].values[:60] - 1]
+    other = np.sign(mirrored["mean"].sel(quantity="x").values)[mirrored["attractor_of"].values - 1]
+    assert set(sign) == {-1.0, 1.0}
+    np.testing.assert_array_equal(sign, -other)
+
+
+def test_shares_have_the_binomial_error(twins):
+    k, n = twins["starts"].values, 300
+    p = (k + 1) / (n + 2)
+    np.testing.assert_allclose(twins["share"], k / n)
+    np.testing.assert_allclose(twins["share_error"], np.sqrt(p * (1 - p) / (n + 3)))
+    assert (twins["outcome_share_error"] > 0).all()  # nobody saw one, which does not make it impossible
+
+
+def test_a_share_and_its_error_hold_for_other_draws(duffing, twins):
+    again = attractors(duffing, starts=300, box=BOX, seed=4, settling=SHORT, lyapunov=256)
+    left, right = (float(ds["share"].values[np.argmax(ds["mean"].sel(quantity="x").values)]) for ds in (twins, again))
+    assert left != right and abs(left - right) < 4 * np.hypot(*(float(d["share_error"][0]) for d in (twins, again)))
+
+
+def test_a_search_is_repeatable_to_the_bit_on_any_number_of_threads(duffing, twins):
+    again = attractors(duffing, starts=300, box=BOX, seed=3, settling=SHORT, lyapunov=256, workers=1)
+    xr.testing.assert_identical(again.drop_attrs(), twins.drop_attrs())
+
+
+def test_orbits_of_two_and_four_T_coexist_in_the_dead_zone():
+    """known_values.md; integration of the corners leaves doubt, which is said."""
+    system = whirlmap.load("gear_backlash", Omega=1.0, zeta=0.05, F_ah=0.2)
+    ds = attractors(system, starts=96, box={"x": (-3, 3), "v": (-2, 2)}, settling=whirlmap.Settling(most=16), lyapunov=256)
+    share = {int(n): float(s) for n, s in zip(ds["period_T"], ds["share"], strict=True)}
+    assert share[2] > 0.05 and share[4] > 0.4
+    assert "not smooth" in ds.attrs["accuracy_not_met"]
+
+
+def test_rotations_of_the_pendulum_are_gathered_modulo_a_turn():
+    ds = attractors(whirlmap.load("pendulum", g=1.35), starts=64, settling=SHORT, lyapunov=256)
+    assert ds["period_T"].values.tolist() == [1, 1]
+    # One turn per T either way round: mean rates are +- omega.
+    np.testing.assert_allclose(np.sort(ds["mean"].sel(quantity="v")), [-2 / 3, 2 / 3], atol=1e-4)
+
+
+def test_one_strange_attractor_and_one_torus_are_one_each():
+    for case, kind in ((whirlmap.load("duffing", gamma=0.5), Regime.chaotic),
+                       (whirlmap.load("van_der_pol", omega=1.387), Regime.quasi_periodic)):  # fmt: skip
+        ds = attractors(case, starts=100, lyapunov=512)
+        assert ds["regime"].values.tolist() == [kind] and int(ds["starts"][0]) >= 97, case.case
+
+
+def test_a_run_that_diverges_is_no_attractor():
+    """A softening spring, x'' + 0.3 x' + x - x^3: starts beyond the saddles at +-1 run away."""
+    system = whirlmap.load("duffing", alpha=1.0, beta=-1.0, gamma=0.05)
+    ds = attractors(system, starts=np.array([[0.1, 3.0, -3.0], [0.0, 3.0, -3.0]]), settling=SHORT, lyapunov=256)
+    assert ds["attractor_of"].values.tolist() == [1, 0, 0]
+    assert ds["start_regime"].values.tolist() == [Regime.periodic, Regime.diverged, Regime.diverged]
+    assert ds["outcome_starts"].sel(outcome="diverged") == 2
+    none = attractors(system, starts=np.array([[3.0], [3.0]]), settling=SHORT, lyapunov=256)
+    assert none.sizes.get("attractor", 0) == 0 and float(none["outcome_share"].sel(outcome="diverged")) == 1
+
+
+def test_basins_are_the_attractors_of_their_starts(duffing):
+    grid = {"x": np.linspace(-2, 2, 12), "v": np.linspace(-2, 1.5, 9)}
+    ds = basins(duffing, grid, settling=SHORT, lyapunov=256)
+    assert ds["attractor_of"].dims == ("x", "v") and ds["attractor_of"].shape == (12, 9)
+    x, v = np.meshgrid(*grid.values(), indexing="ij")
+    same = attractors(duffing, starts=np.stack([x.ravel(), v.ravel()]), settling=SHORT, lyapunov=256)
+    np.testing.assert_array_equal(ds["attractor_of"].values.ravel(), same["attractor_of"])
+    one = attractors(duffing, starts=np.array([[grid["x"][3]], [grid["v"][7]]]), settling=SHORT, lyapunov=256)
+    np.testing.assert_allclose(
+        one["mean"].values[0], ds["mean"].sel(attractor=ds["attractor_of"].values[3, 7]), atol=1e-5
+    )
+
+
+def test_the_default_box_is_about_the_motion(duffing):
+    box = default_box(duffing, Labelling(SHORT, 0))
+    assert box["x"][0] < 0.6 < 1.2 < box["x"][1]
+    starts = draw_starts(duffing, 1000, {"v": (-1.0, 0.5)}, 1)
+    assert (starts[0] == 1.0).all() and -1 <= starts[1].min() < -0.98 and 0.48 < starts[1].max() <= 0.5
+
+
+@pytest.mark.parametrize(
+    ("options", "words"),
+    [
+        ({"box": {"y": (0, 1)}}, "no state 'y'"),
+        ({"box": {"x": (1, 0)}}, "ascend"),
+        ({"box": {}}, "at least one"),
+        ({"starts": 0}, "between 1"),
+        ({"starts": np.zeros((3, 4))}, "expected 2 states"),
+        ({"starts": np.zeros((2, 4)), "box": BOX}, "expected none"),
+        ({"lyapunov": 10}, "between 256"),
+    ],
+)
+def test_what_cannot_be_searched_is_refused(duffing, options, words):
+    with pytest.raises(RangeError, match=words):
+        attractors(duffing, **options)
+
+
+@pytest.mark.parametrize(
+    ("grid", "words"),
+    [
+        ({"x": [0, 1]}, "expected two"),
+        ({"x": [0, 1], "w": [0, 1]}, "no state 'w'"),
+        ({"x": [1, 0], "v": [0, 1]}, "ascend"),
+    ],
+)
+def test_a_grid_that_is_none_is_refused(duffing, grid, words):
+    with pytest.raises(RangeError, match=words):
+        basins(duffing, grid)

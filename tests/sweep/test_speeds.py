@@ -1,0 +1,92 @@
+"""Safe speed windows: their edges where the amplitude crosses the limit, their reasons, and draws over tolerances."""
+
+import json
+
+import numpy as np
+import pytest
+from scipy.optimize import brentq
+
+import whirlmap
+from whirlmap.errors import RangeError
+from whirlmap.results.regime import Regime
+from whirlmap.sweep.points import label_points
+from whirlmap.sweep.speeds import PARTS, ROUNDS, Verdict, safe_probability, safe_speeds, shaft_speed, verdicts
+
+RIG = "machines/jeffcott-rig"
+
+
+@pytest.fixture(scope="module")
+def rig():
+    return whirlmap.load(RIG)
+
+
+@pytest.fixture(scope="module")
+def judged(rig):
+    return safe_speeds(rig, np.linspace(0.4, 2.2, 25), 0.6, lyapunov=256)
+
+
+def swing(system, s):
+    ds = label_points(system, {"s": np.atleast_1d(s)})
+    return float(ds["peak_to_peak"].sel(quantity=[q.name for q in system.model.swing]).max())
+
+
+def test_edges_are_where_the_amplitude_crosses_the_limit(rig, judged):
+    """The rig passes its critical speed inside of the range; both crossings to the spacing of the last round."""
+    windows = json.loads(judged.attrs["windows"])
+    below = next(w for w in windows if w["above"] == "amplitude")
+    above = next(w for w in windows if w["below"] == "amplitude")
+    spacing = (2.2 - 0.4) / 24 / (PARTS + 1) ** ROUNDS
+    for edge, margin in ((below["window_end"], below["margin_end"]), (above["window_start"], -above["margin_start"])):
+        exact = brentq(lambda s: swing(rig, s) - 0.6, *sorted((edge - margin, edge + 2 * margin)), xtol=1e-7)
+        assert abs(edge - exact) <= 1.01 * spacing
+        assert abs(margin) == pytest.approx(spacing, rel=1e-6)
+
+
+def test_verdicts_follow_from_regime_and_amplitude(judged):
+    safe = judged["verdict"].values == Verdict.safe
+    assert safe.any() and (~safe).any()
+    assert (judged["regime"].values[safe] == Regime.periodic).all() and (judged["amplitude"].values[safe] <= 0.6).all()
+    regimes = [Regime.periodic, Regime.periodic, Regime.chaotic, Regime.contact, Regime.undecided]
+    found = verdicts(regimes, [0.5, 0.7, 0.1, np.nan, 0.1], 0.6)
+    assert [Verdict(v).name for v in found] == ["safe", "amplitude", "chaotic", "contact", "undecided"]
+
+
+def test_speeds_in_rpm_are_those_of_the_case(rig, judged):
+    again = whirlmap.load(RIG, speed="2400 rpm")
+    assert shaft_speed(rig) * float(again.values["s"]) * 30 / np.pi == pytest.approx(2400, rel=1e-12)
+    assert judged["rpm"].values[0] == pytest.approx(0.4 * shaft_speed(rig) * 30 / np.pi)
+
+
+def test_runs_up_and_down_find_coexisting_motions():
+    """A hardening rotor would do; here a bound between two branches: what one sweep calls unsafe is not safe."""
+    system = whirlmap.load(RIG)
+    at = np.linspace(0.4, 0.9, 6)
+    cold, followed = (safe_speeds(system, at, 0.6, follow=f) for f in (False, True))
+    kept = cold["verdict"].values != Verdict.safe
+    np.testing.assert_array_equal(followed["verdict"].values[kept], cold["verdict"].values[kept])
+    assert set(np.unique(followed["verdict"].values[~kept])) <= {int(Verdict.safe), int(Verdict.coexisting)}
+
+
+def test_probability_is_the_share_of_the_drawn_machines(rig):
+    """Draws that are the machine itself are safe where it is; one of two that is never safe halves that."""
+    at = np.linspace(0.5, 2.0, 7)
+    alone = safe_speeds(rig, at, 0.6)["verdict"].values == Verdict.safe
+    same = safe_probability([rig, rig], at, [0.6, 0.6])
+    np.testing.assert_array_equal(same["probability"].values, alone)
+    half = safe_probability([rig, rig], at, [0.6, 1e-9])
+    np.testing.assert_array_equal(half["probability"].values, alone / 2)
+    assert (half["probability_low"] <= half["probability"]).all() and (half["probability"] <= half["probability_high"]).all()
+
+
+@pytest.mark.parametrize(
+    ("speeds", "limit", "word"),
+    [([1.0], 0.5, "two or more"), ([2.0, 1.0], 0.5, "ascend"), ([-1.0, 1.0], 0.5, "positive"), ([1.0, 2.0], 0.0, "limit")],
+)
+def test_bad_questions_are_refused(rig, speeds, limit, word):
+    with pytest.raises(RangeError, match=word):
+        safe_speeds(rig, speeds, limit)
+
+
+def test_a_model_without_a_speed_is_refused():
+    with pytest.raises(RangeError, match="no parameter 's'"):
+        safe_speeds(whirlmap.load("duffing"), [1.0, 2.0], 0.5)
