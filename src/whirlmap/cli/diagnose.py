@@ -72,7 +72,10 @@ def diagnose(
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option("--rate", metavar="X", rich_help_panel=SERIES, help="Samples per second; from the column named time where absent."),
+        typer.Option(
+            "--rate", metavar="X", rich_help_panel=SERIES,
+            help="Samples per second; from the column named time where absent.",
+        ),
     ] = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
