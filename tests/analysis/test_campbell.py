@@ -62,8 +62,8 @@ def test_oil_whirl_is_forward_at_the_known_ratio_and_loses_its_damping_at_the_th
     assert (mode["whirl"] == 1).all()
 
 
-def test_modes_are_followed_through_a_crossing():
-    """Coarse steps over the crossing of x and y of equal frequency: each keeps its own damping."""
+def test_modes_keep_their_sense_of_whirl_over_coarse_steps():
+    """Between these speeds the frequencies move by as much as they are apart."""
     ds = campbell(on_springs(0.3), "s", np.array([0.05, 1.0, 3.0]))
     assert (ds["whirl"] == ds["whirl"].isel(s=0)).all()
 
