@@ -63,14 +63,14 @@ def test_examples_use_options_that_exist(name):
         assert {w for w in words if w.startswith("--")} <= known
 
 
-@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench"}])
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])
 def test_json_is_one_object_alone_on_stdout(name):
     result = run(f"{SMALL[name]} --json")
     assert result.exit_code == 0, result.stderr
     assert isinstance(json.loads(result.stdout, parse_constant=pytest.fail), dict)
 
 
-@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench"}])
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])
 def test_without_out_no_file_is_written(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = run(SMALL[name])

@@ -23,6 +23,7 @@ from whirlmap.cli import (
     identify,
     linear,
     map,  # noqa: A004
+    new,
     reproduce,
     show,
     simulate,
@@ -126,8 +127,8 @@ def program(
 
 
 for module in (
-    cases, show, simulate, diagnose, linear, campbell, bifurcation, map, speeds, attractors, basins, reproduce, identify,
-    cache, bench,
+    cases, show, new, simulate, diagnose, linear, campbell, bifurcation, map, speeds, attractors, basins, reproduce,
+    identify, cache, bench,
 ):  # fmt: skip
     name = module.__name__.rpartition(".")[2]
     app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
