@@ -9,11 +9,13 @@ from typing import TYPE_CHECKING, Any
 from whirlmap.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from whirlmap.analysis.campbell import campbell as campbell
     from whirlmap.analysis.diagnosis import diagnose as diagnose
     from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
     from whirlmap.analysis.floquet import floquet_multipliers as floquet_multipliers
     from whirlmap.analysis.linear import linear_analysis as linear_analysis
     from whirlmap.analysis.lyapunov import lyapunov_spectrum as lyapunov_spectrum
+    from whirlmap.analysis.ross import ross_bearing as ross_bearing
     from whirlmap.analysis.series import diagnose_series as diagnose_series
     from whirlmap.analysis.settling import Settling as Settling
     from whirlmap.analysis.spectrum import full_spectrum as full_spectrum
@@ -35,6 +37,8 @@ if TYPE_CHECKING:
 
 
 _HOMES = {
+    "ross_bearing": "whirlmap.analysis.ross",
+    "campbell": "whirlmap.analysis.campbell",
     "diagnose": "whirlmap.analysis.diagnosis",
     "correlation_dimension": "whirlmap.analysis.dimension",
     "linear_analysis": "whirlmap.analysis.linear",

@@ -22,6 +22,8 @@ SMALL = {
     "diagnose": "diagnose duffing --set gamma=0.2 --transient 20 --max-periods 64",
     "bifurcation": "bifurcation duffing --vary gamma=0.2:0.21:2 --transient 20",
     "cache": "cache",
+    "linear": "linear jeffcott",
+    "campbell": "campbell jeffcott --vary s=1:2:5",
     "attractors": "attractors duffing --set gamma=0.2 --starts 4 --transient 20 --lyapunov 256",
     "basins": "basins duffing --set gamma=0.2 --grid x=-1:1:3 --grid v=-1:1:3 --transient 20 --lyapunov 256",
     "speeds": "speeds machines/jeffcott-rig --points 3 --transient 20",
@@ -61,14 +63,14 @@ def test_examples_use_options_that_exist(name):
         assert {w for w in words if w.startswith("--")} <= known
 
 
-@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench"}])
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])
 def test_json_is_one_object_alone_on_stdout(name):
     result = run(f"{SMALL[name]} --json")
     assert result.exit_code == 0, result.stderr
     assert isinstance(json.loads(result.stdout, parse_constant=pytest.fail), dict)
 
 
-@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench"}])
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])
 def test_without_out_no_file_is_written(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = run(SMALL[name])

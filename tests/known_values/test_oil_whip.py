@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import whirlmap
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
@@ -75,3 +76,18 @@ def test_the_very_threshold_is_bracketed_by_a_few_per_mil():
     assert rate[0] < 0 < rate[2]
     zero = np.interp(0.0, rate, ratios)
     assert zero == pytest.approx(1.0, abs=2e-4)  # five printed digits, and a peak between samples
+
+
+def test_the_stock_case_decays_below_and_grows_above_its_linear_threshold():
+    """The film group is held; within 1 % of `stability_threshold` a small kick turns from decay to growth."""
+    system = whirlmap.load("jeffcott", b=0)
+    limit = whirlmap.stability_threshold(system, "s", (2.0, 3.0))
+    values = np.repeat(system.vector[:, None], 2, axis=1)
+    values[system.parameters.index("s")] = limit * np.array([0.99, 1.01])
+    rest, found = start_states(system.model, values)
+    assert found.all()
+    e = Ensemble(system.model, values, rest + np.array([[1e-5], [0], [0], [0]]), orders=system.orders, steps=200)
+    e.advance(40)  # the fast modes die
+    parts = [e.advance(40, save_every=5).saved[:, :2] - rest[:2] for _ in range(2)]
+    size = [np.hypot(part[:, 0], part[:, 1]).max(axis=0) for part in parts]
+    assert size[1][0] < size[0][0] and size[1][1] > size[0][1]

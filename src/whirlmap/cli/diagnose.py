@@ -72,7 +72,10 @@ def diagnose(
     ] = None,
     rate: Annotated[
         float | None,
-        typer.Option("--rate", metavar="X", rich_help_panel=SERIES, help="Samples per second."),
+        typer.Option(
+            "--rate", metavar="X", rich_help_panel=SERIES,
+            help="Samples per second; from the column named time where absent.",
+        ),
     ] = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
@@ -130,12 +133,13 @@ def _diagnose_series(
     for name, value in given.items():
         if value:
             raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
-    if rate is None:
-        raise InputError("--rate: missing beside --series; samples per second, as in --rate 25600")
     destination = claim(out, "diagnose", force=force)
     from whirlmap.analysis.series import diagnose_series, series_json
-    from whirlmap.results.signals import read_column
+    from whirlmap.results.signals import has_column, rate_of, read_column
 
+    if rate is None and not has_column(file, "time"):
+        raise InputError("--rate: missing beside --series; samples per second, as in --rate 25600, or a column named time")
+    rate = rate_of(file) if rate is None else rate
     values = read_column(file, column)
     try:
         ds = diagnose_series(values, rate=rate)

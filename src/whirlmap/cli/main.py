@@ -17,10 +17,13 @@ from whirlmap.cli import (
     bench,
     bifurcation,
     cache,
+    campbell,
     cases,
     diagnose,
     identify,
+    linear,
     map,  # noqa: A004
+    new,
     reproduce,
     show,
     simulate,
@@ -124,7 +127,8 @@ def program(
 
 
 for module in (
-    cases, show, simulate, diagnose, bifurcation, map, speeds, attractors, basins, reproduce, identify, cache, bench,
+    cases, show, new, simulate, diagnose, linear, campbell, bifurcation, map, speeds, attractors, basins, reproduce,
+    identify, cache, bench,
 ):  # fmt: skip
     name = module.__name__.rpartition(".")[2]
     app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))

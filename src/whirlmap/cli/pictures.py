@@ -79,6 +79,13 @@ def regime_map(system: "System", ds: "xr.Dataset", quantity: str) -> "Figure":
     return draw(ds, quantity, title=system.case)
 
 
+def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
+    """Draw frequencies, order lines and damping against speed."""
+    from whirlmap.plot.campbell import campbell_figure
+
+    return campbell_figure(ds, title=system.case)
+
+
 def attractors(system: "System", ds: "xr.Dataset") -> "Figure":
     """Draw the start states of a search by their attractor."""
     from whirlmap.plot.basins import attractors_figure

@@ -56,9 +56,15 @@ def simulate(
     """Integrate one operating point of CASE and report how each state and output moves.
 
     A common period is the shortest time after which everything that drives the system repeats. Ctrl-C keeps
-    what was recorded until then.
+    what was recorded until then. --out NAME.csv writes time, states and outputs as a table.
     """
-    destination = claim(out, "simulate", force=force)
+    from whirlmap.results.files import check_writable
+    from whirlmap.results.signals import write_series
+
+    table = out if out is not None and out.suffix.lower() == ".csv" else None
+    if table is not None:
+        check_writable(table, force=force)
+    destination = claim(None if table else out, "simulate", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.sweep.run import simulation_in_stretches
 
@@ -71,6 +77,8 @@ def simulate(
     if work.dataset is None:
         raise KeyboardInterrupt
     files = destination.write(work.dataset, lambda ds: pictures.simulation(system, ds))
+    if table is not None:
+        files.append(write_series(work.dataset, table, force=force))
     report.say_doubts(work.dataset.attrs)
     facts = summary(system, work.dataset)
     if json:

@@ -4,6 +4,7 @@ Every ``draw_...`` function takes ``ax=`` and returns the Axes that it drew into
 which is ``ax.figure``. The figures are composed of these. `save` writes PNG, SVG or PDF.
 """
 
+from whirlmap.plot.campbell import campbell_figure as campbell_figure
 from whirlmap.plot.convergence import draw_convergence as draw_convergence
 from whirlmap.plot.diagram import draw_diagram as draw_diagram
 from whirlmap.plot.dimension import draw_correlation_sum as draw_correlation_sum

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 DATASETS = (".nc",)
 PICTURES = (".png", ".svg", ".pdf")
-TEXTS = (".md", ".json", ".toml")
+TEXTS = (".md", ".json", ".toml", ".csv")
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,17 @@
-"""Reading a recorded signal from a text file of columns."""
+"""Recorded signals as text files of columns: reading one, writing a simulation."""
 
 import csv
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.errors import InputError, nearest
+from whirlmap.results.files import replace_file
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Separators that are tried on the first lines of a file, in this order.
 SEPARATORS = (";", "\t", ",")
@@ -61,6 +66,56 @@ def read_column(path: str | Path, column: str | None = None) -> NDArray[np.float
             raise InputError(f"{place}, line {i}: found {fields[index]!r} in column {index + 1}, expected a finite number")
         values[k] = value
     return values
+
+
+def has_column(path: str | Path, name: str) -> bool:
+    """Whether a file has a column of this name."""
+    try:
+        read_column(path, name)
+    except InputError as fault:
+        if "there is no column" in str(fault):
+            return False
+        raise
+    return True
+
+
+def rate_of(path: str | Path) -> float:
+    """Samples per unit of the column ``time``.
+
+    Raises
+    ------
+    InputError
+        Where the times do not ascend by equal steps (to 1e-6 of one).
+    """
+    time = read_column(path, "time")
+    steps = np.diff(time)
+    if steps.size == 0 or steps.mean() <= 0 or np.ptp(steps) > 1e-6 * steps.mean():
+        raise InputError(f"{path}: found times that do not ascend by equal steps, expected an evenly sampled signal")
+    return float(1 / steps.mean())
+
+
+def write_series(ds: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
+    """Write time, states and outputs of a simulation as CSV, complete or not at all; `read_column` reads it back exactly.
+
+    The first line is a comment with the unit of each column, the second has their names.
+
+    Raises
+    ------
+    OutputError
+        See `whirlmap.results.files.check_writable`.
+    """
+    names, units, columns = ["time"], [str(ds["time"].attrs.get("units", "1"))], [ds["time"].values]
+    for key, dim in (("x", "state"), ("outputs", "output")):
+        each = str(ds[key].attrs.get("unit_of_each", "")).split()
+        names += [str(name) for name in ds[dim].values]
+        units += each if len(each) == ds.sizes[dim] else [str(ds[key].attrs.get("units", "1"))] * ds.sizes[dim]
+        columns += list(ds[key].transpose(dim, "time").values)
+    head = f"# units: {','.join(units)}\n{','.join(names)}"
+
+    def fill(trial: Path) -> None:
+        np.savetxt(trial, np.column_stack(columns), fmt="%.17g", delimiter=",", header=head, comments="", encoding="utf-8")
+
+    return replace_file(Path(path), fill, force=force)
 
 
 def _fields(line: str, separator: str | None) -> list[str]:

@@ -1,0 +1,75 @@
+"""A commented case file to start a machine of one's own from, written from what a model and a case declare."""
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from whirlmap.cases.case import Case
+from whirlmap.cases.entries import Given
+from whirlmap.equations.quantities import Parameter
+from whirlmap.errors import CaseError
+
+
+def template(case: Case) -> str:
+    """Write a machine as a case file that loads as it is.
+
+    Every dimensional input of the model stands in its table, with its unit and meaning: with the value of the case where
+    it has one, else as a comment to be filled in. Values keep their sources; those of a stock machine are assumptions in
+    another one, and the text says so.
+
+    Raises
+    ------
+    CaseError
+        The case's model has no dimensional inputs.
+    """
+    groups = case.family.groups
+    if groups is None or not groups.inputs:
+        raise CaseError(f"{case.name}: {case.family.name} has no dimensional inputs, so there is no machine to describe")
+    given: dict[str, Given] = {}
+    for layer in case.layers:
+        given |= layer
+    inputs = {q.name: q for q in groups.inputs}
+    shared = {name: shared for shared, names in groups.shared.items() for name in names}
+    lines = [
+        f"# A machine after {case.name}. Replace the numbers by yours, and say for each where it comes from:",
+        '#   name = { value = 1.5, unit = "mm", source = "drawing 4711" }   or   assumed = "why"',
+        "# Lines that begin with # are inputs that this machine does not give. `whirlmap show` prints what follows.",
+        f'model = "{case.family.name}"',
+        f'description = """\n{case.description.strip()}\n"""',
+        "",
+        *(f"{_entry(name, one)}" for name, one in given.items() if name not in inputs),
+        "",
+        "[switches]",
+        *_switches(case),
+    ]
+    for title, names in groups.sections.items():
+        head = f"[{title}]" if any(name in given for name in names) else f"# [{title}]"  # an empty table is no entry
+        lines += ["", head, *(_line(name, inputs[name], given, shared) for name in names if name in inputs)]
+    return "\n".join(lines) + "\n"
+
+
+def _switches(case: Case) -> Iterable[str]:
+    for name, choices in case.family.switches.items():
+        chosen = case.switches.get(name)
+        meaning = case.family.meanings.get(name, "")
+        text = f'{name} = "{chosen}"' if chosen else f'# {name} = "{choices[0]}"'
+        yield f"{text}  # {' | '.join(choices)}: {meaning}"
+
+
+def _line(name: str, q: Parameter, given: Mapping[str, Given], shared: Mapping[str, str]) -> str:
+    if name in given:
+        return f"{_entry(name, given[name])}  # {q.meaning}"
+    unit = "" if q.unit == "1" else f', unit = "{q.unit}"'
+    both = f" (or {shared[name]} for all of its kind)" if name in shared else ""
+    return f'# {name} = {{ value = 0{unit}, assumed = "" }}  # {q.meaning}{both}'
+
+
+def _entry(name: str, one: Given) -> str:
+    kind, _, text = one.note.partition(": ")
+    value: Any = one.value if not isinstance(one.value, str) else f'"{one.value}"'
+    unit = f', unit = "{one.unit}"' if one.unit else ""
+    only = ", only = {{ {} }}".format(", ".join(f'{k} = "{v}"' for k, v in one.only.items())) if one.only else ""
+    return f'{name} = {{ value = {value}{unit}, {kind} = "{_escaped(text)}"{only} }}'
+
+
+def _escaped(text: str) -> str:
+    return text.replace("\\", "\\\\").replace('"', '\\"')
