@@ -328,7 +328,8 @@ def test_ctrl_c_keeps_what_is_done(tmp_path, whole):
     place = tmp_path / "map"
     command = [sys.executable, "-c", "from whirlmap.cli.main import run; run()", "map", "duffing", "--store", str(place),
                "--vary", "gamma=0.2:0.6:40", "--vary", "omega=1:1.4:40", "--chunk", "8"]  # fmt: skip
-    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"})
+    process = subprocess.Popen(command, stderr=subprocess.PIPE, text=True, env={**os.environ, "PYTHONUNBUFFERED": "1"},
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL))  # fmt: skip
     receipts = place / "chunks" / "receipt" / "c"
     while process.poll() is None and not any(p.is_file() for p in receipts.rglob("*")):
         time.sleep(0.05)
