@@ -63,19 +63,19 @@ def test_a_table_that_is_not_read_is_refused():
         System(model("unread", v, tables=(TABLE,)), {"a": 1.0, "b": 2.0}).rhs(0.0, [0.0, 0.5])
 
 
-def run(system, x, *, first, active, steps, sentinel):
+def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
     """Call ``advance`` of a locked kernel for one block; working memory is filled with a number before."""
-    kernel = lane_kernel(system.plain_model(), RK4, slopes="none", kind="locked")
+    kernel = lane_kernel(system.plain_model(), RK4, slopes="jacobian" if count else "none", kind="locked")
     y = blocked(x)
     flags = {name: np.array(value, dtype=np.int64).reshape(1, 1, LANES) for name, value in (
         ("first", first), ("active", active), ("failed", [-1] * LANES))}  # fmt: skip
-    work = kernel.work(0)
+    work = kernel.work(count)
     work[:] = sentinel
     h = np.full((1, 1, LANES), system.period / 20)
     inputs = kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES))
     waves = Waves.of(system.orders, 20, kernel.source.nodes).arguments(0)
     kernel.advance(
-        blocks=1, count=0, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
+        blocks=1, count=count, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
         saved=np.empty(0), orth_every=20, events=0, growth=np.empty(0), folded=0, sums=np.empty(0), work=work,
     )  # fmt: skip
     return y[0], work
@@ -97,14 +97,25 @@ def test_lanes_that_wait_enter_at_the_phase_of_their_step():
     """Lanes that enter at step 13 end as if those 13 steps had been run from where the others then stood."""
     system = System(family("duffing").model(), DUFFING)
     x = np.random.default_rng(1).uniform(-1, 1, (2, LANES))
-    begun, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=13, sentinel=0.0)
-    whole, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=50, sentinel=0.0)
+    begun, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=13)
+    whole, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=50)
     late = np.arange(LANES) % 3 == 0
     mixed = np.where(late, begun, x)
     for first in (np.where(late, 13, 0), np.full(LANES, 13)):
         start = mixed if (first == 0).any() else begun
-        got, _ = run(system, start, first=first, active=[1] * LANES, steps=50, sentinel=0.0)
+        got, _ = run(system, start, first=first, active=[1] * LANES, steps=50)
         np.testing.assert_array_equal(got, whole)
+
+
+def test_vectors_of_lanes_that_stand_still_are_left_alone():
+    """Also those that have grown beyond all numbers: nothing times infinity is not nothing."""
+    system = System(family("duffing").model(), DUFFING)
+    x = np.random.default_rng(2).uniform(-1, 1, (6, LANES))
+    x[2:, 3] = np.inf
+    y, _ = run(system, x, first=[0] * LANES, active=[1, 1, 1, 0, 0, 1, 1, 1], steps=5, count=2)
+    np.testing.assert_array_equal(y[:, 3:5], x[:, 3:5])
+    vectors = y[2:, [0, 1, 2, 5, 6, 7]].reshape(2, 2, 6)
+    np.testing.assert_allclose(np.einsum("ain,bin->abn", vectors, vectors), np.eye(2)[..., None] * np.ones(6), atol=1e-12)
 
 
 def test_a_kernel_without_a_function_says_so():
