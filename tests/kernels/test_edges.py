@@ -76,7 +76,8 @@ def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
     waves = Waves.of(system.orders, 20, kernel.source.nodes).arguments(0)
     kernel.advance(
         blocks=1, count=count, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
-        saved=np.empty(0), orth_every=20, events=0, growth=np.empty(0), folded=0, sums=np.empty(0), work=work,
+        saved=np.empty(0), orth_every=1, events=steps, growth=np.zeros(steps * count * LANES), folded=0,
+        sums=np.empty(0), work=work,
     )  # fmt: skip
     return y[0], work
 
