@@ -10,7 +10,16 @@ import whirlmap
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.points import label_points
-from whirlmap.sweep.speeds import PARTS, ROUNDS, Verdict, safe_probability, safe_speeds, shaft_speed, verdicts
+from whirlmap.sweep.speeds import (
+    PARTS,
+    ROUNDS,
+    Verdict,
+    judge_machines,
+    safe_probability,
+    safe_speeds,
+    shaft_speed,
+    verdicts,
+)
 
 RIG = "machines/jeffcott-rig"
 
@@ -71,11 +80,27 @@ def test_probability_is_the_share_of_the_drawn_machines(rig):
     """Draws that are the machine itself are safe where it is; one of two that is never safe halves that."""
     at = np.linspace(0.5, 2.0, 7)
     alone = safe_speeds(rig, at, 0.6)["verdict"].values == Verdict.safe
-    same = safe_probability([rig, rig], at, [0.6, 0.6])
+    same = safe_probability(rig, [rig, rig], at, [0.6, 0.6])
     np.testing.assert_array_equal(same["probability"].values, alone)
-    half = safe_probability([rig, rig], at, [0.6, 1e-9])
+    half = safe_probability(rig, [rig, rig], at, [0.6, 1e-9])
     np.testing.assert_array_equal(half["probability"].values, alone / 2)
     assert (half["probability_low"] <= half["probability"]).all() and (half["probability"] <= half["probability_high"]).all()
+
+
+def test_drawn_machines_run_at_the_speeds_of_the_machine_that_was_meant(rig):
+    """Another clearance has another s for the same rpm: one drawn machine is judged where it would be on its own."""
+    at, wide = np.linspace(0.5, 2.0, 13), whirlmap.load(RIG, c="130 um")
+    own = safe_speeds(wide, at * shaft_speed(rig) / shaft_speed(wide), 0.6 / 1.3)["verdict"].values == Verdict.safe
+    assert own.any() and not own.all()
+    np.testing.assert_array_equal(safe_probability(rig, [wide], at, [0.6 / 1.3])["probability"].values, own)
+
+
+def test_machines_of_other_models_or_orders_are_refused(rig):
+    with pytest.raises(RangeError, match="another model"):
+        judge_machines(rig, [whirlmap.load(RIG, rotor="rigid", arc="fixed")], [1.0, 2.0], [0.6])
+    gears = whirlmap.load("gear-psfd/machine")
+    with pytest.raises(RangeError, match="cannot be varied"):
+        judge_machines(gears, [whirlmap.load("gear-psfd/machine", z_p=21)], [1.0, 2.0], [0.6])
 
 
 @pytest.mark.parametrize(

@@ -106,8 +106,9 @@ def speeds(
         if tolerances:
             drawn, limits = _drawn(system, case, options.assignments(changes, "--set"), tolerances, draws, seed, allowed)
             chance = safe_probability(
-                drawn, at, limits, quantity=quantity, settling=settling, workers=workers, progress=progress
-            )
+                system, drawn, at, limits, quantity=quantity, settling=settling, accuracy=accuracy, method=method,
+                workers=workers, progress=progress,
+            )  # fmt: skip
             ds = ds.merge(chance).assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
     files = destination.write(ds, lambda made: _picture(system, made))
     report.say_doubts(ds.attrs)

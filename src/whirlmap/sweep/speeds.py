@@ -9,7 +9,7 @@
 """
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from enum import IntEnum
 from typing import Any
 
@@ -156,29 +156,28 @@ def verdicts(regime: ArrayLike, amplitude: ArrayLike, limit: float) -> NDArray[n
 
 
 def safe_probability(
-    draws: list[System], speeds: ArrayLike, limits: ArrayLike, *, quantity: str | None = None,
-    settling: Settling | None = None, lyapunov: int = 256, workers: int | None = None, progress: Progress | None = None,
-) -> xr.Dataset:  # fmt: skip
+    system: System,
+    draws: Sequence[System],
+    speeds: ArrayLike,
+    limits: ArrayLike,
+    *,
+    quantity: str | None = None,
+    **options: Any,
+) -> xr.Dataset:
     """Share of drawn machines that are safe at each speed, with its 95 % interval (Wilson).
 
     Parameters
     ----------
-    draws : list of System
-        Machines of one model; speeds are those of the first shaft where the cases have dimensions, else ``s``.
-    speeds : array_like, shape (s,)
-        Values of ``s`` of the first of them.
-    limits : array_like, shape (draw,)
-        Limit of each, in its own clearances.
+    system : System
+        The machine as it was meant, whose ``s`` counts the speeds.
+    draws : sequence of System
+        Machines of the same model.
+    speeds, limits, quantity, **options
+        As in `judge_machines`.
     """
-    at, allowed = np.asarray(speeds, dtype=float), np.asarray(limits, dtype=float)
-    scales = np.array([shaft_speed(system) for system in draws])
-    scales = np.where(np.isfinite(scales), scales / scales[0], 1.0)
-    values = {name: np.repeat([float(d.values[name]) for d in draws], at.size) for name in _varying(draws)}
-    values[SPEED] = np.concatenate([at / scale for scale in scales])
-    points = label_points(draws[0], values, settling=settling, lyapunov=lyapunov, workers=workers, progress=progress)
-    swing = points["peak_to_peak"].sel(quantity=_rows(draws[0], quantity)).max("quantity").values.reshape(-1, at.size)
-    safe = verdicts(points["regime"].values.reshape(swing.shape), swing / allowed[:, None], 1.0) == Verdict.safe
-    low, share, high = _wilson(safe.sum(axis=0), len(draws))
+    at = np.asarray(speeds, dtype=float)
+    verdict, _ = judge_machines(system, draws, at, limits, quantity=quantity, **options)
+    low, share, high = _wilson((verdict == Verdict.safe).sum(axis=0), len(draws))
     meaning = "share of the drawn machines that are safe"
     return xr.Dataset(
         {
@@ -190,9 +189,60 @@ def safe_probability(
     )
 
 
-def _varying(draws: list[System]) -> list[str]:
-    names = [n for n in draws[0].parameters if n != SPEED and not draws[0].model.parameter(n).order]
-    return [n for n in names if len({float(d.values[n]) for d in draws}) > 1]
+def judge_machines(
+    system: System,
+    machines: Sequence[System],
+    speeds: ArrayLike,
+    limits: ArrayLike,
+    *,
+    quantity: str | None = None,
+    **options: Any,
+) -> tuple[NDArray[np.int8], Array]:
+    """Judge several machines of one model at the same speeds, all of them together, from cold starts.
+
+    Parameters
+    ----------
+    system : System
+        The machine whose ``s`` counts the speeds.
+    machines : sequence of System
+        They run at the same speed of the first shaft [rad/s] where the cases have dimensions, else at the same ``s``.
+    speeds : array_like, shape (s,)
+        Values of ``s`` of `system`.
+    limits : array_like, shape (machine,)
+        Largest peak-to-peak displacement that is allowed to each, in its own length.
+    quantity : str, optional
+        As in `safe_speeds`.
+    **options
+        Those of `label_points`.
+
+    Returns
+    -------
+    verdict, amplitude : array, shape (machine, s)
+        Amplitudes are in each machine's own length.
+
+    Raises
+    ------
+    RangeError
+        No machine; machines of different models or orders of harmonics; a shaft at rest.
+    """
+    at, allowed = np.asarray(speeds, dtype=float), np.asarray(limits, dtype=float)
+    if not machines:
+        raise RangeError("found no machine, expected at least one")
+    names = [n for n in system.parameters if n != SPEED]
+    differing = {n for m in machines for n in names if m.values.get(n) != system.values[n]}
+    for machine in machines:
+        if machine.model.states != system.model.states or dict(machine.model.switches) != dict(system.model.switches):
+            raise RangeError(f"{machine.case} with these changes is another model than {system.case}: compare one model")
+    scales = np.array([shaft_speed(machine) for machine in machines]) / shaft_speed(system)
+    scales = np.where(np.isfinite(scales), scales, 1.0)
+    if not np.all(scales > 0):
+        raise RangeError("the first shaft of a machine stands still at every s: its speeds cannot be compared")
+    values = {n: np.repeat([float(m.values[n]) for m in machines], at.size) for n in names if n in differing}
+    values[SPEED] = (at / scales[:, None]).ravel()
+    points = label_points(system, values, **options)
+    swing = points["peak_to_peak"].sel(quantity=_rows(system, quantity)).max("quantity").values.reshape(-1, at.size)
+    verdict = verdicts(points["regime"].values.reshape(swing.shape), swing / allowed[:, None], 1.0)
+    return verdict, swing
 
 
 def _wilson(hits: Array, count: int) -> tuple[Array, Array, Array]:
