@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from whirlmap.sweep.attractors import attractors as attractors
     from whirlmap.sweep.basins import basins as basins
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
+    from whirlmap.sweep.improve import improve as improve
     from whirlmap.sweep.map import regime_map as regime_map
     from whirlmap.sweep.map import tolerance_sweep as tolerance_sweep
     from whirlmap.sweep.points import label_points as label_points
@@ -59,6 +60,7 @@ _HOMES = {
     "bifurcation_diagram": "whirlmap.sweep.diagram",
     "label_points": "whirlmap.sweep.points",
     "safe_speeds": "whirlmap.sweep.speeds",
+    "improve": "whirlmap.sweep.improve",
     "regime_map": "whirlmap.sweep.map",
     "tolerance_sweep": "whirlmap.sweep.map",
     "waterfall": "whirlmap.sweep.waterfall",

@@ -27,6 +27,7 @@ SMALL = {
     "attractors": "attractors duffing --set gamma=0.2 --starts 4 --transient 20 --lyapunov 256",
     "basins": "basins duffing --set gamma=0.2 --grid x=-1:1:3 --grid v=-1:1:3 --transient 20 --lyapunov 256",
     "speeds": "speeds machines/jeffcott-rig --points 3 --transient 20",
+    "improve": "improve machines/jeffcott-rig --vary Gamma=1:2:2 --points 3 --transient 20 --coarse",
     "map": "map duffing --vary gamma=0.2:0.21:2 --transient 20",
 }
 

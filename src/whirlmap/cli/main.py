@@ -21,6 +21,7 @@ from whirlmap.cli import (
     cases,
     diagnose,
     identify,
+    improve,
     linear,
     map,  # noqa: A004
     new,
@@ -127,7 +128,7 @@ def program(
 
 
 for module in (
-    cases, show, new, simulate, diagnose, linear, campbell, bifurcation, map, speeds, attractors, basins, reproduce,
+    cases, show, new, simulate, diagnose, linear, campbell, bifurcation, map, speeds, improve, attractors, basins, reproduce,
     identify, cache, bench,
 ):  # fmt: skip
     name = module.__name__.rpartition(".")[2]

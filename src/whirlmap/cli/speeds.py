@@ -94,8 +94,8 @@ def speeds(
     from whirlmap.sweep.run import expected_periods
     from whirlmap.sweep.speeds import safe_probability, safe_speeds
 
-    allowed = _limit(system, limit)
-    low, high = _range(system, span)
+    allowed = limit_of(system, limit)
+    low, high = range_of(system, span)
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
     judged = points * ((3 if follow else 1) + (draws if tolerances else 0))
     with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet) as progress:
@@ -109,7 +109,9 @@ def speeds(
                 system, drawn, at, limits, quantity=quantity, settling=settling, accuracy=accuracy, method=method,
                 workers=workers, progress=progress,
             )  # fmt: skip
-            ds = ds.merge(chance).assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
+            report.say_doubts(chance.attrs)
+            ds = ds.merge(chance, combine_attrs="override")
+            ds = ds.assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
     files = destination.write(ds, lambda made: _picture(system, made))
     report.say_doubts(ds.attrs)
     facts = summary(system, ds)
@@ -125,7 +127,7 @@ def _given(system: "System", name: str) -> float | None:
     return None if found is None else float(found.value)
 
 
-def _limit(system: "System", text: str | None) -> float:
+def limit_of(system: "System", text: str | None) -> float:
     """The limit in the model's length."""
     from whirlmap.units import read
 
@@ -148,7 +150,7 @@ def _limit(system: "System", text: str | None) -> float:
     return plain
 
 
-def _range(system: "System", text: str | None) -> tuple[float, float]:
+def range_of(system: "System", text: str | None) -> tuple[float, float]:
     """The range in values of s."""
     from whirlmap.sweep.speeds import shaft_speed
     from whirlmap.units import read

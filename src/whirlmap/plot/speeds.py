@@ -47,7 +47,7 @@ def speeds_figure(ds: xr.Dataset, *, unit: float, length: str, title: str) -> Fi
     ax.plot(at, swing, ".-", color="black", ms=3, lw=0.8)
     ax.axhline(ds.attrs["limit"] * unit, color=COLOURS["chaotic"], lw=1, ls="--")
     finite = swing[np.isfinite(swing)]
-    ax.set_ylim(0, 1.15 * max(ds.attrs["limit"] * unit, float(np.median(finite)) if finite.size else 0, 0) * 2)
+    ax.set(xlim=(at[0], at[-1]), ylim=(0, 1.2 * max([ds.attrs["limit"] * unit, *finite])))
     ax.set_ylabel(f"peak to peak [{length}]")
     handles = [Patch(color=SAFE, alpha=0.3, label="safe")]
     handles += [Patch(color=COLOURS[n], alpha=0.5, label=n.replace("_", "-")) for n in dict.fromkeys(kinds) if n != "safe"]

@@ -63,6 +63,12 @@ def shaft_speed(system: System) -> float:
     return found[0] / float(system.values[SPEED]) if found else np.nan
 
 
+def clearance(system: System) -> float:
+    """The length [m] that the model's lengths are in units of, or NaN for a system without dimensions."""
+    found = (getattr(system.details, "inputs", None) or {}).get("c")
+    return np.nan if found is None else float(found.value)
+
+
 def safe_speeds(
     system: System,
     speeds: ArrayLike,
@@ -129,8 +135,8 @@ def safe_speeds(
     ds = points.swap_dims(point=SPEED)[["regime", "status", "period_T", "lyapunov", "lyapunov_error"]]
     if "min_film" in points:
         ds["min_film"] = points["min_film"].swap_dims(point=SPEED)
-    ds["verdict"] = variable(SPEED, verdict, "1", "whether the speed is safe, else why not", **flags(Verdict))
-    ds["amplitude"] = variable(SPEED, amplitude, "1", f"peak to peak of {', '.join(rows)}, the largest")
+    ds["verdict"] = verdict_variable(SPEED, verdict)
+    ds["amplitude"] = amplitude_variable(SPEED, amplitude, rows)
     for name, meaning in (
         ("window_start", "first safe speed ratio"), ("window_end", "last safe speed ratio"),
         ("margin_start", "distance to the nearest speed below that is not safe"),
@@ -176,8 +182,8 @@ def safe_probability(
         As in `judge_machines`.
     """
     at = np.asarray(speeds, dtype=float)
-    verdict, _ = judge_machines(system, draws, at, limits, quantity=quantity, **options)
-    low, share, high = _wilson((verdict == Verdict.safe).sum(axis=0), len(draws))
+    judged = judge_machines(system, draws, at, limits, quantity=quantity, **options)
+    low, share, high = _wilson((judged["verdict"].values == Verdict.safe).sum(axis=0), len(draws))
     meaning = "share of the drawn machines that are safe"
     return xr.Dataset(
         {
@@ -186,6 +192,7 @@ def safe_probability(
             "probability_high": variable(SPEED, high, "1", f"{meaning}: upper end of its 95 % interval"),
         },
         {SPEED: at},
+        judged.attrs,
     )
 
 
@@ -197,7 +204,7 @@ def judge_machines(
     *,
     quantity: str | None = None,
     **options: Any,
-) -> tuple[NDArray[np.int8], Array]:
+) -> xr.Dataset:
     """Judge several machines of one model at the same speeds, all of them together, from cold starts.
 
     Parameters
@@ -217,8 +224,8 @@ def judge_machines(
 
     Returns
     -------
-    verdict, amplitude : array, shape (machine, s)
-        Amplitudes are in each machine's own length.
+    xr.Dataset
+        ``verdict(machine, s)`` and ``amplitude(machine, s)``, in each machine's own length.
 
     Raises
     ------
@@ -240,9 +247,25 @@ def judge_machines(
     values = {n: np.repeat([float(m.values[n]) for m in machines], at.size) for n in names if n in differing}
     values[SPEED] = (at / scales[:, None]).ravel()
     points = label_points(system, values, **options)
-    swing = points["peak_to_peak"].sel(quantity=_rows(system, quantity)).max("quantity").values.reshape(-1, at.size)
+    rows = _rows(system, quantity)
+    swing = points["peak_to_peak"].sel(quantity=rows).max("quantity").values.reshape(-1, at.size)
     verdict = verdicts(points["regime"].values.reshape(swing.shape), swing / allowed[:, None], 1.0)
-    return verdict, swing
+    over = ("machine", SPEED)
+    return xr.Dataset(
+        {"verdict": verdict_variable(over, verdict), "amplitude": amplitude_variable(over, swing, rows)},
+        {SPEED: variable(SPEED, at, "1", "speed ratio of the machine that was meant")}, points.attrs,
+    )  # fmt: skip
+
+
+def verdict_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
+    """Verdicts, with CF flags."""
+    codes = np.asarray(values, dtype=np.int8)
+    return variable(dims, codes, "1", "whether the speed is safe, else why not", **flags(Verdict))
+
+
+def amplitude_variable(dims: Any, values: ArrayLike, rows: Sequence[str]) -> tuple[Any, ...]:
+    """Peak to peak of the judged quantities."""
+    return variable(dims, values, "1", f"peak to peak of {', '.join(rows)}, the largest")
 
 
 def _wilson(hits: Array, count: int) -> tuple[Array, Array, Array]:

@@ -1,0 +1,230 @@
+"""``whirlmap improve``: which values of one or two design parameters give the widest safe window."""
+
+from collections.abc import Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli import options, report
+from whirlmap.cli.outputs import claim
+from whirlmap.cli.progress import Progress
+from whirlmap.cli.speeds import SPEEDS, limit_of, range_of
+from whirlmap.errors import CaseError, InputError, RangeError, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.integrate.system import System
+    from whirlmap.sweep.grid import Range
+
+EXAMPLES = (
+    'whirlmap improve gear-psfd/machine --vary psi=1e-4:1:8:log --limit "40 um" --range "1500 rpm:9000 rpm"',
+    "whirlmap improve machines/jeffcott-rig --vary c=60um:140um:5 --vary L=4mm:8mm:5 --out rig",
+    "whirlmap improve gear-psfd/intended --vary xi_m=0.01:0.1:4 --limit 0.6 --range 0.5:2",
+)
+
+
+def improve(
+    case: options.CaseName,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SPEEDS,
+            help="Design parameter and its values: a symbol, psi=1e-4:1:8:log, or a dimensional input with its unit,"
+            " c=40um:60um:5. Once or twice.",
+        ),
+    ],
+    limit: Annotated[
+        str | None,
+        typer.Option(
+            "--limit", metavar="LENGTH", rich_help_panel=SPEEDS,
+            help='Largest peak-to-peak displacement that is allowed: "20 um", or a number of clearances. The limit in the'
+            " case's table [operation] where absent.",
+        ),
+    ] = None,
+    span: Annotated[
+        str | None,
+        typer.Option(
+            "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
+            help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
+            " absent.",
+        ),
+    ] = None,
+    points: Annotated[
+        int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds at which each design runs.")
+    ] = 60,
+    quantity: Annotated[
+        str | None,
+        typer.Option(
+            "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
+            help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
+        ),
+    ] = None,
+    coarse: Annotated[
+        bool, typer.Option("--coarse", rich_help_panel=SPEEDS, help="Try the values given alone, and none around the best.")
+    ] = False,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    workers: options.Workers = None,
+    out: options.Out = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Compare values of one or two design parameters of CASE by what they do to its safe speeds.
+
+    Every design runs at the same speeds of the first shaft. Said are its widest window of safe speeds and its largest
+    amplitude over the whole range; around the best designs more values are tried.
+    """
+    ranges, units = _ranges(vary)
+    settings = options.assignments(changes, "--set")
+    for name in ranges.keys() & settings.keys():
+        raise RangeError(f"{name}: found it in --set and in --vary, expected it in one of them")
+    destination = claim(out, "improve", force=force)
+    system = options.open_system(case, changes, start)
+    _refuse_unknown(system, ranges, units)
+    import numpy as np
+
+    from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.loading import load
+    from whirlmap.sweep.improve import improve as compare
+    from whirlmap.sweep.run import expected_periods
+
+    allowed = limit_of(system, limit)
+    at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
+    designs = int(np.prod([r.count for r in ranges.values()]))
+    with Progress("improve", expected_periods(system, points * designs, settling), quiet=quiet) as progress:
+        ds = compare(
+            partial(load, case, start=dict(system.start), **settings), {n: r.values for n, r in ranges.items()}, at, allowed,
+            units=units, refine=not coarse, quantity=quantity, settling=settling, accuracy=accuracy, method=method,
+            workers=workers, progress=progress,
+        )  # fmt: skip
+    files = destination.write(ds, lambda made: _picture(system, made))
+    report.say_doubts(ds.attrs)
+    facts = summary(system, ds)
+    if json:
+        report.print_json({**facts, "files": files})
+    else:
+        _print(facts)
+        report.print_written(files)
+
+
+def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
+    """Ranges of the varied names, and the units of those that have one."""
+    from whirlmap.sweep.grid import Range
+    from whirlmap.units import split
+
+    ranges: dict[str, Range] = {}
+    units: dict[str, str] = {}
+    for text in texts:
+        name, equals, rest = (part.strip() for part in text.partition("="))
+        parts = rest.split(":")
+        if equals and len(parts) in (3, 4):
+            try:
+                ends = [split(part) for part in parts[:2]]
+            except CaseError as error:
+                raise RangeError(f"--vary {name}: {error}") from None
+            if ends[0][1] != ends[1][1]:
+                raise RangeError(f"--vary: found {text!r}, expected the same unit on both ends, as in c=40um:60um:5")
+            if ends[0][1]:
+                units[name] = ends[0][1]
+            parts[:2] = [repr(float(value)) for value, _ in ends]
+            text = f"{name}={':'.join(parts)}"
+        found = Range.parse(text)
+        if ranges.setdefault(found.name, found) != found or len(ranges) > 2:
+            raise InputError("--vary: expected one or two different design parameters, each given once")
+    return ranges, units
+
+
+def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], units: dict[str, str]) -> None:
+    """Refuse what is no parameter or input; numbers of teeth and orders change the common period."""
+    settled = system.details
+    inputs = {q.name: q for q in settled.case.family.groups.inputs} if settled.case.family.groups else {}
+    shared = settled.case.family.groups.shared if inputs else {}
+    for name in names:
+        if name not in inputs and name not in shared and name not in system.parameters:
+            known = [*system.parameters, *(settled.inputs or {})]
+            raise InputError(
+                f"--vary: {system.case} has no {name!r}.{nearest(name, known)}\n  parameters: {' '.join(system.parameters)}"
+                + (f"\n  dimensional inputs: {' '.join(settled.inputs)}" if settled.inputs else "")
+            )
+        if inputs and name in settled.case.family.groups.operation:
+            raise InputError(f"--vary: {name} says how the machine is run, the same for all designs: see --range, --limit")
+        declared = inputs.get(name) or inputs.get(shared.get(name, ("",))[0]) or system.model.parameter(name)
+        if declared.order:
+            raise RangeError(f"--vary: {name} is a whole number or an order ({declared.meaning}): it cannot be a range")
+        if declared.unit == "1" and name in units:
+            raise InputError(f"--vary: {name} has no dimension, found the unit {units[name]!r}")
+        if name not in system.parameters and declared.unit != "1" and name not in units:
+            raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {declared.unit}, on both ends")
+
+
+def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
+    """Say what was found, as plain data."""
+    from whirlmap.sweep.speeds import clearance
+
+    names = ds.attrs["varied"].split()
+    length, scale = clearance(system), float(ds["rpm"][-1] / ds["s"][-1]) if "rpm" in ds.coords else None
+    um = length * 1e6 if length == length else None
+    rows = []
+    for i in range(ds.sizes["design"]):
+        one = ds.isel(design=i)
+        row: dict[str, Any] = {name: float(one[name]) for name in names}
+        row |= {
+            key: float(one[key])
+            for key in ("window_start", "window_end", "window_width", "safe_share", "worst_amplitude")
+        }
+        row |= {"ended": int(one["ended"]), "refined": bool(one["refined"]), "front": bool(one["front"])}
+        if scale:
+            row["rpm"] = [row["window_start"] * scale, row["window_end"] * scale]
+            row["rpm_width"] = row["window_width"] * scale
+        if um:
+            row["worst_amplitude_um"] = row["worst_amplitude"] * um
+        rows.append(row)
+    limit = float(ds.attrs["limit"])
+    return {
+        "case": system.case, "varied": names, "units": {n: ds[n].attrs["units"] for n in names}, "limit": limit,
+        "limit_um": limit * um if um else None, "s": ds["s"].values, "designs": rows,
+        "widest": int(ds.attrs["widest"]), "calmest": int(ds.attrs["calmest"]),
+    }  # fmt: skip
+
+
+def _print(facts: dict[str, Any]) -> None:
+    names, um, designs = facts["varied"], facts["limit_um"], facts["designs"]
+    limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
+    typer.echo(f"{facts['case']}: {len(designs)} designs at {len(facts['s'])} speeds, peak to peak at most {limit}")
+    heads = [n if facts["units"][n] == "1" else f"{n} [{facts['units'][n]}]" for n in names]
+    rows = []
+    for i in sorted(range(len(designs)), key=lambda i: [designs[i][n] for n in names]):
+        d = designs[i]
+        low, high = d.get("rpm", [d["window_start"], d["window_end"]])
+        place = "-" if not d["safe_share"] else f"{low:.0f} .. {high:.0f}" if "rpm" in d else f"{low:.4f} .. {high:.4f}"
+        width = f"{d['rpm_width']:.0f}" if "rpm" in d else f"{d['window_width']:.4f}"
+        worst = d.get("worst_amplitude_um", d["worst_amplitude"])
+        swing = f"{d['ended']} runs end early" if d["ended"] else f"{worst:.4g}"
+        notes = [w for w, key in (("widest window", "widest"), ("lowest amplitude", "calmest")) if facts[key] == i]
+        share = f"{100 * d['safe_share']:.0f} %"
+        rows.append((*(f"{d[n]:.5g}" for n in names), place, width, share, swing, ", ".join(notes)))
+    speed, length = ("rpm", "um") if "rpm" in designs[0] else ("s", "clearances")
+    columns = (*heads, f"widest window [{speed}]", "width", "safe", f"worst amplitude [{length}]", "")
+    report.show(report.table("Designs", columns, rows, numbers=(*range(len(names)), len(names) + 1, len(names) + 2)))
+    best = designs[facts["widest"]]
+    if best["safe_share"]:
+        units = facts["units"]
+        chosen = " ".join(f'--set "{n}={best[n]:.6g}{"" if units[n] == "1" else " " + units[n]}"' for n in names)
+        typer.echo(f"next: whirlmap speeds {facts['case']} {chosen} --follow, the other options as here")
+    else:
+        typer.echo("no design has a safe speed")
+
+
+def _picture(system: "System", ds: "xr.Dataset") -> Any:
+    from whirlmap.plot.improve import improve_figure
+    from whirlmap.sweep.speeds import clearance
+
+    length = clearance(system)
+    known = length == length
+    return improve_figure(ds, unit=length * 1e6 if known else 1.0, length="um" if known else "1", title=system.case)
