@@ -4,10 +4,13 @@ import json
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import whirlmap
+from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.errors import RangeError
+from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.points import label_points
 from whirlmap.sweep.speeds import (
@@ -66,14 +69,37 @@ def test_speeds_in_rpm_are_those_of_the_case(rig, judged):
     assert judged["rpm"].values[0] == pytest.approx(0.4 * shaft_speed(rig) * 30 / np.pi)
 
 
+def hardening():
+    """x'' + 0.1 x' + x + 0.5 x^3 = 0.3 cos(s t), from rest: between two folds a large and a small motion coexist."""
+    x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
+    s = Parameter("s", "1", "speed", above=0)
+    rates = {x: v, v: 0.3 * cos(s * t) - v / 10 - x - x**3 / 2}
+    return System(Model("hardening", (x, v), (s,), rates, harmonics=(s,), clocks={"shaft": s}, swing=(x,)), {"s": 1.0})
+
+
 def test_runs_up_and_down_find_coexisting_motions():
-    """A hardening rotor would do; here a bound between two branches: what one sweep calls unsafe is not safe."""
-    system = whirlmap.load(RIG)
-    at = np.linspace(0.4, 0.9, 6)
-    cold, followed = (safe_speeds(system, at, 0.6, follow=f) for f in (False, True))
-    kept = cold["verdict"].values != Verdict.safe
-    np.testing.assert_array_equal(followed["verdict"].values[kept], cold["verdict"].values[kept])
-    assert set(np.unique(followed["verdict"].values[~kept])) <= {int(Verdict.safe), int(Verdict.coexisting)}
+    """Behind the peak of the large motion a cold start and the run down are small; the run up is not."""
+    system, at = hardening(), np.linspace(1.0, 2.2, 13)
+    cold, followed = (safe_speeds(system, at, 1.5, follow=f) for f in (False, True))
+    safe = cold["verdict"].values == Verdict.safe
+    coexisting = followed["verdict"].values == Verdict.coexisting
+    assert 1 <= coexisting.sum() < safe.sum()  # some of the safe speeds, and the fastest ones are safe in any case
+    assert safe[coexisting].all() and followed["verdict"].values[-1] == Verdict.safe
+    np.testing.assert_array_equal(followed["verdict"].values[~safe], cold["verdict"].values[~safe])
+    assert carried_up(at[: np.flatnonzero(coexisting)[0] + 1]) > 1.5 > cold["amplitude"].values[coexisting].max()
+
+
+def carried_up(speeds):
+    """Peak to peak at the last of these speeds, by SciPy, the state carried along at phase zero."""
+    state = [0.0, 0.0]
+    for s in speeds:
+        def rates(t, y, s=s):
+            return [y[1], 0.3 * np.cos(s * t) - y[1] / 10 - y[0] - y[0] ** 3 / 2]
+
+        period = 2 * np.pi / s
+        state = solve_ivp(rates, (0, 100 * period), state, "DOP853", rtol=1e-9, atol=1e-9).y[:, -1]
+    turn = solve_ivp(rates, (0, period), state, "DOP853", rtol=1e-9, atol=1e-9, t_eval=np.linspace(0, period, 400)).y[0]
+    return np.ptp(turn)
 
 
 def test_probability_is_the_share_of_the_drawn_machines(rig):
