@@ -8,7 +8,7 @@ import numpy as np
 from sympy import Symbol, cos, sin, sympify
 
 from whirlmap.bench.problems import Problem
-from whirlmap.bench.scalar_code import numba_rhs, scalar_code
+from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
 from whirlmap.kernels.lower import Hoisted, hoist, split_harmonics
 
 
@@ -33,7 +33,7 @@ def jitcode_runs(problem: Problem, methods: tuple[str, ...], tolerances: tuple[f
     ode.generate_f_C(do_cse=True)
     with tempfile.TemporaryDirectory() as folder, chdir(folder):  # its setuptools would read our pyproject.toml
         ode.compile_C()
-    numbers = hoisted.evaluate(problem.values)
+    numbers = evaluate_inputs(hoisted, problem.values)
 
     def runner(method, tolerance):
         def run():
@@ -64,7 +64,7 @@ def pynamicalsys_runs(problem: Problem, tolerances: tuple[float, ...], steps: tu
     from pynamicalsys.continuous_time.step_methods import rk4_step_wrapped, rk45_step_wrapped
 
     rhs = numba_rhs(problem.model)
-    inputs = scalar_code(problem.model).hoisted.evaluate(problem.values)
+    inputs = evaluate_inputs(scalar_code(problem.model).hoisted, problem.values)
 
     def runner(method, setting):
         def run():
