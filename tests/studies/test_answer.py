@@ -55,9 +55,28 @@ def test_claims_that_exclude_each_other_are_found(answered):
     word[b, 0] = HOLDS
     pairs = exclusions(replace(answered, judged=(replace(j, word=word),)), "intended")
     assert ["permeability-regularises", "safe-speeds"] not in [p["claims"] for p in pairs]
-    counts, expected = together(word == HOLDS)
+    a, b = (answered.claims.index(c) for c in ("safe-speeds", "permeability-regularises"))
+    counts, expected = together(replace(answered, judged=(replace(j, word=word),)), "intended")
     assert counts[a, b] == 1
     assert expected[a, b] == pytest.approx(20 * 25 / N)
+
+
+def test_independence_is_asked_within_each_variant(answered):
+    """Two claims that hold everywhere in one variant and nowhere in the other are independent in both."""
+    first, second = answered.judged[:2]
+    parts = (replace(first, word=np.full_like(first.word, HOLDS)), replace(second, word=np.zeros_like(second.word)))
+    counts, expected = together(replace(answered, judged=parts), "literal")
+    assert (counts == N).all()
+    assert expected == pytest.approx(N)  # over both variants together it would be half of that
+
+
+def test_a_set_that_several_variants_share_counts_once():
+    values = design(ranges(), 0, 128, seed=4)
+    holds = np.random.default_rng(1).uniform(size=(3, 128)) < 0.5
+    once = pinned(holds, values, ranges())
+    often = pinned(np.tile(holds, 6), np.tile(values, 6), ranges())
+    np.testing.assert_array_equal(often[1], once[1])
+    assert (often[0] <= once[0] + 1e-12).all()
 
 
 def test_a_group_that_decides_is_pinned_down():
@@ -65,7 +84,7 @@ def test_a_group_that_decides_is_pinned_down():
     names = [r.name for r in ranges()]
     place = ranges()[names.index("Lambda")].place(values[names.index("Lambda")])
     rng = np.random.default_rng(0)
-    holds = np.stack([place < 0.25, rng.uniform(size=512) < 0.25, np.arange(512) < 3])
+    holds = np.stack([place < 0.25, rng.uniform(size=512) < 0.25, np.arange(512) < 29])
     distance, limit = pinned(holds, values, ranges())
     assert distance[0].argmax() == names.index("Lambda")
     assert distance[0].max() == pytest.approx(0.75, abs=0.01)

@@ -17,6 +17,8 @@ from whirlmap.studies.gear_psfd.variants import SPINS, Variant
 
 #: Sets with both claims that would be expected of independent ones, from which "never both" says something.
 EXPECTED = 3.0
+#: Different sets under which a claim holds, from which where they lie says something.
+ENOUGH = 30
 
 
 @dataclass(frozen=True)
@@ -139,16 +141,24 @@ def pooled(answer: Answer, edition: str) -> tuple[NDArray[np.bool_], Array]:
     return np.concatenate([j.holds[rows] for j in found], axis=1), np.concatenate([j.values for j in found], axis=1)
 
 
-def together(holds: NDArray[np.bool_]) -> tuple[NDArray[np.int64], Array]:
-    """Sets with each pair of claims, and how many would be expected if claims were independent."""
-    counts = holds.astype(np.int64) @ holds.T.astype(np.int64)
-    each = holds.sum(axis=1)
-    return counts, np.outer(each, each) / max(holds.shape[1], 1)
+def together(answer: Answer, edition: str) -> tuple[NDArray[np.int64], Array]:
+    """Sets with each pair of claims, and how many would be expected if claims were independent within every variant.
+
+    Both have shape (claim, claim). Independent over all variants taken together would be another question: claims that are
+    common in the same variants would then seem to belong together.
+    """
+    counts = np.zeros((len(answer.claims),) * 2, dtype=np.int64)
+    expected = np.zeros(counts.shape)
+    for j in answer.of(edition):
+        holds = j.holds[[j.claims.index(c) for c in answer.claims]].astype(np.int64)
+        counts += holds @ holds.T
+        expected += np.outer(holds.sum(axis=1), holds.sum(axis=1)) / holds.shape[1]
+    return counts, expected
 
 
 def exclusions(answer: Answer, edition: str) -> list[dict[str, Any]]:
     """Pairs of claims that never hold together, though at least `EXPECTED` sets of independent ones would have both."""
-    counts, expected = together(pooled(answer, edition)[0])
+    counts, expected = together(answer, edition)
     pairs = [(a, b) for a in range(len(counts)) for b in range(a)]
     return [
         {"claims": [answer.claims[b], answer.claims[a]], "together": 0, "expected": float(expected[a, b])}
@@ -166,13 +176,15 @@ def pinned(holds: NDArray[np.bool_], values: Array, ranges: tuple[Range, ...]) -
         Largest difference (Kolmogorov-Smirnov) between the distribution of the group's place in its range where the claim
         holds, and the design's; 0 means left free.
     limit : array, shape (claim,)
-        What it would exceed once in a hundred times if the claim did not care; NaN where fewer than 8 sets hold.
+        What it would exceed once in a hundred times if the claim did not care; NaN where it holds under fewer than `ENOUGH`
+        sets. A set under which several variants fulfil the claim counts once: all variants share their sets.
     """
     places = np.stack([r.place(values[k]) for k, r in enumerate(ranges)])
     n = holds.sum(axis=1)
+    distinct = np.array([np.unique(values[:, row], axis=1).shape[1] for row in holds])
     distance = np.full((len(holds), len(ranges)), np.nan)
-    for c in np.flatnonzero(n >= 8):
+    for c in np.flatnonzero(distinct >= ENOUGH):
         inside = np.sort(places[:, holds[c]], axis=1)
         step = np.arange(n[c])
         distance[c] = np.maximum(inside - step / n[c], (step + 1) / n[c] - inside).max(axis=1)  # the design is uniform
-    return distance, np.where(n >= 8, 1.628 / np.sqrt(np.maximum(n, 1)), np.nan)
+    return distance, np.where(distinct >= ENOUGH, 1.628 / np.sqrt(np.maximum(distinct, 1)), np.nan)

@@ -11,6 +11,8 @@ from whirlmap.errors import OutputError
 from whirlmap.plot.save import encode
 from whirlmap.results.files import replace_file
 from whirlmap.studies.gear_psfd.answer import (
+    ENOUGH,
+    EXPECTED,
     Answer,
     Best,
     contact_by_psi,
@@ -130,7 +132,7 @@ def fill(page_path: Path, text: str) -> None:
 def draw_shares(answer: Answer, edition: str) -> Figure:
     """Draw the share of sets under which each claim holds, for every variant of an edition."""
     found, claims = answer.of(edition), answer.claims
-    figure = Figure(figsize=(9, 0.32 * len(claims) * max(len(found) / 3, 1) + 1.6), layout="constrained")
+    figure = Figure(figsize=(9, 0.32 * len(claims) * max(len(found) / 3, 1) + 1.6 + 0.12 * len(found)), layout="constrained")
     axes = figure.subplots()
     for k, j in enumerate(found):
         each = np.array([shares(j, c) for c in claims])
@@ -142,17 +144,17 @@ def draw_shares(answer: Answer, edition: str) -> Figure:
         axes.axhline(y, color="0.9", lw=0.8, zorder=0)
     axes.set(xlim=(-0.02, 1.02), ylim=(len(claims) - 0.5, -0.5), xlabel="share of sets under which the claim holds")
     axes.set_yticks(range(len(claims)), claims)
-    axes.legend(fontsize=8, loc="lower right")
+    figure.legend(fontsize=8, loc="outside lower center", ncols=2)
     axes.set_title(f"Edition {edition}: how often each claim holds", loc="left", fontsize=11)
     return figure
 
 
 def draw_together(answer: Answer, edition: str) -> Figure:
     """Draw how often each pair of claims holds together, over what independent claims would do."""
-    counts, expected = together(pooled(answer, edition)[0])
+    counts, expected = together(answer, edition)
     claims = answer.claims
     with np.errstate(divide="ignore", invalid="ignore"):
-        ratio = np.where(expected > 0, np.log2(counts / expected), np.nan)
+        ratio = np.where(expected >= EXPECTED, np.log2(counts / expected), np.nan)
     figure = Figure(figsize=(9, 7.6), layout="constrained")
     axes = figure.subplots()
     np.fill_diagonal(ratio, np.nan)
@@ -164,7 +166,11 @@ def draw_together(answer: Answer, edition: str) -> Figure:
     axes.set_xticks(range(len(claims)), claims, rotation=60, ha="right", rotation_mode="anchor")
     axes.set_yticks(range(len(claims)), claims)
     figure.colorbar(image, ax=axes, shrink=0.8, label="log2 of sets with both over independent claims")
-    axes.set_title(f"Edition {edition}: sets with both claims (diagonal: with the one)", loc="left", fontsize=11)
+    axes.set_title(
+        f"Edition {edition}: sets with both claims (diagonal: with the one)\n"
+        f"No colour: fewer than {EXPECTED:g} sets expected of independent claims",
+        loc="left", fontsize=10,
+    )  # fmt: skip
     return figure
 
 
@@ -178,11 +184,11 @@ def draw_marginals(answer: Answer, edition: str) -> Figure:
     distance, limit = pinned(holds, values, ranges)
     image = np.full((len(holds), len(ranges) * BINS), np.nan)
     for c, row in enumerate(holds):
-        if row.sum() >= 8:
+        if np.isfinite(limit[c]):
             for g, r in enumerate(ranges):
                 found = np.histogram(r.place(values[g, row]), BINS, (0, 1))[0]
                 image[c, g * BINS : (g + 1) * BINS] = found / found.sum() * BINS
-    figure = Figure(figsize=(13, 6.2), layout="constrained")
+    figure = Figure(figsize=(16, 6.2), layout="constrained")
     axes = figure.subplots()
     with np.errstate(divide="ignore"):
         density = np.clip(np.log2(image), -3, 3)
@@ -193,12 +199,13 @@ def draw_marginals(answer: Answer, edition: str) -> Figure:
         for g in np.flatnonzero(distance[c] > limit[c]).tolist():
             axes.text((g + 0.5) * BINS - 0.5, c, f"{distance[c, g]:.2f}", ha="center", va="center", fontsize=6.5)
     labels = [f"{r.name}\n{r.low:g}\n–{r.high:g}" for r in ranges]
-    axes.set_xticks([(g + 0.5) * BINS - 0.5 for g in range(len(ranges))], labels, fontsize=7.5)
+    axes.set_xticks([(g + 0.5) * BINS - 0.5 for g in range(len(ranges))], labels, fontsize=7)
     axes.set_yticks(range(len(holds)), [f"{c} ({int(h.sum())})" for c, h in zip(answer.claims, holds, strict=True)])
     figure.colorbar(shown, ax=axes, shrink=0.8, label="log2 of density over the design's")
     axes.set_title(
         f"Edition {edition}: where in its range each group lies when a claim holds, as often as in brackets\n"
-        "Number: a group that is pinned down, by its Kolmogorov-Smirnov distance from the design (beyond 1 %)",
+        "Number: a group that is pinned down, by its Kolmogorov-Smirnov distance from the design (beyond 1 %)."
+        f" No colour: fewer than {ENOUGH} different sets",
         loc="left", fontsize=10,
     )  # fmt: skip
     return figure
