@@ -47,7 +47,10 @@ def test_basins_are_drawn_and_written(empty_folder):
     ("line", "words"),
     [
         (f"{FIND} --box y=0:1", "no state 'y'"),
-        ("attractors duffing --box x=1", "--box"),
+        ("attractors duffing --box x=1", "found x=1, expected name=low:high, as in --box x=-2:2"),
+        ("attractors duffing --box x", "as in --box x=-2:2"),
+        ("linear jeffcott --threshold s", "found 's', expected name=value, as in --threshold s=0.5:4"),
+        ("linear jeffcott --threshold s=4:1", "ascend"),
         ("attractors duffing --box x=2:1", "ascend"),
         ("attractors duffing --lyapunov 20", "256"),
         ("attractors jeffcott --starts 4", "give one"),

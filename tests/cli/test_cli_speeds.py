@@ -43,9 +43,10 @@ def test_draws_over_tolerances_give_probabilities():
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        ('--limit "20 kg"', "unit"), ("--limit 5000", "unit"), ('--range "6000 rpm:500 rpm"', "lower one first"),
+        ('--limit "20 kg"', "--limit: found the unit 'kg'"), ("--limit 5000", "unit"), ('--range "6000 rpm:500 rpm"', "lower one first"),
         ('--range "-500 rpm:500 rpm"', "positive"), ("--range 0:1", "positive"), ("--range 1", "LOW:HIGH"),
-        ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "name=value"),
+        ('--range "1 kg:2 rpm"', "--range: found the unit 'kg'"),
+        ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "as in --tolerance c=5%"),
     ],
 )  # fmt: skip
 def test_wrong_input_gets_one_message(options, word):

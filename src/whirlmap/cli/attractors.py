@@ -1,6 +1,5 @@
 """``whirlmap attractors``: what motions coexist at one operating point, and how many starts lead to each."""
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -8,7 +7,6 @@ import typer
 from whirlmap.cli import options, pictures, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
-from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -68,7 +66,7 @@ def attractors(
     Starts that end in contact, diverge, or stay undecided are counted as such, and belong to no attractor. The picture
     shows the start states in the colour of their attractor, with its section points.
     """
-    boxes = _boxes(box)
+    boxes = options.brackets(box, "--box")
     destination = claim(out, "attractors", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
@@ -89,19 +87,6 @@ def attractors(
     else:
         say_attractors(facts)
         report.print_written(files)
-
-
-def _boxes(texts: Sequence[str] | None) -> dict[str, tuple[float, float]]:
-    """Read ``state=low:high`` texts."""
-    found = {}
-    for name, text in options.assignments(texts, "--box").items():
-        parts = text.split(":")
-        try:
-            low, high = map(float, parts)
-        except ValueError:
-            raise InputError(f"--box: found {name}={text!r}, expected STATE=LOW:HIGH, as in x=-2:2") from None
-        found[name] = (low, high)
-    return found
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:

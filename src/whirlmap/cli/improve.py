@@ -9,7 +9,7 @@ import typer
 from whirlmap.cli import options, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
-from whirlmap.cli.speeds import SPEEDS, limit_of, range_of
+from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span, limit_of, range_of
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
 
 if TYPE_CHECKING:
@@ -35,32 +35,12 @@ def improve(
             " c=40um:60um:5. Once or twice.",
         ),
     ],
-    limit: Annotated[
-        str | None,
-        typer.Option(
-            "--limit", metavar="LENGTH", rich_help_panel=SPEEDS,
-            help='Largest peak-to-peak displacement that is allowed: "20 um", or a number of clearances. The limit in the'
-            " case's table [operation] where absent.",
-        ),
-    ] = None,
-    span: Annotated[
-        str | None,
-        typer.Option(
-            "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
-            help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
-            " absent.",
-        ),
-    ] = None,
+    limit: Limit = None,
+    span: Span = None,
     points: Annotated[
         int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds at which each design runs.")
     ] = 60,
-    quantity: Annotated[
-        str | None,
-        typer.Option(
-            "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
-            help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
-        ),
-    ] = None,
+    quantity: Quantity = None,
     coarse: Annotated[
         bool, typer.Option("--coarse", rich_help_panel=SPEEDS, help="Try the values given alone, and none around the best.")
     ] = False,

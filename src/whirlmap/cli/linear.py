@@ -26,16 +26,14 @@ def linear(
     json: options.Json = False,
 ) -> None:  # fmt: skip
     """Linearise CASE about its static equilibrium, with all forcing off."""
-    from whirlmap.sweep.grid import Range
-
-    bracket = Range.parse(f"{threshold}:2") if threshold else None
+    bracket = next(iter(options.brackets([threshold], "--threshold").items())) if threshold else None
     system = options.open_system(case, changes, None)
     from whirlmap.analysis.linear import linear_analysis
     from whirlmap.analysis.ross import film_coefficients, has_si_film, load_scale
     from whirlmap.analysis.threshold import stability_threshold
 
     found = linear_analysis(system)
-    limit = stability_threshold(system, bracket.name, (bracket.start, bracket.stop)) if bracket else None
+    limit = stability_threshold(system, *bracket) if bracket else None
     equilibrium = dict(zip(system.states, found.equilibrium, strict=True))
     modes = [
         {"growth": float(v.real), "frequency": float(v.imag), "damping_ratio": float(-v.real / abs(v)) if v else None}
@@ -49,7 +47,7 @@ def linear(
         report.print_json({
             "case": system.case, "model": system.model.name, "parameters": system.values, "equilibrium": equilibrium,
             "stable": found.stable, "eigenvalues": modes, "film": film,
-            "threshold": {"parameter": bracket.name, "value": limit} if bracket else None,
+            "threshold": {"parameter": bracket[0], "value": limit} if bracket else None,
         })  # fmt: skip
         return
     typer.echo(f"{system.case}: the static equilibrium is {'stable' if found.stable else 'unstable'}")
@@ -66,4 +64,4 @@ def linear(
         heads = ("axes", "k [W/c]", "k [N/m]", "c [W/(c omega)]", "c [N*s/m]")
         report.show(report.table("Film of one bearing, x horizontal, y up", heads, rows, numbers=(1, 2, 3, 4)))
     if bracket:
-        typer.echo(f"stability is lost at {bracket.name} = {limit:.9g}")
+        typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from whirlmap.errors import InputError
+from whirlmap.errors import InputError, RangeError
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
@@ -117,6 +117,13 @@ Tolerance = Annotated[
 ]
 
 
+#: What the text of an option looks like, where it is not that of --set.
+EXAMPLES = {
+    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--tolerance": "--tolerance c=5%",
+    "--threshold": "--threshold s=0.5:4", "--draw": "--draw xi_m=normal:0.1:0.01",
+}  # fmt: skip
+
+
 def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
     """Read ``name=value`` texts of a repeatable option.
 
@@ -125,7 +132,7 @@ def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
     InputError
         Where a text has another form, or a name is given two different values.
     """
-    example = "--start x=0.5" if option == "--start" else '--set gamma=0.3, --set "speed=1500 rpm"'
+    example = EXAMPLES.get(option, '--set gamma=0.3, --set "speed=1500 rpm"')
     found: dict[str, str] = {}
     for text in texts or ():
         name, equals, value = (part.strip() for part in text.partition("="))
@@ -133,6 +140,28 @@ def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
             raise InputError(f"{option}: found {text!r}, expected name=value, as in {example}")
         if found.setdefault(name, value) != value:
             raise InputError(f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
+    return found
+
+
+def brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple[float, float]]:
+    """Read ``name=low:high`` texts of a repeatable option.
+
+    Raises
+    ------
+    InputError
+        Where a text has another form, or a name is given two different values.
+    RangeError
+        Where a low end is not below its high end.
+    """
+    found = {}
+    for name, text in assignments(texts, option).items():
+        try:
+            low, high = (float(part) for part in text.split(":"))
+        except ValueError:
+            raise InputError(f"{option}: found {name}={text}, expected name=low:high, as in {EXAMPLES[option]}") from None
+        if not low < high:
+            raise RangeError(f"{option}: found {name}={text}, but ranges ascend: swap the ends")
+        found[name] = (low, high)
     return found
 
 

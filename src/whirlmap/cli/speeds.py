@@ -9,7 +9,7 @@ import typer
 from whirlmap.cli import options, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
-from whirlmap.errors import InputError, RangeError, nearest
+from whirlmap.errors import CaseError, InputError, RangeError, nearest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,35 +25,39 @@ EXAMPLES = (
     "whirlmap speeds gear-psfd/intended --limit 0.6 --range 0.5:4 --points 200 --follow",
 )
 
+Limit = Annotated[
+    str | None,
+    typer.Option(
+        "--limit", metavar="LENGTH", rich_help_panel=SPEEDS,
+        help='Largest peak-to-peak displacement that is allowed: "20 um", or a number of clearances. The limit in the'
+        " case's table [operation] where absent.",
+    ),
+]  # fmt: skip
+Span = Annotated[
+    str | None,
+    typer.Option(
+        "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
+        help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
+        " absent.",
+    ),
+]  # fmt: skip
+Quantity = Annotated[
+    str | None,
+    typer.Option(
+        "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
+        help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
+    ),
+]  # fmt: skip
+
 
 def speeds(
     case: options.CaseName,
-    limit: Annotated[
-        str | None,
-        typer.Option(
-            "--limit", metavar="LENGTH", rich_help_panel=SPEEDS,
-            help='Largest peak-to-peak displacement that is allowed: "20 um", or a number of clearances. The limit in the'
-            " case's table [operation] where absent.",
-        ),
-    ] = None,
-    span: Annotated[
-        str | None,
-        typer.Option(
-            "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
-            help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
-            " absent.",
-        ),
-    ] = None,
+    limit: Limit = None,
+    span: Span = None,
     points: Annotated[
         int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds judged.")
     ] = 100,
-    quantity: Annotated[
-        str | None,
-        typer.Option(
-            "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
-            help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
-        ),
-    ] = None,
+    quantity: Quantity = None,
     follow: Annotated[
         bool,
         typer.Option(
@@ -127,10 +131,17 @@ def _given(system: "System", name: str) -> float | None:
     return None if found is None else float(found.value)
 
 
-def limit_of(system: "System", text: str | None) -> float:
-    """The limit in the model's length."""
+def _read(text: str, unit: str, option: str) -> float:
     from whirlmap.units import read
 
+    try:
+        return float(read(text, unit))
+    except CaseError as error:
+        raise InputError(f"{option}: {error}") from None
+
+
+def limit_of(system: "System", text: str | None) -> float:
+    """The limit in the model's length."""
     clearance = _given(system, "c")
     if text is None:
         limit = _given(system, "limit")
@@ -144,7 +155,7 @@ def limit_of(system: "System", text: str | None) -> float:
             raise InputError(
                 f"--limit: found {text!r}, but {system.case} has no dimensions; expected a number of its lengths"
             ) from None
-        return float(read(text, "m")) / clearance
+        return _read(text, "m", "--limit") / clearance
     if clearance is not None and plain > 100:
         raise InputError(f'--limit: found {text} clearances, expected a length with its unit, as in "20 um", or fewer')
     return plain
@@ -153,7 +164,6 @@ def limit_of(system: "System", text: str | None) -> float:
 def range_of(system: "System", text: str | None) -> tuple[float, float]:
     """The range in values of s."""
     from whirlmap.sweep.speeds import shaft_speed
-    from whirlmap.units import read
 
     scale = shaft_speed(system)
     if text is None:
@@ -173,7 +183,7 @@ def range_of(system: "System", text: str | None) -> tuple[float, float]:
                 raise InputError(
                     f"--range: found {part!r}, but {system.case} has no dimensions; expected values of s"
                 ) from None
-            ends.append(float(read(part, "rad/s")) / scale)
+            ends.append(_read(part, "rad/s", "--range") / scale)
     if not 0 < ends[0] < ends[1]:
         raise RangeError(f"--range: found {text!r}, expected two positive speeds, the lower one first")
     return ends[0], ends[1]
