@@ -43,7 +43,8 @@ def test_draws_over_tolerances_give_probabilities():
 @pytest.mark.parametrize(
     ("options", "word"),
     [
-        ('--limit "20 kg"', "--limit: found the unit 'kg'"), ("--limit 5000", "unit"), ('--range "6000 rpm:500 rpm"', "lower one first"),
+        ('--limit "20 kg"', "--limit: found the unit 'kg'"), ("--limit 5000", "unit"),
+        ('--range "6000 rpm:500 rpm"', "lower one first"),
         ('--range "-500 rpm:500 rpm"', "positive"), ("--range 0:1", "positive"), ("--range 1", "LOW:HIGH"),
         ('--range "1 kg:2 rpm"', "--range: found the unit 'kg'"),
         ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "as in --tolerance c=5%"),

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import sympy as sp
 
+from whirlmap.bench.scalar_code import code
 from whirlmap.equations import Model, Parameter, State, cbrt, cos, pi, sign, sin, sqrt, t, when
 from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import (
     Hoisted,
-    code,
     hoist,
     inverse,
     root,

@@ -6,12 +6,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import sympify
+from sympy import Expr, Function, Integer, sympify
+from sympy.printing.pycode import PythonCodePrinter
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import ModelError
 from whirlmap.kernels.formulas import HoistedFunction
-from whirlmap.kernels.lower import Hoisted, Straight, code, local_name, straight
+from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
 from whirlmap.kernels.routine import FAST_MATH
 
 Array = NDArray[np.float64]
@@ -28,6 +29,78 @@ def rhs(t, y, p):
 {body}
     return dy
 '''
+
+
+class _Printer(PythonCodePrinter):
+    """Plain arithmetic on scalars: powers as products, tables as the locals that hold them."""
+
+    def _print_Pow(self, expr: Any, **_: Any) -> str:
+        base, exponent = expr.args
+        text = self.parenthesize(base, 100)
+        if not isinstance(exponent, Integer) or exponent < 1:
+            raise ModelError(f"power {expr} reached the printer")
+        n = int(exponent)
+        if n == 4 or n == 8:
+            inner = f"({text}*{text})"
+            return inner + "*" + inner if n == 4 else "*".join([inner] * 4)
+        return "(" + "*".join([text] * n) + ")"
+
+    def _print_root(self, expr: Any) -> str:
+        return f"sqrt({self._print(expr.args[0])})"
+
+    def _print_inverse(self, expr: Any) -> str:
+        return f"(1.0/({self._print(expr.args[0])}))"
+
+    def _print_Integer(self, expr: Any) -> str:
+        return f"{int(expr)}.0"
+
+    def _print_Rational(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_NumberSymbol(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    _print_Pi = _print_NumberSymbol
+
+    def _print_Float(self, expr: Any) -> str:
+        return repr(float(expr))
+
+    def _print_Piecewise(self, expr: Any) -> str:
+        out = ""
+        for value, condition in expr.args:
+            if condition == True:  # noqa: E712 (SymPy's own truth)
+                return f"({out}({self._print(value)}))"
+            out += f"({self._print(value)}) if ({self._print(condition)}) else "
+        raise ModelError(f"guarded term without a default: {expr}")
+
+    def _print_sign(self, expr: Any) -> str:
+        text = self._print(expr.args[0])
+        return f"(1.0 if {text} > 0.0 else (-1.0 if {text} < 0.0 else 0.0))"
+
+    def _print_Abs(self, expr: Any) -> str:
+        return f"abs({self._print(expr.args[0])})"
+
+    def _print_Function(self, expr: Any) -> str:
+        name = type(expr).__name__
+        if name not in {"sin", "cos", "exp", "log", "atan2", "atan", "tanh"}:
+            raise ModelError(f"function {name} cannot be lowered")
+        return f"{name}({', '.join(self._print(a) for a in expr.args)})"
+
+    _print_sin = _print_cos = _print_exp = _print_log = _print_atan2 = _print_atan = _print_tanh = _print_Function
+
+
+_PRINTER = _Printer({"fully_qualified_modules": False})
+
+#: Functions that this code knows. SymPy's printer would print others, which Numba then refuses in its own words.
+KNOWN = {"sin", "cos", "exp", "log", "atan2", "atan", "tanh", "sign", "Abs", "root", "inverse", "Piecewise"}
+
+
+def code(expression: Expr) -> str:
+    """Print one lowered expression as Python source on floats."""
+    for call in expression.atoms(Function):
+        if type(call).__name__ not in KNOWN:
+            raise ModelError(f"function {type(call).__name__} cannot be lowered: {call}")
+    return _PRINTER.doprint(expression)
 
 
 @dataclass(frozen=True, eq=False)

@@ -5,8 +5,7 @@ Steps, in this order:
 1. harmonics: ``cos(omega t + chi)`` becomes the harmonic's own cosine and sine, which kernels take from a table;
 2. hoisting: whatever depends on parameters alone is computed once per operating point, outside of the kernel;
 3. fractional and negative powers are split so that one square root and one reciprocal serve all of them;
-4. common subexpressions are shared;
-5. every expression is printed as plain arithmetic.
+4. common subexpressions are shared.
 """
 
 from collections.abc import Iterable, Sequence
@@ -28,7 +27,6 @@ from sympy import (
     sqrt,
     sympify,
 )
-from sympy.printing.pycode import PythonCodePrinter
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
@@ -158,78 +156,6 @@ def split_powers(expression: Expr) -> Expr:
     )
 
 
-class _Printer(PythonCodePrinter):
-    """Plain arithmetic on scalars: powers as products, tables as the locals that hold them."""
-
-    def _print_Pow(self, expr: Any, **_: Any) -> str:
-        base, exponent = expr.args
-        text = self.parenthesize(base, 100)
-        if not isinstance(exponent, Integer) or exponent < 1:
-            raise ModelError(f"power {expr} reached the printer")
-        n = int(exponent)
-        if n == 4 or n == 8:
-            inner = f"({text}*{text})"
-            return inner + "*" + inner if n == 4 else "*".join([inner] * 4)
-        return "(" + "*".join([text] * n) + ")"
-
-    def _print_root(self, expr: Any) -> str:
-        return f"sqrt({self._print(expr.args[0])})"
-
-    def _print_inverse(self, expr: Any) -> str:
-        return f"(1.0/({self._print(expr.args[0])}))"
-
-    def _print_Integer(self, expr: Any) -> str:
-        return f"{int(expr)}.0"
-
-    def _print_Rational(self, expr: Any) -> str:
-        return repr(float(expr))
-
-    def _print_NumberSymbol(self, expr: Any) -> str:
-        return repr(float(expr))
-
-    _print_Pi = _print_NumberSymbol
-
-    def _print_Float(self, expr: Any) -> str:
-        return repr(float(expr))
-
-    def _print_Piecewise(self, expr: Any) -> str:
-        out = ""
-        for value, condition in expr.args:
-            if condition == True:  # noqa: E712 (SymPy's own truth)
-                return f"({out}({self._print(value)}))"
-            out += f"({self._print(value)}) if ({self._print(condition)}) else "
-        raise ModelError(f"guarded term without a default: {expr}")
-
-    def _print_sign(self, expr: Any) -> str:
-        text = self._print(expr.args[0])
-        return f"(1.0 if {text} > 0.0 else (-1.0 if {text} < 0.0 else 0.0))"
-
-    def _print_Abs(self, expr: Any) -> str:
-        return f"abs({self._print(expr.args[0])})"
-
-    def _print_Function(self, expr: Any) -> str:
-        name = type(expr).__name__
-        if name not in {"sin", "cos", "exp", "log", "atan2", "atan", "tanh"}:
-            raise ModelError(f"function {name} cannot be lowered")
-        return f"{name}({', '.join(self._print(a) for a in expr.args)})"
-
-    _print_sin = _print_cos = _print_exp = _print_log = _print_atan2 = _print_atan = _print_tanh = _print_Function
-
-
-_PRINTER = _Printer({"fully_qualified_modules": False})
-
-#: Functions that kernels know. SymPy's printer would print others, which Numba then refuses in its own words.
-KNOWN = {"sin", "cos", "exp", "log", "atan2", "atan", "tanh", "sign", "Abs", "root", "inverse", "Piecewise"}
-
-
-def code(expression: Expr) -> str:
-    """Print one lowered expression as Python source on floats."""
-    for call in expression.atoms(Function):
-        if type(call).__name__ not in KNOWN:
-            raise ModelError(f"function {type(call).__name__} cannot be lowered: {call}")
-    return _PRINTER.doprint(expression)
-
-
 @dataclass(frozen=True)
 class Read:
     """One reading of a table: which table, where, and the names that receive outputs and derivatives."""
@@ -262,7 +188,7 @@ class Straight:
 
 
 def straight(model: Model, expressions: Iterable[Expr], hoisted: Hoisted) -> Straight:
-    """Lower expressions of a model to straight-line code (steps 1 to 4 of the module's list)."""
+    """Lower expressions of a model to straight-line code (the steps of the module's list)."""
     plain = []
     for expression in expressions:
         e = split_harmonics(sympify(expression), model.harmonics)

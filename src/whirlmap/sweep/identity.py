@@ -13,6 +13,9 @@ from whirlmap.results.provenance import package_version
 #: Parts of the package whose source decides what is computed of a point.
 DECIDING = ("equations", "films", "kernels", "integrate", "analysis", "results", "sweep/points.py", "sweep/refine.py")
 
+#: Packages whose versions do; llvmlite's and LLVM's are part of the platform. Numba compiles loops of the labels.
+LIBRARIES = ("whirlmap", "numba", "numpy", "scipy", "sympy")
+
 
 def kernel_hash(system: System, method: str | None) -> str:
     """Hash of the model, the method, the source that becomes kernels and labels, the versions and the processor."""
@@ -23,7 +26,7 @@ def kernel_hash(system: System, method: str | None) -> str:
 def _program() -> str:
     from whirlmap.kernels.machine import platform as processor
 
-    versions = " ".join(f"{name} {package_version(name)}" for name in ("whirlmap", "numba", "numpy", "scipy", "sympy"))
+    versions = " ".join(f"{name} {package_version(name)}" for name in LIBRARIES)
     digest = hashlib.sha256(f"{processor()} python {platform.python_version()} {versions}".encode())
     root = files("whirlmap")
     for part in DECIDING:
