@@ -8,9 +8,10 @@ from scipy.integrate import solve_ivp
 import whirlmap
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.attractors import attractors, default_box, draw_starts
+from whirlmap.sweep.attractors import attractors
 from whirlmap.sweep.basins import basins
 from whirlmap.sweep.points import Labelling
+from whirlmap.sweep.starts import default_box, draw_starts
 
 BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
 SHORT = whirlmap.Settling(transient=60, most=8)

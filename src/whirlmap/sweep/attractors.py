@@ -1,41 +1,34 @@
 """Coexisting attractors of one operating point: many start states, one batch, gathered, each with evidence and basin."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.attractors import on_orbit, on_set, scales
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.points import TANGENT_STEPS, cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.regime import regime
 from whirlmap.analysis.returns import settle_and_record
-from whirlmap.analysis.settling import POOL, Settling
+from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import run_with_section
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
-from whirlmap.integrate.ensemble import Ensemble, cores
-from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
-from whirlmap.sweep.points import POOLS, Labelling, points_dataset
+from whirlmap.sweep.attractor_search import Found, Search
+from whirlmap.sweep.points import Labelling, points_dataset
+from whirlmap.sweep.starts import default_box, draw_starts, repeated
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 
-#: Section points by which a run that does not return is known to be on an attractor, and those of the attractor itself.
-RECORD, TRACE = 32, 2048
-#: Starts that do not return which are labelled together at most.
-MOST_AT_ONCE = 1024
-#: How far the default box reaches beyond the motion from the default start: its range times this, about its middle.
-WIDER = 2.0
 #: Starts, the first ones, whose steps per T are chosen by the accuracy, settled; all take the most that one of them needs.
 PILOT = 64
 #: Section points of each attractor that the Dataset keeps.
@@ -98,8 +91,9 @@ def attractors(
     1. All starts settle as one batch. Those that return are on the same orbit where their states at phase zero agree with
        a point of it to `whirlmap.analysis.attractors.SAME_POINT` of the range; angles are compared modulo their period.
     2. Of those that do not return, `LANES` and then twice as many each time are labelled (`label_points`). Those that come
-       out chaotic or quasi-periodic are traced over `TRACE` common periods, and the others are on the same attractor where
-       `RECORD` of their section points lie on the trace (`on_set`). What is left is labelled in turn, to the last start.
+       out chaotic or quasi-periodic are traced over 2048 common periods (`attractor_search.TRACE`), and the others are on
+       the same attractor where 32 of their section points (`RECORD`) lie on the trace (`on_set`). What is left is labelled
+       in turn, to the last start.
     3. The label of every attractor comes from one more run with all indicators. A start that ends in contact or diverges,
        or whose label is undecided, has no attractor, and is counted as such.
 
@@ -125,7 +119,7 @@ def attractors(
                 " one or more starts, all finite"
             )
     labelling, doubts = _one_step(system, labelling, x, progress)
-    found = _Search(system, labelling, x, progress).run()
+    found = Search(system, labelling, x, progress).run()
     ds = _dataset(system, labelling, found, x, progress)
     if doubts:
         ds.attrs["accuracy_not_met"] = doubts
@@ -143,7 +137,7 @@ def _one_step(
         return labelling, None
     some = starts[:, :PILOT]
     ensemble, _ = make_ensemble(
-        system, _repeated(system, some.shape[1]), starts=some, accuracy=labelling.accuracy, method=labelling.method,
+        system, repeated(system, some.shape[1]), starts=some, accuracy=labelling.accuracy, method=labelling.method,
         workers=labelling.workers,
     )  # fmt: skip
     settle_and_record(ensemble, replace(labelling.settling, keep=1), cyclic=cyclic_states(system), progress=progress)
@@ -151,207 +145,15 @@ def _one_step(
     return replace(labelling, steps=steps, accuracy=None), doubtful(ensemble.step_verdict) or None
 
 
-def default_box(system: System, labelling: Labelling) -> dict[str, tuple[float, float]]:
-    """Box of start states about the motion from the default start: `WIDER` times its range, angles whole turns.
-
-    Raises
-    ------
-    RangeError
-        Where that run ends early, or does not move: then nothing says how large a box should be.
-    """
-    measured, _ = labelling.measure(system, _repeated(system, 1))
-    low, high = (measured.returns.extremes[k][: system.model.dimension, 0] for k in ("minimum", "maximum"))
-    if not np.isfinite(low).all() or not (high > low).any():
-        raise RangeError(
-            f"{system.case}: the run from the default start does not move, or ends early, so it gives no box of start"
-            " states; give one for the states of interest, as in x=-2:2"
-        )
-    half = WIDER * (high - low) / 2
-    out = dict(zip(system.states, zip((low + high) / 2 - half, (low + high) / 2 + half, strict=True), strict=True))
-    for k, period in cyclic_states(system).items():
-        out[system.states[k]] = (-period / 2, period / 2)
-    return {name: (float(a), float(b)) for name, (a, b) in out.items()}
-
-
-def start_values(system: System) -> Array:
-    """The system's start state, shape (state,)."""
-    x, _ = start_states(system.model, system.vector[:, None])
-    for name, value in system.start.items():
-        x[system.states.index(name)] = value
-    return np.asarray(x[:, 0])
-
-
-def draw_starts(system: System, count: int, box: Mapping[str, tuple[float, float]], seed: int) -> Array:
-    """Start states drawn uniformly from a box, shape (state, start)."""
-    if not 1 <= count <= 10_000_000:
-        raise RangeError(f"starts must lie between 1 and 10000000, not {count}")
-    if not box:
-        raise RangeError("box: found no state, expected at least one, as in x=-2:2")
-    for name, (low, high) in box.items():
-        if name not in system.states:
-            raise RangeError(
-                f"box: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
-                f"\n  states: {' '.join(system.states)}"
-            )
-        if not (np.isfinite([low, high]).all() and low <= high):
-            raise RangeError(f"box of {name!r}: found {low:g} to {high:g}, expected finite numbers that ascend")
-    x = np.repeat(start_values(system)[:, None], count, axis=1)
-    random = np.random.default_rng(seed)
-    for name in system.states:  # in the order of the states, whatever the order of the box
-        if name in box:
-            x[system.states.index(name)] = random.uniform(*box[name], count)
-    return x
-
-
-def _repeated(system: System, count: int) -> dict[str, Array]:
-    """The system's own operating point, so many times."""
-    return {system.parameters[0]: np.full(count, system.vector[0])}
-
-
-@dataclass
-class _Found:
-    """What a search holds; arrays over the starts."""
-
-    status: NDArray[np.int8]
-    of: NDArray[np.int64]  # number of the attractor from 0, -1 none
-    representative: list[Array]  # a state on each attractor, at phase zero
-    multiple: list[int]  # its return in common periods, 0 where none
-
-
-class _Search:
-    """Settles all starts, and gathers them into attractors."""
-
-    def __init__(self, system: System, labelling: Labelling, starts: Array, progress: Progress | None) -> None:
-        self.system, self.labelling, self.progress = system, labelling, progress
-        self.cyclic, self.starts = cyclic_states(system), starts
-        n = starts.shape[1]
-        self.records: dict[int, Array] = {}  # section points of the starts that do not return
-        self.traces: dict[int, tuple[Array, bool]] = {}  # of the attractors that do not return, and whether smooth
-        self.orbits: dict[int, tuple[Array, Array]] = {}  # of those that do: points at phase zero, and scales
-        self.judged = np.zeros(n, dtype=bool)
-        self.x = starts.copy()
-        self.multiple = np.zeros(n, dtype=np.int64)
-        self.found = _Found(np.zeros(n, dtype=np.int8), np.full(n, -1), [], [])
-
-    def run(self) -> _Found:
-        """Gather all starts."""
-        self._settle()
-        f, block = self.found, LANES
-        forced = self.system.model.forced
-        while True:
-            left = np.flatnonzero((f.of < 0) & (f.status == Status.ok))
-            returned = left[self.multiple[left] > 0] if forced else left[:0]
-            if returned.size:
-                self._gather(returned)
-                continue
-            waiting = left[~self.judged[left]]
-            if not waiting.size:
-                break
-            self._label(waiting[:block])
-            block = min(2 * block, MOST_AT_ONCE)
-        return f
-
-    def _settle(self) -> None:
-        """Settle all starts, in batches that a pool holds."""
-        n = self.x.shape[1]
-        size = POOLS * POOL * LANES * (self.labelling.workers or cores())
-        settling = replace(self.labelling.settling, keep=1)
-        for first in range(0, n, size):
-            batch = np.arange(first, min(first + size, n))
-            ensemble = self._ensemble(self.starts[:, batch])
-            returns = settle_and_record(ensemble, settling, cyclic=self.cyclic, progress=self.progress)
-            self.multiple[batch], self.x[:, batch] = returns.multiple, ensemble.x
-            self.found.status[batch] = ensemble.status
-            open_ones = np.flatnonzero(ensemble.running & ((returns.multiple == 0) | (not self.system.model.forced)))
-            if open_ones.size:
-                common = ensemble.common_multiple
-                saved = ensemble.advance(
-                    RECORD * common, members=open_ones, save_periods=common, progress=self.progress
-                ).saved
-                self.records |= {int(batch[k]): saved[:, :, i] for i, k in enumerate(open_ones)}
-                self.found.status[batch], self.x[:, batch] = ensemble.status, ensemble.x
-
-    def _ensemble(self, x: Array) -> Ensemble:
-        o = self.labelling
-        ensemble, _ = make_ensemble(
-            self.system, _repeated(self.system, x.shape[1]), starts=x, steps=o.steps, accuracy=o.accuracy, method=o.method,
-            workers=o.workers,
-        )  # fmt: skip
-        return ensemble
-
-    def _gather(self, returned: NDArray[np.intp]) -> None:
-        """Give starts that return to the orbits that are known; make the first that is on none a new one."""
-        for number, (points, scale) in self.orbits.items():
-            same = on_orbit(self.x[:, returned], points, scale, self.cyclic)
-            self.found.of[returned[same]] = number
-            returned = returned[~same]
-        if not returned.size:
-            return
-        first, rows = int(returned[0]), slice(self.system.model.dimension)
-        m = int(self.multiple[first])
-        ensemble = self._ensemble(self.x[:, [first]])
-        common = ensemble.common_multiple
-        orbit = ensemble.advance(m * common, save_periods=common, extremes=True)
-        assert orbit.extremes is not None
-        extent = (orbit.extremes["maximum"] - orbit.extremes["minimum"])[rows, 0]
-        points = orbit.saved[:, :, 0]
-        self.orbits[len(self.found.representative)] = points, scales(points, extent, self.cyclic)
-        self._take(returned[:1], self.x[:, first], m)
-
-    def _label(self, chosen: NDArray[np.intp]) -> None:
-        """Label starts that do not return, and take all those that lie on the sets that these trace."""
-        measured, ensemble = self.labelling.measure(
-            self.system, _repeated(self.system, chosen.size), starts=self.x[:, chosen], progress=self.progress
-        )
-        label, forced = measured.returns.regime, self.system.model.forced
-        self.judged[chosen] = True
-        self.x[:, chosen], self.multiple[chosen] = ensemble.x, measured.returns.multiple
-        self.found.status[chosen] = ensemble.status
-        f = self.found
-        traced = (label == Regime.chaotic) | (label == Regime.quasi_periodic)
-        traced |= (label == Regime.periodic) & (not forced)
-        for k in np.flatnonzero(ensemble.running & traced):
-            start = int(chosen[k])
-            if f.of[start] >= 0:
-                continue
-            trace = self._trace(start)
-            if not np.isfinite(trace).all():
-                continue
-            last, smooth = trace[-RECORD:, :, None], bool(label[k] != Regime.chaotic)
-            known = [n for n, (t, kind) in self.traces.items() if on_set(last, t, self.cyclic, smooth=kind)[0]]
-            if known:  # it came there later than its record
-                f.of[start] = known[0]
-                continue
-            left = np.array([i for i in self.records if i != start], dtype=np.intp)
-            left = left[(f.of[left] < 0) & (f.status[left] == Status.ok) & ((self.multiple[left] == 0) | (not forced))]
-            if left.size:
-                records = np.stack([self.records[int(i)] for i in left], axis=2)
-                left = left[on_set(records, trace, self.cyclic, smooth=smooth)]
-            self.traces[len(f.representative)] = trace, smooth
-            self._take(np.append(left, start), self.x[:, start], int(measured.returns.multiple[k]))
-
-    def _trace(self, start: int) -> Array:
-        """Section points of a long run from where a start stands now, shape (time, state)."""
-        ensemble = self._ensemble(self.x[:, [start]])
-        common = ensemble.common_multiple
-        return ensemble.advance(TRACE * common, save_periods=common, progress=self.progress).saved[:, :, 0]
-
-    def _take(self, members: NDArray[np.intp], state: Array, multiple: int) -> None:
-        f = self.found
-        f.of[members] = len(f.representative)
-        f.representative.append(state.copy())
-        f.multiple.append(multiple)
-
-
 def _evidence(
-    system: System, labelling: Labelling, found: _Found, progress: Progress | None
+    system: System, labelling: Labelling, found: Found, progress: Progress | None
 ) -> tuple[xr.Dataset, xr.Dataset, Ensemble]:
     """Variables of `label_points` over the attractors, and the votes of all indicators about each."""
     count = len(found.representative)
     common = system.common_multiple
     keep = max(labelling.settling.keep, 2 * common * max(found.multiple))
     options = replace(labelling, settling=replace(labelling.settling, keep=keep))
-    values = _repeated(system, count)
+    values = repeated(system, count)
     measured, ensemble = options.measure(system, values, starts=np.stack(found.representative, axis=1), progress=progress)
     ds = points_dataset(system, values, measured).reset_coords(list(values), drop=True).rename(point="attractor")
     tangent, _ = make_ensemble(
@@ -385,7 +187,7 @@ def _share(count: NDArray[np.int64], total: int) -> tuple[Array, Array]:
     return count / total, np.sqrt(p * (1 - p) / (total + 3))
 
 
-def _dataset(system: System, labelling: Labelling, found: _Found, starts: Array, progress: Progress | None) -> xr.Dataset:
+def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, progress: Progress | None) -> xr.Dataset:
     n = starts.shape[1]
     ds = xr.Dataset()
     attributes: dict[str, Any] = {}
@@ -403,7 +205,7 @@ def _dataset(system: System, labelling: Labelling, found: _Found, starts: Array,
         ds = ds.isel(attractor=order).assign_coords(attractor=np.arange(1, order.size + 1))
     else:
         of = np.zeros(n, dtype=np.int64)
-        attributes = run_attributes(system, _Search(system, labelling, starts[:, :1], None)._ensemble(starts[:, :1]))
+        attributes = run_attributes(system, Search(system, labelling, starts[:, :1], None).ensemble(starts[:, :1]))
     label = np.full(n, Regime.undecided, dtype=np.int8)
     if found.representative:
         label[of > 0] = ds["regime"].values[of[of > 0] - 1]

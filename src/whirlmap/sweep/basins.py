@@ -10,8 +10,9 @@ from numpy.typing import ArrayLike
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import variable
-from whirlmap.sweep.attractors import attractors, start_values
+from whirlmap.sweep.attractors import attractors
 from whirlmap.sweep.memory import refuse_memory
+from whirlmap.sweep.starts import start_values
 
 
 def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.Dataset:
