@@ -12,17 +12,11 @@ from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
+from whirlmap.sweep.judging import Verdict, shaft_speed, verdicts
+from whirlmap.sweep.machines import judge_machines, safe_probability
 from whirlmap.sweep.points import label_points
-from whirlmap.sweep.speeds import (
-    PARTS,
-    ROUNDS,
-    Verdict,
-    judge_machines,
-    safe_probability,
-    safe_speeds,
-    shaft_speed,
-    verdicts,
-)
+from whirlmap.sweep.speeds import safe_speeds
+from whirlmap.sweep.windows import PARTS, ROUNDS
 
 RIG = "machines/jeffcott-rig"
 
@@ -48,7 +42,7 @@ def test_edges_are_where_the_amplitude_crosses_the_limit(rig, judged):
     below = next(w for w in windows if w["above"] == "amplitude")
     above = next(w for w in windows if w["below"] == "amplitude")
     spacing = (2.2 - 0.4) / 24 / (PARTS + 1) ** ROUNDS
-    for edge, margin in ((below["window_end"], below["margin_end"]), (above["window_start"], -above["margin_start"])):
+    for edge, margin in ((below["end"], below["gap_end"]), (above["start"], -above["gap_start"])):
         exact = brentq(lambda s: swing(rig, s) - 0.6, *sorted((edge - margin, edge + 2 * margin)), xtol=1e-7)
         assert abs(edge - exact) <= 1.01 * spacing
         assert abs(margin) == pytest.approx(spacing, rel=1e-6)

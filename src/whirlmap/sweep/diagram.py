@@ -16,13 +16,12 @@ from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
+from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.points import (
     RETURNS,
     Labelling,
     Measured,
-    extreme_coordinates,
-    extreme_variables,
     kept_states,
     point_variables,
     section_variable,
@@ -177,7 +176,7 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: l
     data: dict[str, Any] = {
         "section": section_variable(parameter, system, m, kept),
         **point_variables(parameter, m),
-        **extreme_variables(parameter, system, m),
+        **extreme_variables(parameter, system, m.returns.extremes),
     }  # fmt: skip
     return xr.Dataset(
         data,

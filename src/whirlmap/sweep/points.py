@@ -24,6 +24,7 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
+from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
@@ -34,14 +35,6 @@ SHRINK, PATIENCE = 1e-9, 4
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
 POOLS = 4
-
-#: Outputs with this beginning are eccentricities, in clearances: ``eps_1`` is that of bearing 1.
-ECCENTRICITY = "eps_"
-
-#: What the extremes over the record are called in Datasets, and what they are.
-EXTREMES = {
-    "minimum": "smallest value", "maximum": "largest value", "mean": "mean", "rms": "rms about the mean",
-}  # fmt: skip
 
 #: Arrays over the points of `Returns` that can be replaced by those of a later look.
 RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated")
@@ -165,6 +158,7 @@ def label_points(
     method: str | None = None,
     workers: int | None = None,
     starts: Array | None = None,
+    ends: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Label operating points anywhere in parameter space.
@@ -184,6 +178,8 @@ def label_points(
         As in `make_ensemble`.
     starts : array, shape (state, point), optional
         Start states, at phase zero; the model's default start where absent.
+    ends : bool
+        Whether to keep the states in which the points were left, at phase zero: starts of others. NaN where a run has ended.
     progress : callable, optional
         Called with the number of points x periods T done since the last call.
 
@@ -194,8 +190,9 @@ def label_points(
         ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
         ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
-        ``(point, bearing)``, where the model has outputs named ``eps_*``: ``max_eccentricity`` and ``min_film``, in
-        clearances. No section is kept.
+        ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in
+        clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``.
+        No section is kept.
 
     Raises
     ------
@@ -225,7 +222,12 @@ def label_points(
             system, {name: column[batch] for name, column in columns.items()},
             starts=None if starts is None else np.asarray(starts, dtype=float)[:, batch], progress=progress,
         )  # fmt: skip
-        parts.append(points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured))
+        part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
+        if ends:
+            left = np.where(ensemble.running, ensemble.x, np.nan).T
+            part["end_state"] = variable(("point", "state"), left, "1", "state at the end of the run, at phase zero")
+            part = part.assign_coords(state=names_coordinate("state", system.states, "state"))
+        parts.append(part)
     ds = parts[0] if len(parts) == 1 else xr.concat(parts, "point", data_vars="minimal", coords="minimal", join="exact")
     s = labelling.settling
     attributes = run_attributes(
@@ -241,7 +243,7 @@ def points_dataset(
 ) -> xr.Dataset:
     """Dataset of measured points over ``point``, with their sections or without, and no attributes of its own."""
     model = system.model
-    data = point_variables("point", measured) | extreme_variables("point", system, measured)
+    data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
@@ -307,34 +309,3 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
             flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
         ),
     }  # fmt: skip
-
-
-def extreme_variables(dim: str, system: System, measured: Measured) -> dict[str, Any]:
-    """Variables with one number for each state and output of each point, or for each bearing."""
-    extremes = measured.returns.extremes
-    data = {
-        name: variable((dim, "quantity"), extremes[name].T, "1", f"{meaning} over the record")
-        for name, meaning in EXTREMES.items()
-    }
-    swing = (extremes["maximum"] - extremes["minimum"]).T
-    data["peak_to_peak"] = variable((dim, "quantity"), swing, "1", "largest less smallest value over the record")
-    outputs = list(system.model.outputs)
-    if bearings := _bearings(system):
-        rows = [len(system.states) + outputs.index(name) for name in bearings]
-        largest, over = extremes["maximum"][rows].T, (dim, "bearing")
-        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
-        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
-    return data
-
-
-def extreme_coordinates(system: System) -> dict[str, Any]:
-    """Names of the states and outputs, and of the bearings, that `extreme_variables` are over."""
-    coords = {"quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output")}
-    if bearings := _bearings(system):
-        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
-        coords["bearing"] = names_coordinate("bearing", names, "bearing")
-    return coords
-
-
-def _bearings(system: System) -> list[str]:
-    return [name for name in system.model.outputs if name.startswith(ECCENTRICITY)]
