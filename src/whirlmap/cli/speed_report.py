@@ -121,7 +121,9 @@ def _span_s(row: dict[str, Any]) -> list[str]:
 def _quantities(rows: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]:
     """Heads of the columns that any stretch has a number for, and the cells of each stretch."""
     columns = []
-    for name, head, unit in (("amplitude", "peak to peak", "um"), ("min_film", "film", "um"), ("max_load", "load", "N")):
+    for name, head, unit in (
+        ("amplitude", "peak to peak", "um"), ("min_film", "thinnest film", "um"), ("max_load", "largest load", "N"),
+    ):  # fmt: skip
         known = f"{name}_{unit}" if any(f"{name}_{unit}" in row for row in rows) else name
         if any(row.get(known) is not None for row in rows):
             columns.append((f"{head} [{unit if known != name else 1}]", known, f"{name}_bearing"))

@@ -146,7 +146,7 @@ def widest_window(at: Array, swing: Array, verdict: NDArray[np.int8], limit: flo
 
 
 def crossing(at: Array, swing: Array, verdict: NDArray[np.int8], limit: float, last: int, step: int) -> float:
-    """Where the amplitude crosses the limit beyond the last safe speed; that speed where the next is no matter of amplitude."""
+    """Where the amplitude crosses the limit beyond the last safe speed, or that speed where the next has another reason."""
     beyond = last + step
     if not 0 <= beyond < at.size or verdict[beyond] != Verdict.amplitude:
         return float(at[last])
