@@ -69,7 +69,10 @@ def test_stretches_cover_the_range_and_margins_end_at_the_edges(judged):
     safe = judged["verdict"].values == Verdict.safe
     assert np.isnan(judged["margin"].values[~safe]).all()
     inside = np.flatnonzero(at < rows[0]["end"])[-1]
-    assert float(judged["margin"][inside]) == pytest.approx(min(rows[0]["end"] - at[inside], at[inside] - at[0]))
+    assert float(judged["margin"][inside]) == pytest.approx(rows[0]["end"] - at[inside])  # the range's own end is none
+    middle = np.flatnonzero((at > rows[2]["start"]) & (at < rows[2]["end"]))
+    nearer = np.minimum(at[middle] - rows[2]["start"], rows[2]["end"] - at[middle])
+    np.testing.assert_allclose(judged["margin"].values[middle], nearer, rtol=1e-12)
     for name, pick in (("amplitude", max), ("max_load", max), ("min_film", min)):
         assert rows[1][name] == pick(judged[name].values[(at > rows[1]["start"]) & (at < rows[1]["end"])].ravel())
 

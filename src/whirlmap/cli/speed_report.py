@@ -56,7 +56,7 @@ def _in_units(row: dict[str, Any], rpm: float, um: float, newton: float) -> dict
 
 
 def _operation(s: float, rows: list[dict[str, Any]], rpm: float) -> dict[str, Any] | None:
-    """Where the case's own speed lies, and how far from the nearer boundary of a safe window; None beyond the range."""
+    """Where the case's own speed lies, and how far it is from the boundaries of a safe window; None beyond the range."""
     rounding = 1e-9 * s  # the ends of the range were read from text
     inside = [row for row in rows if row["start"] - rounding <= s <= row["end"] + rounding]
     if not inside:
@@ -64,12 +64,12 @@ def _operation(s: float, rows: list[dict[str, Any]], rpm: float) -> dict[str, An
     row = next((r for r in inside if r["verdict"] == "safe"), inside[0])
     found: dict[str, Any] = {"s": s, "verdict": row["verdict"]}
     if row["verdict"] == "safe":
-        below, above = (s - row["start"], row["below"]), (row["end"] - s, row["above"])
-        margin, found["boundary"] = min(below, above)
-        found["margin"] = max(margin, 0.0)
-    if isfinite(rpm):
-        found |= {"rpm": s * rpm} | ({"margin_rpm": found["margin"] * rpm} if "margin" in found else {})
-    return found
+        sides = {"below": s - row["start"], "above": row["end"] - s}
+        found["margins"] = {
+            side: {"to": row[side], "s": distance} | ({"rpm": distance * rpm} if isfinite(rpm) else {})
+            for side, distance in sides.items() if row[f"gap_{'start' if side == 'below' else 'end'}"]
+        }  # fmt: skip
+    return found | ({"rpm": s * rpm} if isfinite(rpm) else {})
 
 
 def show(facts: dict[str, Any]) -> None:
@@ -146,8 +146,11 @@ def _of_operation(at: dict[str, Any]) -> str:
     place = f"{at['rpm']:.0f} rpm" if "rpm" in at else f"s = {at['s']:.4f}"
     if at["verdict"] != "safe":
         return f"the machine's own speed, {place}: not safe, {words(at['verdict'])}"
-    margin = f"{at['margin_rpm']:.0f} rpm" if "margin_rpm" in at else f"{at['margin']:.4f}"
-    return f"the machine's own speed, {place}: safe, {margin} from the nearer boundary ({words(at['boundary'])})"
+    ends = [
+        (f"{m['rpm']:.0f} rpm" if "rpm" in m else f"{m['s']:.4f}") + f" {side} ({words(m['to'])})"
+        for side, m in at["margins"].items()
+    ]
+    return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else 'as is the whole range'}"
 
 
 def picture(system: "System", ds: "xr.Dataset") -> Any:

@@ -64,8 +64,8 @@ def safe_speeds(
     xr.Dataset
         Over ``s``: ``verdict`` with CF flags; ``other``, why not, of the motions that a cold start does not meet;
         ``motions``, how many different ones were met; ``margin``, the distance of a safe speed to the nearer end of its
-        window (where that is an end of the range, to that). Of the worst motion met: ``amplitude`` (NaN where one ended
-        early), ``tooth_contact`` (share of the time in which the teeth touch, NaN without teeth), and over ``bearing``
+        window, infinite where it ends with the range on both sides. Of the worst motion met: ``amplitude`` (NaN where one
+        ended early), ``tooth_contact`` (share of the time in which the teeth touch, NaN without teeth), and over ``bearing``
         ``min_film`` [c] and ``max_load`` [the model's force] of a film. Of the cold start: ``amplitude_cold``, ``regime``,
         ``status``, ``period_T``, ``lyapunov``. Where the case has dimensions, ``rpm(s)``. Over ``window``:
         ``window_start``, ``window_end``, ``gap_start``, ``gap_end`` (zero at an end of the range), ``window_amplitude``.
@@ -118,8 +118,11 @@ def refuse_speeds(at: Array, limit: float) -> None:
 
 
 def _margins(at: Array, windows: list[dict[str, Any]]) -> Array:
+    """Distances to the ends of windows; an end of the range is none, what lies behind it is not known."""
     out = np.full(at.size, np.nan)
     for window in windows:
-        inside = (at >= window["start"]) & (at <= window["end"])
-        out[inside] = np.minimum(at - window["start"], window["end"] - at)[inside]
+        inside = at[(at >= window["start"]) & (at <= window["end"])]
+        below = inside - window["start"] if window["gap_start"] else np.inf
+        above = window["end"] - inside if window["gap_end"] else np.inf
+        out[np.isin(at, inside)] = np.minimum(below, above)
     return out
