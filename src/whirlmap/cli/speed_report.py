@@ -22,6 +22,11 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
 
     rpm, um, newton = shaft_speed(system) * 30 / pi, clearance(system) * 1e6, force_unit(system)
     rows = [_in_units(row, rpm, um, newton) for row in js.loads(ds.attrs["stretches"])]
+    if "probability" in ds:
+        for row in rows:
+            inside = (ds["s"] >= row["start"]) & (ds["s"] <= row["end"])
+            chance = ds["probability"].values[inside.values]
+            row["probability"] = [float(chance.min()), float(chance.max())]
     counted = Counter(Verdict(int(v)).name for v in ds["verdict"].values)
     limit = float(ds.attrs["limit"])
     facts: dict[str, Any] = {
@@ -99,10 +104,9 @@ def show(facts: dict[str, Any]) -> None:
     if facts["operation"]:
         typer.echo(_of_operation(facts["operation"]))
     if "probability" in facts:
-        least, most = min(facts["probability"]), max(facts["probability"])
-        typer.echo(f"share of the drawn machines that are safe: {least:.2f} to {most:.2f} over the speeds")
         means = {why: float(p.mean()) for why, p in facts["probability_of"].items() if p.any()}
-        typer.echo("mean over the speeds: " + ", ".join(f"{p:.3f} {words(why)}" for why, p in means.items()))
+        shares = ", ".join(f"{100 * p:.1f} % {words(why)}" for why, p in means.items())
+        typer.echo(f"drawn machines, over all speeds: {shares}")
 
 
 def words(name: str) -> str:
@@ -129,6 +133,8 @@ def _quantities(rows: list[dict[str, Any]]) -> tuple[list[str], list[list[str]]]
             columns.append((f"{head} [{unit if known != name else 1}]", known, f"{name}_bearing"))
     if any(row["tooth_contact"] is not None for row in rows):
         columns.append(("teeth touch", "tooth_contact", ""))
+    if any("probability" in row for row in rows):
+        columns.append(("probability of safe", "probability", ""))
     cells = [[_cell(row, name, bearing) for _, name, bearing in columns] for row in rows]
     return [head for head, _, _ in columns], cells
 
@@ -138,6 +144,8 @@ def _cell(row: dict[str, Any], name: str, bearing: str) -> str:
         return "-"
     if name == "tooth_contact":
         return f"{100 * row[name]:.0f} %"
+    if name == "probability":
+        return f"{row[name][0]:.2f} .. {row[name][1]:.2f}"
     which = row.get(bearing)
     return f"{row[name]:.4g}" + (f" ({which})" if which and which != "all" else "")
 

@@ -86,6 +86,7 @@ def _bearings(ax: Axes, values: xr.DataArray, at: np.ndarray, *, names: bool) ->
     styles: tuple[Any, ...] = ("-", "--", ":", "-.")
     for k, bearing in enumerate(values["bearing"].values):
         ax.plot(at, values.sel(bearing=bearing), styles[k % len(styles)], color=INK, lw=0.9, label=f"bearing {bearing}")
-    ax.set_ylim(bottom=0)
+    if np.isfinite(values).any():
+        ax.set_ylim(0, 1.12 * float(values.max()))
     if names and values.sizes["bearing"] > 1:
         ax.legend(ncols=4, loc="best")
