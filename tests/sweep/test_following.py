@@ -10,18 +10,20 @@ from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.diagram import bifurcation_diagram
 from whirlmap.sweep.following import motions_met, unseen
+from whirlmap.sweep.improve import improve
 from whirlmap.sweep.judging import Judge, Verdict, verdicts
 from whirlmap.sweep.machines import judge_machines, safe_probability
 from whirlmap.sweep.speeds import safe_speeds
 from whirlmap.sweep.windows import PARTS, ROUNDS
 
 
-def hardening():
-    """x'' + 0.1 x' + x + 0.5 x^3 = 0.3 cos(s t), from rest: between two folds a large and a small motion coexist."""
+def hardening(d=0.1):
+    """x'' + d x' + x + 0.5 x^3 = 0.3 cos(s t), from rest: between two folds a large and a small motion coexist."""
     x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
-    s = Parameter("s", "1", "speed", above=0)
-    rates = {x: v, v: 0.3 * cos(s * t) - v / 10 - x - x**3 / 2}
-    return System(Model("hardening", (x, v), (s,), rates, harmonics=(s,), clocks={"shaft": s}, swing=(x,)), {"s": 1.0})
+    s, damping = Parameter("s", "1", "speed", above=0), Parameter("d", "1", "damping", above=0)
+    rates = {x: v, v: 0.3 * cos(s * t) - damping * v - x - x**3 / 2}
+    model = Model("hardening", (x, v), (s, damping), rates, harmonics=(s,), clocks={"shaft": s}, swing=(x,))
+    return System(model, {"s": 1.0, "d": d})
 
 
 @pytest.fixture(scope="module")
@@ -112,3 +114,17 @@ def test_motions_are_told_apart_at_each_place(system):
     )  # fmt: skip
     assert unseen(system, found, met).tolist() == [1, 4, 5]
     assert unseen(system, found).tolist() == [0, 1, 3, 4, 5]
+
+
+def test_the_best_designs_run_up_and_down():
+    """From cold starts the second design has the widest window. Run up and down it loses to the first, until that is too."""
+    at, designs = np.linspace(1.0, 2.2, 13), {"d": [0.05, 0.1]}
+    cold, both = (improve(hardening, designs, at, 1.5, refine=False, follow=f) for f in (False, True))
+    wide = cold["window_width"].values
+    assert cold["followed"].values.tolist() == [0, 0] and cold.attrs["widest"] == 1
+    assert both["followed"].values.tolist() == [1, 1] and both.attrs["widest"] == 1
+    assert float(both["window_width"][1]) < wide[0] < wide[1]
+    whole = judge_machines(hardening(), [hardening(0.05), hardening(0.1)], at, [1.5, 1.5], follow=True)
+    np.testing.assert_array_equal(both["verdict"].values, whole["verdict"].values)
+    alone = improve(hardening, {"d": [0.05, 0.6]}, at, 1.5, refine=False)
+    assert alone["followed"].values.tolist() == [0, 1]
