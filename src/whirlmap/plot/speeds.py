@@ -42,7 +42,8 @@ def speeds_figure(
     first, *rest = fig.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
     along = "rpm" if "rpm" in ds else "s"
     at = ds[along].values
-    _grounds(first, [first, *rest], ds, at[-1] / ds["s"].values[-1])
+    _grounds([first, *rest[: len(bearings)]], ds, at[-1] / ds["s"].values[-1])
+    _legend(first, ds)
     _amplitude(first, ds, at, unit, length)
     first.set_title(title)
     for ax, name in zip(rest, bearings, strict=False):
@@ -50,9 +51,7 @@ def speeds_figure(
         _bearings(ax, ds[name] * (unit if film else force), at, names=ax is rest[0])
         ax.set_ylabel(f"film {unit_text(length)}" if film else f"load {unit_text(force_unit)}")
     if chance:
-        rest[-1].fill_between(at, ds["probability_low"], ds["probability_high"], color=INK, alpha=0.25, lw=0)
-        rest[-1].plot(at, ds["probability"], color=INK)
-        rest[-1].set(ylim=(0, 1.02), ylabel="probability\nof safe")
+        _probability(rest[-1], ds, at)
     fig.align_ylabels()
     (rest or [first])[-1].set(
         xlim=(at[0], at[-1]), xlabel="speed of the first shaft [rpm]" if along == "rpm" else "speed ratio s"
@@ -60,15 +59,31 @@ def speeds_figure(
     return fig
 
 
-def _grounds(legend: Axes, panels: list[Axes], ds: xr.Dataset, scale: float) -> None:
-    """Colour the whole range by verdict, in all panels."""
-    rows = json.loads(ds.attrs["stretches"])
-    for row in rows:
+def _grounds(panels: list[Axes], ds: xr.Dataset, scale: float) -> None:
+    """Colour the whole range by verdict."""
+    for row in json.loads(ds.attrs["stretches"]):
         for ax in panels:
             ax.axvspan(row["start"] * scale, row["end"] * scale, color=LOOKS[row["verdict"]][0], alpha=ALPHA, lw=0)
-    kinds = dict.fromkeys(row["verdict"] for row in rows)
+
+
+def _probability(ax: Axes, ds: xr.Dataset, at: np.ndarray) -> None:
+    """Shares of the drawn machines by verdict, one upon the other, safe at the bottom with its interval."""
+    kinds = _drawn(ds)
+    ax.stackplot(at, ds["probability_of"].sel(why=kinds), colors=[LOOKS[kind][0] for kind in kinds], alpha=ALPHA, lw=0)
+    ax.fill_between(at, ds["probability_low"], ds["probability_high"], color=INK, alpha=0.25, lw=0)
+    ax.plot(at, ds["probability"], color=INK)
+    ax.set(ylim=(0, 1), ylabel="probability")
+
+
+def _drawn(ds: xr.Dataset) -> list[str]:
+    return [str(why) for why in ds["why"].values if ds["probability_of"].sel(why=why).values.any()]
+
+
+def _legend(ax: Axes, ds: xr.Dataset) -> None:
+    kinds = dict.fromkeys([row["verdict"] for row in json.loads(ds.attrs["stretches"])])
+    kinds |= dict.fromkeys(_drawn(ds) if "probability_of" in ds else [])
     handles = [Patch(color=LOOKS[kind][0], alpha=ALPHA, lw=0, label=LOOKS[kind][1]) for kind in kinds]
-    legend.legend(handles=handles, ncols=6, loc="lower left", bbox_to_anchor=(0.25, 1.0), borderaxespad=0.3)
+    ax.legend(handles=handles, ncols=6, loc="lower left", bbox_to_anchor=(0.25, 1.0), borderaxespad=0.3)
 
 
 def _amplitude(ax: Axes, ds: xr.Dataset, at: np.ndarray, unit: float, length: str) -> None:
