@@ -59,7 +59,7 @@ class Evaluator:
         times = np.broadcast_to(np.asarray(time, dtype=float), (1, columns))
         self.kernel.evaluate(
             blocks=y.shape[0], forced=int(forced), y=y, time=blocked(times), **blocks, dy=dy, jac=moving, o=o,
-            work=self.kernel.work(0),
+            work=self.kernel.work(),
         )  # fmt: skip
         dense = np.zeros((n, n, columns))
         rows = {"input": unblocked(blocks["p"], columns), "slot": unblocked(moving, columns)}

@@ -98,7 +98,7 @@ def _block(
         here = r.spread(n)
         running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
         with b.if_then(r.any(b.icmp_signed("!=", running, integers(0)))):  # no step where all lanes wait
-            x = stepper.step(a["y"], h, inputs, count, waves_at)
+            x = stepper.step(a["y"], h, inputs, waves_at)
             r.call(examine, y=x, p=a["p"], good=good)
             lost = b.and_(running, b.not_(r.load(good)))
             truth = b.icmp_signed("!=", lost, integers(0))
@@ -106,8 +106,8 @@ def _block(
             running = b.and_(running, r.load(good))
             r.store(running, on)
             runs = b.icmp_signed("!=", running, integers(0))
-            with r.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
-                r.store(b.select(runs, r.load(x, i), r.load(a["y"], i)), a["y"], i)
+            stepper.replace(a["y"], x, sizes.states * (2 if sizes.along else 1), runs)
+            stepper.vectors(a["y"], h, a["p"], count, runs)
             done = b.add(n, integer(1))
             if turn:
                 due = b.icmp_signed("==", b.srem(done, a["orth_every"]), integer(0))

@@ -139,6 +139,10 @@ class Routine:
         """``a b + c``, rounded once and never rearranged; slow where the processor has no instruction for it."""
         return self._intrinsic(f"llvm.fma.v{LANES}f64", a, b, c, flags=())
 
+    def increased(self, total: Value, a: Value, b: Value) -> Value:
+        """``total + a b`` in one instruction where there is one; LLVM may not move factors out of sums of such products."""
+        return self.b.fadd(total, self.b.fmul(a, b, flags=("contract",)), flags=("contract",))
+
     def _intrinsic(self, name: str, *values: Value, flags: tuple[str, ...] = FAST_MATH) -> Value:
         return self.b.call(self._declared(name, LANE, len(values)), values, fastmath=flags)
 
