@@ -63,6 +63,6 @@ class Evaluator:
         )  # fmt: skip
         dense = np.zeros((n, n, columns))
         rows = {"input": unblocked(blocks["p"], columns), "slot": unblocked(moving, columns)}
-        for (i, j), (where, value) in self.kernel.source.entries.items():
-            dense[i, j] = value if where == "constant" else rows[where][int(value)]
+        for i, j, weight, where, value in self.kernel.source.entries:
+            dense[i, j] += weight * (value if where == "constant" else rows[where][int(value)])
         return unblocked(dy, columns), dense

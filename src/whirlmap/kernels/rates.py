@@ -1,6 +1,7 @@
 """The parts of a kernel that a model decides: rates with their Jacobian, outputs, the test of a step's end, harmonics."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import reduce
 from typing import Literal
 
 from llvmlite import ir
@@ -8,6 +9,7 @@ from sympy import Expr, Symbol
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import State
+from whirlmap.kernels.differentiate import Entries, Forms
 from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
 from whirlmap.kernels.roots import Roots
@@ -76,25 +78,29 @@ class ModelRoutines:
         r.done()
         return r
 
-    def tangent(self, entries: dict[tuple[int, int], Expr], slots: dict[tuple[int, int], int]) -> Routine:
+    def tangent(self, entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms) -> Routine:
         """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers."""
         r = Routine(self.module, "tangent", {"y": "rows", "jac": "rows", "p": "rows", "dy": "rows"})
         inputs = {q: i for i, q in enumerate(self.hoisted.symbols)}
-        vector = [r.load(r.at["y"], j) for j in range(self.model.dimension)]
+        names = [Symbol(local_name(s), real=True) for s in self.model.states]
+        vector = {name: r.load(r.at["y"], j) for j, name in enumerate(names)}
+
+        def weighted(terms: Iterable[tuple[Value, Value]]) -> Value:
+            products = [r.mul(factor, value) for factor, value in terms]
+            return reduce(r.add, products) if products else number(0.0)
+
+        for seed, weights in forms.items():
+            vector[seed] = weighted((number(float(weights[name])), vector[name]) for name in names if name in weights)
         for i in range(self.model.dimension):
-            total = None
-            for j in (j for row, j in entries if row == i):
-                e = entries[i, j]
-                if e == 1:
-                    term = vector[j]
-                else:
-                    if (i, j) in slots:
-                        factor = r.load(r.at["jac"], slots[i, j])
+            terms = []
+            for (row, seed), e in entries.items():
+                if row == i:
+                    if (row, seed) in slots:
+                        factor = r.load(r.at["jac"], slots[row, seed])
                     else:
                         factor = r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))
-                    term = r.mul(factor, vector[j])
-                total = term if total is None else r.add(total, term)
-            r.store(number(0.0) if total is None else total, r.at["dy"], i)
+                    terms.append((factor, vector[seed]))
+            r.store(weighted(terms), r.at["dy"], i)
         r.done()
         return r
 
