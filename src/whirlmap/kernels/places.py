@@ -83,7 +83,11 @@ class Place:
         return self.axes + self.record
 
     def examine(self, r: Routine, coordinates: Sequence[Value], fetch: Routine) -> None:
-        """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell)."""
+        """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell).
+
+        No register outlives the fetch. LLVM would put all that was read before it on the stack, for every evaluation to read
+        it from there; now it is read again from where it lies.
+        """
         b, scratch = r.b, r.at["scratch"]
         within = None
         for axis, z in enumerate(coordinates):
@@ -102,6 +106,7 @@ class Place:
                         fetch, tables=r.at["tables"], table=table, axes=integer(self.axes), record=integer(self.record),
                         scratch=scratch, row=integer(self.first), lane=lane,
                     )  # fmt: skip
+            r.forget()
 
     def polynomials(self, r: Routine, read: Read) -> dict[str, Value]:
         """Values of every output and derivative (Horner), by name.

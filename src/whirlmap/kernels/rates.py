@@ -69,6 +69,8 @@ class ModelRoutines:
         for read in reads:
             place = self.places.of(read)
             place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
+        if reads:
+            code.names |= self._inputs(r, lines.names())
         for read in reads:
             code.names |= self.places.of(read).polynomials(r, read)
         for symbol, e in after:
@@ -149,6 +151,9 @@ class ModelRoutines:
         return [code.value(e) for e in lines.results]
 
     def _code(self, r: Routine, names: set[str]) -> VectorCode:
+        return VectorCode(r, self._inputs(r, names), self.roots, self.sines)
+
+    def _inputs(self, r: Routine, names: set[str]) -> dict[str, Value]:
         """Values of the named inputs of a routine."""
         known = {
             local_name(s): r.load(r.at["y"], i) for i, s in enumerate(self.model.states) if local_name(s) in names
@@ -162,7 +167,7 @@ class ModelRoutines:
                 if f"{kind}{i}" in names:
                     wave = r.load(r.at["c"], 2 * i + part)
                     known[f"{kind}{i}"] = r.spread(wave) if self.time == "locked" else wave
-        return VectorCode(r, known, self.roots, self.sines)
+        return known
 
 
 def split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:

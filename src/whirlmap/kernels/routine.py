@@ -92,6 +92,12 @@ class Routine:
         """Put one row, or one number, into its place."""
         self.b.store(value, self.row(array, index), align=8)
 
+    def forget(self) -> None:
+        """Let LLVM believe that all arrays have changed: what was read before must be read again."""
+        places = [a for a in self.function.args if isinstance(a.type, ir.PointerType)]
+        kind = ir.FunctionType(ir.VoidType(), [a.type for a in places])
+        self.b.asm(kind, "", ",".join(["r"] * len(places) + ["~{memory}"]), places, side_effect=True)
+
     def lane(self, array: Value, index: Value | int, lane: Value) -> Value:
         """Address of one lane in a row."""
         base = self.row(array, index)
