@@ -154,17 +154,17 @@ def orthonormalise(module: ir.Module, states: int) -> Routine:
 
     with r.loop(a["count"]) as v:
         this = vector(v)
-        with r.loop(v) as w:
-            other = vector(w)
-            along = product(this, other)
-            with r.loop(states) as i:
-                less = r.sub(r.load(this, i), r.mul(along, r.load(other, i)))
-                r.store(b.select(runs, less, r.load(this, i)), this, i)
         length = b.select(runs, r.root(product(this, this)), number(1.0))
         r.store(r.add(r.load(a["growth"], v), r.per_lane("log", length)), a["growth"], v)
         shrink = r.div(number(1.0), length)
         with r.loop(states) as i:
             r.store(r.mul(r.load(this, i), shrink), this, i)
+        with r.loop(b.sub(b.sub(a["count"], v), integer(1))) as later:  # they do not wait for each other
+            other = vector(b.add(b.add(v, integer(1)), later))
+            along = product(other, this)
+            with r.loop(states) as i:
+                less = r.sub(r.load(other, i), r.mul(along, r.load(this, i)))
+                r.store(b.select(runs, less, r.load(other, i)), other, i)
     r.done()
     return r
 
