@@ -167,9 +167,13 @@ class Places:
 
 
 def horner(r: Routine, coefficients: Sequence[Value], x: Value, order: int) -> Value:
-    """Polynomial, or its first derivative, in Horner's form."""
-    terms = [c if order == 0 or k == 1 else r.mul(number(k), c) for k, c in enumerate(coefficients)][order:]
-    out = terms[-1]
-    for term in reversed(terms[:-1]):
-        out = r.add(r.mul(out, x), term)
-    return out
+    """Polynomial, or its first derivative, in Horner's form.
+
+    The derivative is built from the partial sums of the polynomial, which LLVM computes once for both.
+    """
+    value, slope = coefficients[-1], None
+    for c in reversed(coefficients[:-1]):
+        if order:
+            slope = value if slope is None else r.add(r.mul(slope, x), value)
+        value = r.add(r.mul(value, x), c)
+    return value if order == 0 else number(0.0) if slope is None else slope
