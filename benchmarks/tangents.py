@@ -1,8 +1,8 @@
 """What tangent vectors cost: time of a step with k of them over that of the plain step, on the gear pair.
 
-Run it with ``python benchmarks/tangents.py``. The films are the plain one (psi = 0, closed form), the porous one (psi = 1e-3,
-tables) and the positive arc (psi = 0, tables in the frame of the load). All contenders of a film take turns on one core, and
-the least time of each counts; the vectors are orthonormalised once per T.
+Run it with ``python benchmarks/tangents.py``. The films are the plain one (psi = 0, closed form), the porous one
+(psi = 1e-3, tables) and the positive arc (psi = 0, tables in the frame of the load). All contenders of a film take turns in
+one thread, and the least time of each counts; the vectors are orthonormalised once per T.
 """
 
 import argparse

@@ -4,8 +4,8 @@ Differentiating the whole expressions and sharing subexpressions afterwards take
 table; going through assignments that are shared already takes a second, and gives the shorter code. Derivatives are taken
 by *seeds*: the states, and every assignment that is a linear form of states with constant coefficients (a shaft's
 deflection), so that the parts of a linear form are not differentiated one by one. An assignment that depends on several
-seeds and serves several others (the square of the eccentricity) is a seed on the way: what depends on it is differentiated by
-it alone, and the chain rule is applied once at the end. Along a single direction there is one seed, the direction itself.
+seeds and serves several others (the square of the eccentricity) is a seed on the way: what depends on it is differentiated
+by it alone, and the chain rule is applied once at the end. Along a single direction there is one seed, the direction itself.
 """
 
 from collections import Counter

@@ -81,8 +81,11 @@ class ModelRoutines:
         return r
 
     def tangent(self, entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms) -> Routine:
-        """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers."""
-        r = Routine(self.module, "tangent", {"y": "rows", "jac": "rows", "p": "rows", "dy": "rows"})
+        """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers.
+
+        It is copied into the steps, where the next stage takes the slopes from registers.
+        """
+        r = Routine(self.module, "tangent", {"y": "rows", "jac": "rows", "p": "rows", "dy": "rows"}, copied=True)
         inputs = {q: i for i, q in enumerate(self.hoisted.symbols)}
         names = [Symbol(local_name(s), real=True) for s in self.model.states]
         vector = {name: r.load(r.at["y"], j) for j, name in enumerate(names)}

@@ -54,10 +54,14 @@ class Routine:
     arguments : mapping of str to kind
         They become attributes of `at`; different arrays never overlap.
     public : bool
-        Whether it is called from outside of the module; others are called, not copied into their callers.
+        Whether it is called from outside of the module.
+    copied : bool
+        Whether it is copied into its callers; other routines are called.
     """
 
-    def __init__(self, module: ir.Module, name: str, arguments: Mapping[str, Kind], *, public: bool = False) -> None:
+    def __init__(
+        self, module: ir.Module, name: str, arguments: Mapping[str, Kind], *, public: bool = False, copied: bool = False
+    ) -> None:
         self.module = module
         self.function = ir.Function(module, ir.FunctionType(ir.VoidType(), [TYPES[k] for k in arguments.values()]), name)
         self.at = dict(zip(arguments, self.function.args, strict=True))
@@ -66,7 +70,7 @@ class Routine:
                 argument.add_attribute("noalias")
         if not public:
             self.function.linkage = "internal"
-            self.function.attributes.add("noinline")
+            self.function.attributes.add("alwaysinline" if copied else "noinline")
         self.entry = self.function.append_basic_block("entry")
         self.b = ir.IRBuilder(self.entry)
 

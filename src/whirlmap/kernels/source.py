@@ -38,13 +38,16 @@ ATTRIBUTES = (
 )
 
 
+Kind = Literal["constant", "input", "slot"]
+
+
 class Entry(NamedTuple):
     """A term of an entry of the Jacobian: its weight, and a constant (its value), an input or a slot (its index)."""
 
     row: int
     column: int
     weight: float
-    kind: Literal["constant", "input", "slot"]
+    kind: Kind
     value: float
 
 
@@ -163,14 +166,20 @@ def _text(module: ir.Module, model: Model) -> str:
 def _terms(
     entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms, names: list[Symbol], hoisted: Hoisted
 ) -> Iterator[Entry]:
+    """Terms of the Jacobian by states, from its entries by seeds."""
+    kind: Kind
+    value: float
     for (row, seed), e in entries.items():
-        kind, value = ("slot", slots[row, seed]) if (row, seed) in slots else ("constant", e)
-        if e in hoisted.symbols:
+        if (row, seed) in slots:
+            kind, value = "slot", slots[row, seed]
+        elif e in hoisted.symbols:
             kind, value = "input", hoisted.symbols.index(e)
+        else:
+            kind, value = "constant", float(e)
         weights = forms.get(seed, {seed: Integer(1)})
         for column, name in enumerate(names):
             if name in weights:
-                yield Entry(row, column, float(weights[name]), kind, float(value))
+                yield Entry(row, column, float(weights[name]), kind, value)
 
 
 def _table_parameters(model: Model) -> dict[str, str | float]:

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
 from typing import NamedTuple
 
 from whirlmap.kernels.methods import Method
@@ -59,8 +60,8 @@ class Stepper:
     state goes first and leaves the stages' Jacobians; each vector then goes through them with slopes of one vector's size,
     and to its end in place, so that all stays in the first level of cache whatever the number of vectors.
 
-    Combining slopes waits for loads more than for products. So the slopes that two successive stages share are read once: with
-    the place of each odd stage, all of the next one is written but the share of the slopes that are yet to come.
+    Combining slopes waits for loads as much as for products. So the slopes that two successive stages share are read once:
+    with the place of each odd stage, all of the next one is written but the share of the slope that is yet to come.
     """
 
     def __init__(
@@ -113,7 +114,7 @@ class Stepper:
         return self.x
 
     def vectors(self, y: Value, h: Value, p: Value, count: Value, runs: Value | None = None) -> None:
-        """Take the tangent vectors behind ``y`` through the stages of the last step, in place, in lanes where it ``runs``."""
+        """Take the tangent vectors behind ``y`` through the last step, in place, in the lanes of ``runs`` (absent: all)."""
         r, n = self.r, self.sizes.states
         if self.tangent is None:
             return
@@ -126,7 +127,7 @@ class Stepper:
             self.replace(vector, end, n, runs)
 
     def replace(self, old: Value, new: Value, rows: int, runs: Value | None) -> None:
-        """Put new rows in the place of old ones, in lanes where it ``runs`` (absent: in all)."""
+        """Put new rows in the place of old ones, in the lanes of ``runs`` (absent: all)."""
         r = self.r
         with r.loop(rows) as i:
             value = r.load(new, i)
@@ -145,8 +146,7 @@ class Stepper:
         if stage == 0:
             return y
         if stage % 2 == 0:
-            last = {stage - 1: rows[stage][stage - 1]}
-            self._combine(track.ahead, track, [(last, out)], h)
+            self._combine(track.ahead, track, [({stage - 1: rows[stage][stage - 1]}, out)], h)
             return out
         sums = [(dict(enumerate(rows[stage])), out)]
         if stage + 1 < len(rows):
@@ -154,7 +154,7 @@ class Stepper:
         self._combine(y, track, sums, h)
         return out
 
-    def _combine(self, y: Value, track: Track, sums: Sequence[tuple[dict[int, float], Value]], h: Value) -> None:
+    def _combine(self, y: Value, track: Track, sums: Sequence[tuple[dict[int, float | Fraction], Value]], h: Value) -> None:
         """Write ``y + h (weighted slopes)`` for each of the sums, to its own array."""
         r = self.r
         scaled = [({j: r.mul(h, number(float(w))) for j, w in weights.items() if w != 0}, out) for weights, out in sums]
