@@ -154,15 +154,27 @@ class Stepper:
         self._combine(y, track, sums, h)
         return out
 
-    def _combine(self, y: Value, track: Track, sums: Sequence[tuple[dict[int, float | Fraction], Value]], h: Value) -> None:
-        """Write ``y + h (weighted slopes)`` for each of the sums, to its own array."""
-        r = self.r
+    def _combine(
+        self, y: Value, track: Track, sums: Sequence[tuple[dict[int, float | Fraction], Value]], h: Value
+    ) -> None:
+        """Write ``y + h (weighted slopes)`` for each of the sums, to its own array; two rows at once wait less."""
+        r, n = self.r, self.sizes.states
         scaled = [({j: r.mul(h, number(float(w))) for j, w in weights.items() if w != 0}, out) for weights, out in sums]
-        with r.loop(self.sizes.states) as i:
-            base = r.load(y, i)
-            slopes = {j: r.load(self._slopes(track, j), i) for j in sorted({j for weights, _ in scaled for j in weights})}
-            for weights, out in scaled:
-                total = base
-                for j, w in weights.items():
-                    total = r.increased(total, w, slopes[j])
-                r.store(total, out, i)
+        used = sorted({j for weights, _ in scaled for j in weights})
+
+        def write(rows: Sequence[Value]) -> None:
+            totals = {(i, s): r.load(y, row) for i, row in enumerate(rows) for s in range(len(scaled))}
+            for j in used:
+                for i, row in enumerate(rows):
+                    slope = r.load(self._slopes(track, j), row)
+                    for s, (weights, _) in enumerate(scaled):
+                        if j in weights:
+                            totals[i, s] = r.increased(totals[i, s], weights[j], slope)
+            for (i, s), total in totals.items():
+                r.store(total, scaled[s][1], rows[i])
+
+        with r.loop(n // 2) as pair:
+            first = r.b.mul(pair, integer(2))
+            write([first, r.b.add(first, integer(1))])
+        if n % 2:
+            write([integer(n - 1)])
