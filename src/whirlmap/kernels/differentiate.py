@@ -75,8 +75,8 @@ def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol]
     Returns
     -------
     Straight
-        Its results are those of the code, then the derivative of each. For one direction this costs half of the Jacobian
-        and its product with the direction; from about five directions on, the Jacobian is cheaper.
+        Its results are those of the code, then the derivative of each. For one direction this costs four fifths of the
+        Jacobian and its product with the direction; for two, the Jacobian is cheaper.
     """
     seeds: dict[Symbol, Slopes] = {v: {DIRECTION: d} for v, d in zip(variables, direction, strict=True)}
     writer = _Forward(seeds, hoisted)
