@@ -144,7 +144,7 @@ class _Run:
         kernel.advance(
             blocks=chosen.size, count=self.count, **arrays, **steady, tables=self.inputs["tables"],
             **self.group.waves.arguments(begin), steps=self.total, save_every=self.save_every, saves=self.saved.shape[1],
-            orth_every=self.group.steps, events=self.growth.shape[1], folded=int(self.folded), work=kernel.work(self.count),
+            orth_every=self.group.steps, events=self.growth.shape[1], folded=int(self.folded), work=kernel.work(),
         )  # fmt: skip
         if not whole:
             for name, a in arrays.items():
