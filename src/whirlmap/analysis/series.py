@@ -13,6 +13,7 @@ from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
 from whirlmap.analysis.kantz import kantz_exponent
 from whirlmap.analysis.lines import named_shares
+from whirlmap.analysis.parting import is_flow, smoothed
 from whirlmap.analysis.recurrence import recurrence
 from whirlmap.analysis.rosenstein import rosenstein_exponent
 from whirlmap.analysis.spectral_lines import spectral_lines
@@ -32,8 +33,8 @@ FEWEST, FEWEST_SWINGS = 1000, 30
 STRONG = 0.95
 #: Samples per swing to which a finely sampled signal is thinned before it is embedded.
 FINE = 40
-#: Samples whose neighbours, vectors whose distances, and points whose recurrences are looked at.
-NEIGHBOURS, VECTORS, RECURRENT = 12_000, 8_000, 1_500
+#: Samples whose false neighbours and whose parting, vectors whose distances, and points whose recurrences are looked at.
+NEIGHBOURS, PARTING, VECTORS, RECURRENT = 12_000, 48_000, 8_000, 1_500
 #: Swings over which neighbours are followed.
 FOLLOWED = 12
 #: Damping of the 0-1 test, for noise.
@@ -76,7 +77,9 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     2. Lag from the first minimum of the mutual information (without one, a quarter swing, which is said), dimension from
        false neighbours; without one at that lag, nor at a half or a quarter of it, none of the embedded indicators
        speaks: noise, or too many dimensions.
-    3. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
+    3. Exponents of a smooth signal: it is smoothed over a quarter swing, its vectors span half a swing at most, for longer
+       ones hold growth already, and neighbours that are as near as noise brings equal points do not count.
+    4. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
        positive over a scaling range, and so is the other, or the dimension has one: coloured noise may show one of them
        by chance. Regular: the lines do, the 0-1 test does not wander, and Rosenstein's exponent is not
        seen; periodic where all strong lines are multiples and fractions of one frequency, quasi-periodic where they
@@ -109,7 +112,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
         "rate": rate, "unit": unit, "samples": int(np.size(values)), "thinned": thin, "swing": swing * thin / rate,
         "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),
         "verdict": _sentences(label, votes, unit), "whirlmap_version": package_version("whirlmap"),
-        "citations": "gottwald2009 rosenstein1993 kantz1994 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007",
+        "citations": "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007",
     }  # fmt: skip
     return with_attributes(xr.Dataset(data, coords=coords), facts)
 
@@ -217,11 +220,16 @@ def _embedded(
     votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any],
 ) -> None:  # fmt: skip
     """Exponents, dimension and recurrence of the embedded signal."""
-    part = x[:NEIGHBOURS]
+    part, least, flow = x[:PARTING], 0.0, is_flow(x)
+    span = lag
+    if flow:
+        part, noise = smoothed(part, swing)
+        least = 2 * noise * np.sqrt(2 * (dimension - 1))
+        span = max(min(lag, swing // (2 * max(dimension - 1, 1))), 1)
     steps = min(FOLLOWED * swing, part.size // 4)
     for name, method in (("rosenstein", rosenstein_exponent), ("kantz", kantz_exponent)):
         found = method(
-            part, dimension=dimension, lag=lag, theiler=swing, steps=steps, rate=rate, window=max(swing, 3)
+            part, dimension=dimension, lag=span, theiler=swing, steps=steps, flow=flow, rate=rate, least_distance=least
         )
         status = str(found["status"].attrs["flag_meanings"]).split()[int(found["status"])]
         value, error = float(found["exponent"]), float(found["exponent_error"])
