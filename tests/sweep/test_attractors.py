@@ -8,6 +8,7 @@ from scipy.integrate import solve_ivp
 import whirlmap
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
+from whirlmap.sweep.attractor_search import Search
 from whirlmap.sweep.attractors import attractors
 from whirlmap.sweep.basins import basins
 from whirlmap.sweep.points import Labelling
@@ -96,6 +97,26 @@ def test_one_strange_attractor_and_one_torus_are_one_each():
                        (whirlmap.load("van_der_pol", omega=1.387), Regime.quasi_periodic)):  # fmt: skip
         ds = attractors(case, starts=100, lyapunov=512)
         assert ds["regime"].values.tolist() == [kind] and int(ds["starts"][0]) >= 97, case.case
+
+
+@pytest.mark.parametrize(
+    ("case", "options"),
+    [("duffing", {"gamma": 0.5}), ("van_der_pol", {"omega": 1.387}), ("pendulum", {"g": 1.5})],
+    ids=["chaos", "torus", "pendulum"],
+)
+def test_traces_made_together_gather_as_one_after_the_other(case, options):
+    system = whirlmap.load(case, **options)
+    labelling = Labelling(whirlmap.Settling(transient=30, most=8), 256, steps=48)
+    starts = draw_starts(system, 40, {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}, 5)
+    found = []
+    for together in (1, 16):
+        search = Search(system, labelling, starts, None)
+        search.together = together
+        found.append((search.run(), search.traces))
+    (one, traces), (many, traced) = found
+    np.testing.assert_array_equal(one.of, many.of)
+    np.testing.assert_array_equal(np.stack(one.representative), np.stack(many.representative))
+    assert len(traces) == len(traced) and all(np.array_equal(traces[n][0], traced[n][0]) for n in traces)
 
 
 def test_a_run_that_diverges_is_no_attractor():
