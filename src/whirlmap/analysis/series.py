@@ -41,6 +41,7 @@ FOLLOWED = 12
 DAMPING = 1.0
 #: Shares of the power: of one line that counts, of all lines in regular motion, outside of lines in broadband motion.
 LINE, LINES, BROAD = 1e-3, 0.98, 0.1
+CITED = "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007"
 #: K of the 0-1 test above and below which it has a say; clean sections allow tighter ones (`regime`).
 WANDERS, BOUNDED = 0.8, 0.3
 
@@ -112,7 +113,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
         "rate": rate, "unit": unit, "samples": int(np.size(values)), "thinned": thin, "swing": swing * thin / rate,
         "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),
         "verdict": _sentences(label, votes, unit), "whirlmap_version": package_version("whirlmap"),
-        "citations": "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007",
+        "citations": CITED,
     }  # fmt: skip
     return with_attributes(xr.Dataset(data, coords=coords), facts)
 
