@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from scipy.signal import savgol_coeffs
+from scipy.signal import resample_poly, savgol_coeffs, welch
 from scipy.spatial import cKDTree
 
 from whirlmap.analysis.compiled import compiled
@@ -22,10 +22,14 @@ from whirlmap.errors import RangeError
 
 Array = NDArray[np.float64]
 
-#: Largest noise of a flow, over the standard deviation: a map has 1 and more, a motion of 10 samples per swing 0.01.
+#: Frequencies per sample at which there is noise alone; higher ones may have been filtered out.
+FASTEST = (0.35, 0.42)
+#: Largest noise of a flow, over the standard deviation: a map has about 1, a motion of 13 samples per swing 0.01 to 0.04.
 SMOOTH = 0.1
 #: Nearest samples among which neighbours are looked for at most.
 MOST_CANDIDATES = 1500
+#: Samples per swing that motions are interpolated to, and samples at their ends that the interpolation spoils.
+FINE, EDGE = 40, 20
 #: Samples that cubic interpolation needs at either side.
 MARGIN = 2
 #: Distances below this part of the largest value are rounding.
@@ -45,22 +49,34 @@ class Passes:
 
 
 def noise(x: Array) -> float:
-    """Standard deviation of white noise on a smooth motion: what the cubic through the four samples around each leaves."""
-    rest = x[3:-3] - (9 * (x[2:-4] + x[4:-2]) - (x[:-6] + x[6:])) / 16
-    return float(np.sqrt(np.mean(rest**2) / (1 + 164 / 256)))
+    """Standard deviation of white noise on a motion, from the power at frequencies that a well sampled one lacks."""
+    frequency, power = welch(x, nperseg=min(1024, x.size))
+    return float(np.sqrt(power[(frequency > FASTEST[0]) & (frequency < FASTEST[1])].mean() / 2))
 
 
-def smoothed(x: Array, swing: int) -> tuple[Array, float]:
-    """A motion without most of its noise, and the standard deviation of what is left of that.
+def resolved(x: Array, swing: int) -> tuple[Array, int, float]:
+    """Give a motion at `FINE` samples per swing or more, without most of its noise.
 
-    The cubic fitted to a quarter of a swing around each sample [savitzky1964]: a filter of finite length, which changes
-    neither exponents nor dimensions.
+    Returns
+    -------
+    series : array
+    factor : int
+        Samples of it for one of ``x``, by band-limited interpolation; the cubics of `follow` need that many.
+    noise : float
+        Standard deviation of what is left of white noise.
+
+    Notes
+    -----
+    Smoothed by the cubic fitted to a quarter of a swing around each sample [savitzky1964]: a filter of finite length, which
+    changes neither exponents nor dimensions.
     """
-    half = swing // 8
-    if half < 2:
-        return x, noise(x)
+    sigma, factor = noise(x), -(-FINE // swing)
+    if factor > 1:
+        x = resample_poly(x - x.mean(), factor, 1)[EDGE * factor : -EDGE * factor]
+    half = factor * swing // 8
     weights = savgol_coeffs(2 * half + 1, 3)
-    return np.convolve(x, weights, mode="valid"), noise(x) * float(np.sqrt(weights @ weights))
+    left = min(factor * float(weights @ weights), 1.0)  # interpolated noise repeats itself
+    return np.convolve(x, weights, mode="valid"), factor, sigma * float(np.sqrt(left))
 
 
 def is_flow(x: Array) -> bool:

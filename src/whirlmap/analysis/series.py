@@ -11,11 +11,9 @@ from scipy import signal
 
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
-from whirlmap.analysis.kantz import kantz_exponent
 from whirlmap.analysis.lines import named_shares
-from whirlmap.analysis.parting import is_flow, smoothed
 from whirlmap.analysis.recurrence import recurrence
-from whirlmap.analysis.rosenstein import rosenstein_exponent
+from whirlmap.analysis.signal_exponents import signal_exponents
 from whirlmap.analysis.spectral_lines import spectral_lines
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.zero_one import STATUS as ZERO_ONE_STATUS
@@ -33,10 +31,8 @@ FEWEST, FEWEST_SWINGS = 1000, 30
 STRONG = 0.95
 #: Samples per swing to which a finely sampled signal is thinned before it is embedded.
 FINE = 40
-#: Samples whose false neighbours and whose parting, vectors whose distances, and points whose recurrences are looked at.
-NEIGHBOURS, PARTING, VECTORS, RECURRENT = 12_000, 48_000, 8_000, 1_500
-#: Swings over which neighbours are followed.
-FOLLOWED = 12
+#: Samples whose false neighbours, vectors whose distances, and points whose recurrences are looked at.
+NEIGHBOURS, VECTORS, RECURRENT = 12_000, 8_000, 1_500
 #: Damping of the 0-1 test, for noise.
 DAMPING = 1.0
 #: Shares of the power: of one line that counts, of all lines in regular motion, outside of lines in broadband motion.
@@ -78,8 +74,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     2. Lag from the first minimum of the mutual information (without one, a quarter swing, which is said), dimension from
        false neighbours; without one at that lag, nor at a half or a quarter of it, none of the embedded indicators
        speaks: noise, or too many dimensions.
-    3. Exponents of a smooth signal: it is smoothed over a quarter swing, its vectors span half a swing at most, for longer
-       ones hold growth already, and neighbours that are as near as noise brings equal points do not count.
+    3. Exponents as `signal_exponents` says.
     4. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
        positive over a scaling range, and so is the other, or the dimension has one: coloured noise may show one of them
        by chance. Regular: the lines do, the 0-1 test does not wander, and Rosenstein's exponent is not
@@ -221,27 +216,18 @@ def _embedded(
     votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any],
 ) -> None:  # fmt: skip
     """Exponents, dimension and recurrence of the embedded signal."""
-    part, least, flow = x[:PARTING], 0.0, is_flow(x)
-    span = lag
-    if flow:
-        part, noise = smoothed(part, swing)
-        least = 2 * noise * np.sqrt(2 * (dimension - 1))
-        span = max(min(lag, swing // (2 * max(dimension - 1, 1))), 1)
-    steps = min(FOLLOWED * swing, part.size // 4)
-    for name, method in (("rosenstein", rosenstein_exponent), ("kantz", kantz_exponent)):
-        found = method(
-            part, dimension=dimension, lag=span, theiler=swing, steps=steps, flow=flow, rate=rate, least_distance=least
-        )
+    exponents, factor = signal_exponents(x, dimension=dimension, lag=lag, swing=swing, rate=rate)
+    for name, found in exponents.items():
         status = str(found["status"].attrs["flag_meanings"]).split()[int(found["status"])]
         value, error = float(found["exponent"]), float(found["exponent_error"])
         positive = status == "ok" and value > 2 * error
         votes[name] = {
             "vote": "positive" if positive else status if status != "ok" else "none", "value": _finite(value),
             "error": _finite(error),
-            "range": [int(found["range_begin"]), int(found["range_end"])] if status == "ok" else None,
+            "range": [int(found[end]) for end in ("range_begin", "range_end")] if status == "ok" else None,
         }  # fmt: skip
         data[name] = variable("step", found["divergence"].values, "1", f"mean logarithm of distances, {name}")
-    coords["step"] = variable("step", np.arange(steps + 1), "1", "samples")
+    coords["step"] = variable("step", np.arange(found.sizes["step"]) / factor, "1", "samples")
     vectors = delay_embedding(x, dimension=dimension, lag=lag)
     every = max(len(vectors) // VECTORS, 1)
     d = correlation_dimension(vectors[::every], theiler=max(ceil(swing / every), 1))
