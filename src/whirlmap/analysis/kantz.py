@@ -66,11 +66,12 @@ def kantz_exponent(
     own, other = np.repeat(near.own[whole], most), near.other[whole].ravel()
     distance = follow(x, own, other, **embedded).reshape(-1, most, steps + 1)
     found = []
+    fit: dict[str, Any] = {"tolerance": tolerance, "least_growth": least_growth, "least_steps": (dimension - 1) * lag}
     for count in neighbours:
         pairs = distance[:, :count].reshape(-1, steps + 1)
         far = (pairs > FAR * near.size).mean(axis=0)
         curves = mean_logarithms(pairs, blocks)
-        found.append(exponent_of(curves, far, rate=rate, tolerance=tolerance, least_growth=least_growth))
+        found.append(exponent_of(curves, far, rate=rate, **fit))
     each = np.array([float(f["exponent"]) for f in found])
     good = np.isfinite(each)
     best = int(np.nanargmax([float(f["growth"]) for f in found])) if good.any() else 0

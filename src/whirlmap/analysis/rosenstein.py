@@ -83,6 +83,8 @@ def rosenstein_exponent(
     if own.size >= max(near.own.size // 4, 5 * blocks):
         distance = follow(x, own, other, **embedded)
         curves, far = mean_logarithms(distance, blocks), (distance > FAR * near.size).mean(axis=0)
-    ds = exponent_of(curves, far, rate=rate, tolerance=tolerance, least_growth=least_growth)
+    ds = exponent_of(
+        curves, far, rate=rate, tolerance=tolerance, least_growth=least_growth, least_steps=(dimension - 1) * lag
+    )
     ds.attrs |= {"algorithm": "rosenstein1993", "dimension": dimension, "lag": lag, "theiler": theiler}
     return ds

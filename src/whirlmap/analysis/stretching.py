@@ -16,7 +16,9 @@ STATUS = ("ok", "no-scaling-range", "neighbours-coincide")
 MOST_FAR = 0.15
 
 
-def exponent_of(curves: Array, far: Array, *, rate: float, tolerance: float, least_growth: float) -> xr.Dataset:
+def exponent_of(
+    curves: Array, far: Array, *, rate: float, tolerance: float, least_growth: float, least_steps: int
+) -> xr.Dataset:
     """Slope of the mean of several curves over their widest straight range.
 
     Parameters
@@ -31,6 +33,8 @@ def exponent_of(curves: Array, far: Array, *, rate: float, tolerance: float, lea
         Largest departure of the slopes of the three thirds of the range from that of the whole, as a fraction of it.
     least_growth : float
         Growth over the range, in e-folds, below which nothing counts as a range.
+    least_steps : int
+        A range must be longer: more than the span of an embedded vector, for smooth noise also parts while that is renewed.
 
     Returns
     -------
@@ -58,7 +62,8 @@ def exponent_of(curves: Array, far: Array, *, rate: float, tolerance: float, lea
         slope = _slopes(mean, begin, end)
         thirds = _thirds(mean, begin, end)
         growth = slope * (end - begin)
-        straight = (np.abs(thirds - slope) <= tolerance * slope).all(axis=0) & (growth >= least_growth)
+        straight = (np.abs(thirds - slope) <= tolerance * slope).all(axis=0)
+        straight &= (growth >= least_growth) & (end - begin > least_steps)
         if straight.any():
             best = int(np.argmax(np.where(straight, growth, -np.inf)))
             a, b = ends = (int(begin[best]), int(end[best]))
@@ -87,7 +92,7 @@ def exponent_of(curves: Array, far: Array, *, rate: float, tolerance: float, lea
     ds["divergence"] = ("step", mean, {"units": "1", "long_name": "mean logarithm of the distance of neighbours"})
     ds["far_share"] = ("step", far, {"units": "1", "long_name": "share of the pairs that feel the attractor's size"})
     ds["status"] = ((), np.int8(STATUS.index(status)), {"units": "1", "long_name": "status of the exponent", **flags})
-    ds.attrs = {"tolerance": tolerance, "least_growth": least_growth, "rate": rate}
+    ds.attrs = {"tolerance": tolerance, "least_growth": least_growth, "least_steps": least_steps, "rate": rate}
     return ds
 
 
