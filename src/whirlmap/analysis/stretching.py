@@ -45,9 +45,9 @@ def exponent_of(
     Notes
     -----
     The range ends before `MOST_FAR` of the pairs are far apart. Of the straight ranges that are left the one with the most
-    growth wins. The error is the root of the sum of squares of the standard error between the blocks, half of the spread of
-    the slopes of the thirds (turning into the growing direction at the beginning, noise), and the slope times the mean
-    share of far pairs.
+    growth wins. The error is the root of the sum of squares of the standard error between the blocks, the spread of
+    the slopes of the thirds (neighbours turn into the growing direction at one end and feel the size at the other, which is
+    no scatter), and the slope times the mean share of far pairs.
     """
     mean = curves.mean(axis=0)
     steps = np.arange(mean.size)
@@ -70,7 +70,7 @@ def exponent_of(
             status = "ok"
             each = np.array([_slopes(c, begin[[best]], end[[best]])[0] for c in curves])
             between = each.std(ddof=1) / np.sqrt(each.size)
-            uneven = np.ptp(thirds[:, best]) / 2
+            uneven = np.ptp(thirds[:, best])
             lost = slope[best] * far[a : b + 1].mean()
             answer = {
                 "exponent": slope[best] * rate,
