@@ -9,14 +9,15 @@ is looked at on its own, by its own history:
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
 3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
-   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
+   (`acceleration`); where not it is put back, and the trial counts for nothing but time. Models whose rates jump have no
+   multipliers to prove it by (`saltation`), and settle plainly.
 4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -105,6 +106,12 @@ class Settled:
     waited: Integers
     accelerated: NDArray[np.bool_]
 
+    def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
+        """Take over how some points settled that have settled on, in place; the time they waited adds up."""
+        self.multiple[points], self.distance[points] = again.multiple, again.distance
+        self.scale[:, points], self.accelerated[points] = again.scale, again.accelerated
+        self.waited[points] += again.waited
+
 
 def settle(
     ensemble: Ensemble,
@@ -133,6 +140,12 @@ def settle(
         )
         assert segment.extremes is not None
         pool.look(segment.saved, segment.extremes["maximum"] - segment.extremes["minimum"])
+    refused = pool.trials.refuse_unproved()
+    if refused.size:
+        part = ensemble.subset(refused)
+        again = settle(part, replace(settling, accelerate=False), cyclic=cyclic, progress=progress)
+        ensemble.absorb(part, refused)
+        pool.settled.take(again, refused)
     return pool.settled
 
 
@@ -142,6 +155,7 @@ class _Pool:
     def __init__(self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float]) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.cyclic = ensemble, settling, cyclic
+        self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
         self.waiting = 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
@@ -180,7 +194,7 @@ class _Pool:
         self.end_trials(at[trying], saved[:, :, trying])
         self.look_plainly(at[~trying], saved[:, :, ~trying])
         done = ~self.ensemble.running[at] | (s.multiple[at] > 0) | (self.ran[at] >= self.settling.longest)
-        if self.settling.accelerate and not self.ensemble.tangents:
+        if self.accelerate:
             self.trials.begin(at[~done & ~trying], self.ran, self.last, positive(s.scale))
         self.free += self.slot[at[done]].tolist()
         self.active = at[~done]

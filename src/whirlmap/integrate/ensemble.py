@@ -74,6 +74,8 @@ class Ensemble:
     method : Method
     tangents : int
         Tangent vectors carried along, started from a fixed random orthonormal set.
+    orthonormal : bool
+        Whether the tangent vectors are orthonormalised once per T. Where not, they start from the first unit vectors.
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
     redo : bool
@@ -111,6 +113,7 @@ class Ensemble:
         steps: int | Integers,
         method: Method = RK4,
         tangents: int = 0,
+        orthonormal: bool = True,
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
@@ -120,7 +123,8 @@ class Ensemble:
             raise RangeError(f"steps per T must be at least 1, not {np.min(steps)}")
         if x.shape != (model.dimension, n):
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
-        self.model, self.method, self.tangents, self.redo, self.accuracy = model, method, tangents, redo, accuracy
+        self.model, self.method, self.redo, self.accuracy = model, method, redo, accuracy
+        self.tangents, self.orthonormal = tangents, orthonormal
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
         self.orders, self.workers = orders, workers or cores()
         self.points = n
@@ -132,7 +136,7 @@ class Ensemble:
         self.turns = np.zeros(n, dtype=np.int64)
         self.step_error, self.step_verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
         self._group()
-        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n)])
+        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n, orthonormal)])
 
     def _group(self) -> None:
         """Group the points by kernel and steps."""
@@ -146,6 +150,11 @@ class Ensemble:
     def x(self) -> Array:
         """Present states, shape (state, point)."""
         return self._y[: self.model.dimension]
+
+    @property
+    def vectors(self) -> Array:
+        """Present tangent vectors, shape (vector, state, point)."""
+        return self._y[self.model.dimension :].reshape(self.tangents, self.model.dimension, self.points)
 
     @property
     def steps(self) -> int:
@@ -173,7 +182,7 @@ class Ensemble:
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            workers=self.workers, redo=self.redo, accuracy=self.accuracy,
+            orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:
@@ -228,7 +237,7 @@ class Ensemble:
         rows = self.model.dimension + len(self.model.outputs)
         segment = Record(
             saved=np.full((int(n_periods // save) if save else 0, self.model.dimension, members.size), np.nan),
-            growth=np.zeros((n_periods if self.tangents else 0, self.tangents, members.size)),
+            growth=np.zeros((n_periods if self.tangents and self.orthonormal else 0, self.tangents, members.size)),
             sums=np.zeros((5, rows if extremes else 0, members.size)),
         )
         place = np.full(self.points, -1, dtype=np.intp)
@@ -286,13 +295,13 @@ def variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]
     return [(m, members) for m, members in split if members.size]
 
 
-def _tangent_start(n: int, count: int, points: int) -> Array:
-    """Orthonormal tangent vectors, the same random set for every point."""
+def _tangent_start(n: int, count: int, points: int, random: bool) -> Array:
+    """Orthonormal tangent vectors, the same random set or the same unit vectors for every point."""
     if count == 0:
         return np.zeros((0, points))
     if count > n:
         raise RangeError(f"{count} tangent vectors in {n} dimensions")
-    q, _ = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))
+    q = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))[0] if random else np.eye(n, count)
     return np.repeat(q.T.reshape(n * count, 1), points, axis=1)
 
 

@@ -92,7 +92,8 @@ def bifurcation_diagram(
     if lyapunov:
         refuse_jumps(system.model, "a Lyapunov exponent")
     kept = kept_states(system, states)
-    run = _Run(system, parameter, settling, lyapunov, steps, accuracy, method, workers, progress)
+    labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers, kept=tuple(kept))
+    run = _Run(system, parameter, labelling, progress)
     if follow is None:
         measured, ensemble = run.cold(points)
         ds = _dataset(system, parameter, points, measured, kept)
@@ -119,18 +120,12 @@ class _Run:
 
     system: System
     parameter: str
-    settling: Settling
-    lyapunov: int
-    steps: int | None
-    accuracy: float | None
-    method: str | None
-    workers: int | None
+    labelling: Labelling
     progress: Callable[[int], None] | None
 
     def cold(self, points: Array, starts: Array | None = None) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start."""
-        labelling = Labelling(self.settling, self.lyapunov, self.steps, self.accuracy, self.method, self.workers)
-        return labelling.measure(self.system, {self.parameter: points}, starts=starts, progress=self.progress)
+        return self.labelling.measure(self.system, {self.parameter: points}, starts=starts, progress=self.progress)
 
     def chain(self, points: Array, *, downwards: bool) -> tuple[Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""

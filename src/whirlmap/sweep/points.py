@@ -60,7 +60,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Labelling:
-    """How points are measured: the options of `label_points`."""
+    """How points are measured: the options of `label_points`, and the states whose section is kept."""
 
     settling: Settling
     lyapunov: int
@@ -68,6 +68,7 @@ class Labelling:
     accuracy: float | None = None
     method: str | None = None
     workers: int | None = None
+    kept: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a length of the exponent's run that gives no error."""
@@ -87,7 +88,7 @@ class Labelling:
         ensemble, found = make_ensemble(
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
-        returns = settle_and_record(ensemble, self.settling, cyclic=cyclic, progress=progress)
+        returns = self._returns(ensemble, self.settling, cyclic, progress)
         exponent, error, winding = (np.full(ensemble.points, np.nan) for _ in range(3))
         periods = np.zeros(ensemble.points, dtype=np.int64)
         confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
@@ -115,6 +116,13 @@ class Labelling:
             ensemble.point_steps, ensemble.step_error, ensemble.step_verdict,
         ), ensemble  # fmt: skip
 
+    def _returns(
+        self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float], progress: Progress | None
+    ) -> Returns:
+        names = [s.name for s in ensemble.model.states]
+        kept = [names.index(name) for name in self.kept]
+        return settle_and_record(ensemble, settling, kept=kept, cyclic=cyclic, progress=progress)
+
     def _given_time(
         self,
         ensemble: Ensemble,
@@ -138,7 +146,7 @@ class Labelling:
             part.advance(int(length) * part.common_multiple, progress=progress)
             # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
             longer = replace(self.settling, transient=int(length) // 4)
-            again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
+            again = self._returns(part, longer, cyclic, progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
                 values[..., these] = getattr(again, name) + (values[these] + length if name == "waited" else 0)
@@ -239,17 +247,16 @@ def label_points(
 
 
 def points_dataset(
-    system: System, columns: Mapping[str, Array], measured: Measured, *, sections: bool = False
+    system: System, columns: Mapping[str, Array], measured: Measured, *, kept: Sequence[str] = ()
 ) -> xr.Dataset:
-    """Dataset of measured points over ``point``, with their sections or without, and no attributes of its own."""
+    """Dataset of measured points over ``point``, without attributes; ``kept`` are the states whose section was kept."""
     model = system.model
     data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
     }
-    if sections:
-        kept = kept_states(system, None)
+    if kept:
         data["section"] = section_variable("point", system, measured, kept)
         coords["period"] = ("period", np.arange(1, measured.returns.section.shape[0] + 1), {"long_name": "T"})
         coords["state"] = names_coordinate("state", kept, "state")
@@ -276,10 +283,10 @@ def kept_states(system: System, states: Sequence[str] | None) -> list[str]:
 
 
 def section_variable(dim: str, system: System, measured: Measured, kept: Sequence[str]) -> Any:
-    """Section of every point, of some of its states."""
+    """Section of every point, of the states that it was measured with."""
     rows = [system.states.index(name) for name in kept]
     return variable(
-        (dim, "period", "state"), measured.returns.section[:, rows].transpose(2, 0, 1), "1", "section point, once per T",
+        (dim, "period", "state"), measured.returns.section.transpose(2, 0, 1), "1", "section point, once per T",
         unit_of_each=" ".join(system.model.states[k].unit for k in rows),
     )  # fmt: skip
 
