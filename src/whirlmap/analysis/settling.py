@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.acceleration import LONGEST_RETURN, Trials
 from whirlmap.analysis.extrapolation import DIFFERENCES
-from whirlmap.analysis.periodicity import distance_to_limit, shortest_return, shrinking
+from whirlmap.analysis.periodicity import distance_to_limit, nearest_return, shortest_return, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.routine import LANES
@@ -90,7 +90,8 @@ class Settled:
     multiple : array of int
         Smallest return in common periods; 0 where there is none.
     distance : array
-        The return distance that decided, over the range of each state.
+        The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
+        where it ended.
     scale : array, shape (state, point)
         Range of each state over the last round.
     waited : array of int
@@ -226,6 +227,11 @@ class _Pool:
         multiple, s.distance[points] = shortest_return(
             x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
         )
+        given_up = (multiple == 0) & (self.ran[points] >= self.settling.longest)
+        if window == self.windows[-1] and given_up.any():
+            s.distance[points[given_up]] = nearest_return(
+                x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
+            )
         returned = np.flatnonzero(multiple > 0)
         multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
         near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance
