@@ -34,8 +34,8 @@ Integers = NDArray[np.int64]
 
 #: Common periods between two looks at a point.
 ROUND = 4
-#: Blocks of lanes in the pool, for each worker.
-POOL = 32
+#: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
+POOL = 128
 
 
 @dataclass(frozen=True)
