@@ -194,8 +194,16 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
         sure = np.abs(e.exponent) > 3 * e.exponent_error
         vote = np.where(np.abs(grown) < limit, Vote.regular, Vote.none)
         vote = np.where(sure & (grown >= limit), Vote.chaotic, vote)
-        # Shear makes neutral vectors longer, never shorter: what shrinks by more than they breathe is contracting.
-        return np.where(sure & (grown <= -BREATHING), Vote.periodic, vote)
+        return np.where(contracts(e.exponent, e.exponent_error, e.duration), Vote.periodic, vote)
+
+
+def contracts(exponent: Array, error: Array, duration: Array) -> NDArray[np.bool_]:
+    """Whether tangent vectors have shrunk for sure: shear makes neutral ones longer, so that they shrink by no more than they
+    breathe.
+    """
+    with np.errstate(invalid="ignore"):
+        shrunk: NDArray[np.bool_] = (np.abs(exponent) > 3 * error) & (exponent * duration <= -BREATHING)
+    return shrunk
 
 
 def _zero_one_votes(e: Evidence) -> NDArray[np.int64]:
