@@ -233,6 +233,8 @@ class _Pool:
                 x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
             )
         returned = np.flatnonzero(multiple > 0)
+        if not returned.size:
+            return
         multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
         near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance
         # a spiral of nearly m to the round looks like an orbit of m in one window, and not in two
