@@ -93,6 +93,13 @@ def test_bits_of_evidence_do_not_depend_on_the_company():
         assert repr(windings_of(henons[:, :, k : k + 1])[0]) == repr(turns[k])
 
 
+def test_one_coordinate_turns_in_the_plane_of_its_last_value():
+    x = np.cos(2 * np.pi * GOLDEN * np.arange(512))
+    for section in (x[:, None, None], np.stack([np.ones(512), x], axis=1)[:, :, None]):
+        turned = windings_of(section)[0].number
+        assert turned in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
+
+
 def test_evidence_does_not_depend_on_scale_shift_or_rotation():
     x = henon(1024)
     turn = np.array([[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]])
@@ -109,7 +116,8 @@ def test_an_angle_enters_by_its_circle():
     for phase in (angle, angle % (2 * np.pi)):
         e = section_evidence(phase[:, None, None], cyclic={0: 2 * np.pi})
         assert e.digits[0] > 8
-        assert windings_of(phase[:, None, None], {0: 2 * np.pi})[0].number in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
+        turned = windings_of(phase[:, None, None], {0: 2 * np.pi})[0].number
+        assert turned in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
 
 
 def test_short_still_and_broken_sections_are_not_judged():

@@ -158,15 +158,19 @@ def windings_of(section: Array, cyclic: Mapping[int, float] | None = None) -> li
         lines, planes = np.flatnonzero(count == 1), np.flatnonzero(count > 1)
         # One coordinate turns in the plane of itself and its last value.
         line = columns[lines, moves[lines].argmax(axis=1)]
-        plane = columns[planes]
-        products = np.stack([(plane[:, k, None] * plane).sum(axis=2) for k in range(plane.shape[1])], axis=1)
-        axes = np.linalg.eigh(products)[1]
-        # The sign of an axis is arbitrary, and turns the plane round: it is fixed by a direction that no symmetry favours.
-        side = (axes / np.arange(1, axes.shape[1] + 1)[:, None]).sum(axis=1)
-        axes = np.where(side[:, None] < 0, -axes, axes)
-        found = winding_numbers(line[:, 1:], line[:, :-1]) + winding_numbers(
-            _combined(plane, axes[:, :, -1]), _combined(plane, axes[:, :, -2])
-        )
+        found = winding_numbers(line[:, 1:], line[:, :-1])
+        if planes.size:
+            found += winding_numbers(*_largest_extents(columns[planes]))
         for k, winding in zip(np.concatenate([lines, planes]), found, strict=True):
             out[part[k]] = winding
     return out
+
+
+def _largest_extents(columns: Array) -> tuple[Array, Array]:
+    """Coordinates of each point along its two largest extents, each of shape (point, time)."""
+    products = np.stack([(columns[:, k, None] * columns).sum(axis=2) for k in range(columns.shape[1])], axis=1)
+    axes = np.linalg.eigh(products)[1]
+    # The sign of an axis is arbitrary, and turns the plane round: it is fixed by a direction that no symmetry favours.
+    side = (axes / np.arange(1, axes.shape[1] + 1)[:, None]).sum(axis=1)
+    axes = np.where(side[:, None] < 0, -axes, axes)
+    return _combined(columns, axes[:, :, -1]), _combined(columns, axes[:, :, -2])

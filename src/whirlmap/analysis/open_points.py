@@ -1,9 +1,9 @@
 """Operating points that do not return: exponent, section and verdict of each, run as long as that one needs.
 
 A run with one tangent vector gives both. It goes on in stretches that double, until the indicators agree on a label and the
-error of the exponent is small enough, or to the longest length. Where tangent vectors shrink for sure no label can come of it:
-such a point is on its way to an orbit, for which it needs no tangent vector, and stops there. A point's numbers depend on its own
-run alone.
+error of the exponent is small enough, or to the longest length. Where tangent vectors shrink for sure no label can come of
+it: such a point is on its way to an orbit, for which it needs no tangent vector, and stops. A point's numbers depend on its
+own run alone.
 """
 
 from collections.abc import Callable, Mapping

@@ -126,7 +126,7 @@ def shortest_return(
     near = ((last / size).max(axis=1) < tolerance) & finite
     for m in np.flatnonzero(near.any(axis=1)) + 1:
         left = np.flatnonzero(near[m - 1] & (multiple == 0))
-        largest = _window_difference(section, m, left, period, size).max(axis=0)
+        largest = _window_difference(section, int(m), left, period, size).max(axis=0)
         returned = largest < tolerance
         multiple[left[returned]], distance[left[returned]] = m, largest[returned]
     return multiple, distance

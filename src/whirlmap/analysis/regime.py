@@ -198,8 +198,9 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
 
 
 def contracts(exponent: Array, error: Array, duration: Array) -> NDArray[np.bool_]:
-    """Whether tangent vectors have shrunk for sure: shear makes neutral ones longer, so that they shrink by no more than they
-    breathe.
+    """Whether tangent vectors have shrunk for sure.
+
+    Shear makes neutral ones longer, never shorter: what shrinks by more than they breathe is contracting.
     """
     with np.errstate(invalid="ignore"):
         shrunk: NDArray[np.bool_] = (np.abs(exponent) > 3 * error) & (exponent * duration <= -BREATHING)

@@ -230,8 +230,9 @@ class _Pool:
         given_up = (multiple == 0) & (self.ran[points] >= self.settling.longest)
         if window == self.windows[-1] and given_up.any():
             s.distance[points[given_up]] = nearest_return(
-                x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
-            )
+                x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1),
+                cyclic=self.cyclic,
+            )  # fmt: skip
         returned = np.flatnonzero(multiple > 0)
         if not returned.size:
             return

@@ -95,10 +95,10 @@ class Labelling:
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
         returns = settle_and_record(ensemble, self.settling, cyclic=cyclic, progress=progress)
-        n = ensemble.points
+        winding, exponent, error = (np.full(ensemble.points, np.nan) for _ in range(3))
         found = OpenPoints(
-            returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0),
-            *(np.full(n, np.nan) for _ in range(3)), np.zeros(n, dtype=np.int64),
+            returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0), winding, exponent, error,
+            np.zeros(ensemble.points, dtype=np.int64),
         )  # fmt: skip
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
