@@ -109,29 +109,35 @@ class Trials:
         size : array, shape (state, all points)
             Range of each state.
         """
-        left = members[ran[members] >= self._next[members]]
-        for m in range(1, LONGEST_RETURN + 1):
-            left = left[ran[left] >= m * DIFFERENCES + 1]
-            if not left.size:
-                return
-            x = last(left, m * DIFFERENCES + 1)[::m]
-            scale = scales(x, size[:, left], self.period)
-            change = np.abs(wrapped(np.diff(x, axis=0), self.period) / scale).max(axis=1)
-            first, end = change[:4].max(axis=0), change[-4:].max(axis=0)
-            slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
-            rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
-            slow &= m * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8 > WORTH * self.needs(m)
-            at = np.flatnonzero(slow)
-            if not at.size:
-                continue
-            found = limit(x[:, :, at], scale[:, at], self.period, self.tolerance / 4)
-            good = np.isfinite(found.error)
-            chosen = left[at[good]]
-            self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
-            self._start(chosen, m, found.x[:, good], found.leading[good])
-            left = np.delete(left, at[good])
+        due = members[ran[members] >= self._next[members]]
+        # Every return that may be tried of every point, side by side: NumPy's calls cost more than their numbers.
+        multiples = range(1, LONGEST_RETURN + 1)
+        long_enough = [due[ran[due] >= m * DIFFERENCES + 1] for m in multiples]
+        points = np.concatenate(long_enough)
+        if not points.size:
+            return
+        multiple = np.repeat(multiples, [p.size for p in long_enough])
+        x = np.concatenate(
+            [last(p, m * DIFFERENCES + 1)[::m] for m, p in zip(multiples, long_enough, strict=True)], axis=2
+        )  # fmt: skip
+        scale = scales(x, size[:, points], self.period)
+        change = np.abs(wrapped(np.diff(x, axis=0), self.period) / scale).max(axis=1)
+        first, end = change[:4].max(axis=0), change[-4:].max(axis=0)
+        slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
+        rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
+        left = multiple * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8
+        slow &= left > WORTH * np.array([0, *map(self.needs, multiples)])[multiple]
+        at = np.flatnonzero(slow)
+        if not at.size:
+            return
+        found = limit(x[:, :, at], scale[:, at], self.period, self.tolerance / 4)
+        good = np.flatnonzero(np.isfinite(found.error))
+        chosen, shortest = np.unique(points[at[good]], return_index=True)  # multiples ascend: the first is the shortest
+        good = good[shortest]
+        self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
+        self._start(chosen, multiple[at[good]], found.x[:, good], found.leading[good])
 
-    def _start(self, points: Points, multiple: int, x: Array, leading: Array) -> None:
+    def _start(self, points: Points, multiple: NDArray[np.int64], x: Array, leading: Array) -> None:
         e, slot = self.ensemble, self.slot[points]
         self._before[:, slot], self._turns[points] = e.x[:, points], e.turns[points]
         self._points[0, :, slot], self._ran[points] = x.T, 0

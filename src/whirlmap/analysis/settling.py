@@ -25,7 +25,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.acceleration import LONGEST_RETURN, Trials
 from whirlmap.analysis.extrapolation import DIFFERENCES
-from whirlmap.analysis.periodicity import distance_to_limit, shortest_return, shrinking
+from whirlmap.analysis.periodicity import distance_to_limit, nearest_return, shortest_return, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.routine import LANES
@@ -35,8 +35,8 @@ Integers = NDArray[np.int64]
 
 #: Common periods between two looks at a point.
 ROUND = 4
-#: Blocks of lanes in the pool, for each worker.
-POOL = 32
+#: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
+POOL = 128
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,8 @@ class Settled:
     multiple : array of int
         Smallest return in common periods; 0 where there is none.
     distance : array
-        The return distance that decided, over the range of each state.
+        The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
+        where it ended.
     scale : array, shape (state, point)
         Range of each state over the last round.
     waited : array of int
@@ -240,7 +241,15 @@ class _Pool:
         multiple, s.distance[points] = shortest_return(
             x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
         )
+        given_up = (multiple == 0) & (self.ran[points] >= self.settling.longest)
+        if window == self.windows[-1] and given_up.any():
+            s.distance[points[given_up]] = nearest_return(
+                x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1),
+                cyclic=self.cyclic,
+            )  # fmt: skip
         returned = np.flatnonzero(multiple > 0)
+        if not returned.size:
+            return
         multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
         near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance
         # a spiral of nearly m to the round looks like an orbit of m in one window, and not in two

@@ -31,8 +31,9 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-#: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run).
-TASKS, MOST_BLOCKS = 4, 16
+#: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run). Calls of
+#: fewer steps of blocks than `SHORT` are not divided: they take less than some milliseconds, Python's part of a call 0.1.
+TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict")
@@ -248,7 +249,9 @@ class Ensemble:
         tasks = [
             (group, local)
             for group in self._groups
-            for local in _tasks(np.flatnonzero((place[group.members] >= 0) & running[group.members]), self.workers)
+            for local in _tasks(
+                np.flatnonzero((place[group.members] >= 0) & running[group.members]), n_periods * group.steps, self.workers
+            )
         ]
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
@@ -274,10 +277,11 @@ class Ensemble:
         return Segment(segment.saved, segment.growth, statistics)
 
 
-def _tasks(local: NDArray[np.intp], workers: int) -> list[NDArray[np.intp]]:
+def _tasks(local: NDArray[np.intp], steps: int, workers: int) -> list[NDArray[np.intp]]:
     """Whole blocks for one call of a kernel: enough calls to keep all workers busy to the end, none of them small."""
     blocks = -(-local.size // LANES)
-    each = min(max(-(-blocks // (TASKS * workers)), 1), MOST_BLOCKS) * LANES
+    each = min(-(-blocks // (TASKS * workers)), MOST_BLOCKS) if workers > 1 else MOST_BLOCKS
+    each = max(each, -(-SHORT // max(steps, 1))) * LANES
     return [local[i : i + each] for i in range(0, local.size, each)]
 
 

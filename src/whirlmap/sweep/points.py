@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.lyapunov import BLOCKS
-from whirlmap.analysis.open_points import judge_open_points
+from whirlmap.analysis.open_points import OpenPoints, judge_open_points
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
@@ -29,12 +29,12 @@ from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 
-#: A motion that contracts is given the time to shrink by this before it is tested once more, but no more than so many
+#: A motion that contracts is given the time to shrink by this until it is given up, but no more than so many
 #: times the length of its exponent's run.
 SHRINK, PATIENCE = 1e-9, 4
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
-POOLS = 4
+POOLS = 2
 
 #: Arrays over the points of `Returns` that can be replaced by those of a later look.
 RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated")
@@ -85,35 +85,34 @@ class Labelling:
     ) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start; the ensemble stands where they were left."""
         cyclic = cyclic_states(system)
-        ensemble, found = make_ensemble(
+        ensemble, start_found = make_ensemble(
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
         returns = self._returns(ensemble, self.settling, cyclic, progress)
-        exponent, error, winding = (np.full(ensemble.points, np.nan) for _ in range(3))
-        periods = np.zeros(ensemble.points, dtype=np.int64)
-        confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
+        winding, exponent, error = (np.full(ensemble.points, np.nan) for _ in range(3))
+        found = OpenPoints(
+            returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0), winding, exponent, error,
+            np.zeros(ensemble.points, dtype=np.int64),
+        )  # fmt: skip
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
-            tangent, _ = make_ensemble(
-                system, {name: np.atleast_1d(np.asarray(v, dtype=float))[open_points] for name, v in values.items()},
-                starts=ensemble.x[:, open_points], steps=ensemble.point_steps[open_points], method=ensemble.method.name,
-                tangents=1, workers=self.workers,
-            )  # fmt: skip
-            judged = judge_open_points(tangent, self.lyapunov, cyclic, progress)
-            exponent[open_points], error[open_points] = judged.exponent, judged.error
-            periods[open_points] = judged.periods
-            label = returns.regime.copy()
-            # A point that reaches contact only now has no time of contact: it stays undecided.
-            label[open_points] = np.where(tangent.running, judged.regime, Regime.undecided)
-            confidence[open_points] = np.where(tangent.running, judged.confidence, 0.0)
-            winding[open_points] = judged.winding
-            returns = replace(returns, regime=label)
-            contracts = (judged.regime == Regime.undecided) & (judged.exponent < -3 * judged.error) & tangent.running
-            returns = self._given_time(ensemble, returns, open_points[contracts], exponent, cyclic, progress)
-            confidence[returns.regime == Regime.periodic] = 1.0
+            running = self._judge(system, values, ensemble, open_points, found, cyclic, progress, contraction_ends=True)
+            undecided = found.regime[open_points] == Regime.undecided
+            contracting = undecided & (found.exponent < -3 * found.error)[open_points] & running
+            contracting = open_points[contracting]
+            returns = self._given_time(ensemble, returns, contracting, found.exponent, cyclic, progress)
+            found.regime[contracting] = returns.regime[contracting]
+            found.confidence[contracting] = np.where(returns.regime[contracting] == Regime.undecided, 0.0, 1.0)
+            again = contracting[
+                (found.regime == Regime.undecided)[contracting] & (found.periods < self.lyapunov)[contracting]
+                & ensemble.running[contracting]
+            ]  # fmt: skip
+            if again.size:  # they stopped early for an orbit that is not there
+                self._judge(system, values, ensemble, again, found, cyclic, progress, contraction_ends=False)
         return Measured(
-            returns, ensemble.status, ensemble.end_time, exponent, error, periods, confidence, winding, found,
-            ensemble.point_steps, ensemble.step_error, ensemble.step_verdict,
+            replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
+            found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
+            ensemble.step_verdict,
         ), ensemble  # fmt: skip
 
     def _returns(
@@ -122,6 +121,32 @@ class Labelling:
         names = [s.name for s in ensemble.model.states]
         kept = [names.index(name) for name in self.kept]
         return settle_and_record(ensemble, settling, kept=kept, cyclic=cyclic, progress=progress)
+
+    def _judge(
+        self,
+        system: System,
+        values: Mapping[str, ArrayLike],
+        ensemble: Ensemble,
+        points: NDArray[np.intp],
+        found: OpenPoints,
+        cyclic: dict[int, float],
+        progress: Progress | None,
+        *,
+        contraction_ends: bool,
+    ) -> NDArray[np.bool_]:
+        """Judge points by a run with a tangent vector, into ``found``; returns which of them run to its end."""
+        tangent, _ = make_ensemble(
+            system, {name: np.atleast_1d(np.asarray(v, dtype=float))[points] for name, v in values.items()},
+            starts=ensemble.x[:, points], steps=ensemble.point_steps[points], method=ensemble.method.name,
+            tangents=1, workers=self.workers,
+        )  # fmt: skip
+        judged = judge_open_points(tangent, self.lyapunov, cyclic, progress, contraction_ends=contraction_ends)
+        for name in ("exponent", "error", "periods", "winding"):
+            getattr(found, name)[points] = getattr(judged, name)
+        # A point that reaches contact only now has no time of contact: it stays undecided.
+        found.regime[points] = np.where(tangent.running, judged.regime, Regime.undecided)
+        found.confidence[points] = np.where(tangent.running, judged.confidence, 0.0)
+        return tangent.running
 
     def _given_time(
         self,
@@ -132,7 +157,7 @@ class Labelling:
         cyclic: dict[int, float],
         progress: Progress | None,
     ) -> Returns:
-        """Test points once more whose motion contracts but has not returned, after the time that this takes.
+        """Settle points on whose motion contracts but has not returned, for the time that this takes at most.
 
         The time of each is a power of two of common periods, so that few lengths are run, and none depends on other points.
         """
@@ -143,13 +168,12 @@ class Labelling:
         for length in np.unique(extra):
             these = points[extra == length]
             part = ensemble.subset(these)
-            part.advance(int(length) * part.common_multiple, progress=progress)
             # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
-            longer = replace(self.settling, transient=int(length) // 4)
+            longer = replace(self.settling, transient=int(length) + int(length) // 4)
             again = self._returns(part, longer, cyclic, progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
-                values[..., these] = getattr(again, name) + (values[these] + length if name == "waited" else 0)
+                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
             for name, values in extremes.items():
                 values[..., these] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
