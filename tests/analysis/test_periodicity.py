@@ -206,7 +206,7 @@ def test_wrong_input_is_refused():
 
 
 def test_the_quick_search_finds_what_the_whole_one_finds():
-    """Cycles of 1 to 9, a drift that the last point hides, a state that stands still, noise, and a lane that is no number."""
+    """Cycles of 1 to 9, a drift that the last point hides, a state that stands still, noise, and what is no number."""
     rng, k = np.random.default_rng(3), np.arange(64)
     lanes = [np.stack([np.cos(2 * np.pi * k / n), np.sin(2 * np.pi * k / n)], axis=1) for n in range(1, 10)]
     late = lanes[3].copy()
