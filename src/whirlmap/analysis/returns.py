@@ -49,7 +49,7 @@ class Returns:
     period, multiple : array of int
         Smallest return in T, and in common periods; of an unforced model both in crossings. 0 where there is none.
     distance : array
-        The return distance that decided.
+        The return distance that decided; NaN where a forced point ended.
     waited : array of int
         Common periods that each point ran before the record (of an unforced model: typical times).
     accelerated : array of bool
