@@ -217,7 +217,7 @@ def _share(task):
 def diagram(quick):
     """Wall time of 600 points on two cores at a median error of 1e-7 after 8T: SciPy's over whirlmap's.
 
-    A diagram settles for some hundred T; a run of 64 is long enough that the start of threads and processes is no part of it.
+    A diagram settles for some hundred T; in a run of 64 the start of threads and processes counts for little.
     """
     periods = 8 if quick else 64
     short_rows = _rows_near(SCIPY_ERROR)

@@ -117,8 +117,8 @@ def _settling(part, _):
     return [
         f"{part['points']} speeds of `gear-psfd/intended` settle in {part['ratio']:.2f} of the processor time of a fixed"
         f" transient of {part['fixed']} common periods: {part['waited']:.1f} of them on average, the short cuts of"
-        f" {part['accelerated']} points and the proof of their multipliers included. {part['same']} of the returns equal those"
-        " of plain settling."
+        f" {part['accelerated']} points and the proof of their multipliers included. {part['same']} returns equal those of"
+        " plain settling."
     ]
 
 
