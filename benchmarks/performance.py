@@ -20,7 +20,8 @@ import numpy as np
 import whirlmap
 from peers import jitcode_runs, pynamicalsys_runs
 from performance_report import write
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.settling import Settling, settle
 from whirlmap.bench import contest, problems
 from whirlmap.bench.run import (
     ACCURACIES,
@@ -41,9 +42,11 @@ from whirlmap.integrate.ensemble import cores
 from whirlmap.kernels.methods import METHODS
 from whirlmap.results.regime import Regime
 
-PARTS = ("short", "work_precision", "lanes", "cores", "memory", "labelled", "diagram")
+PARTS = ("short", "work_precision", "lanes", "cores", "memory", "labelled", "settling", "diagram")
 #: Down to 1e-12: the film of the reference has an error of 3e-14, and no fit of it is worth a tighter tolerance.
 LONG = Plan(rounds=9, tolerances=tuple(10.0**-k for k in range(5, 13)))
+#: Common periods of the transient that settling is held against.
+FIXED = 200
 
 
 def say(text):
@@ -174,6 +177,31 @@ def _counts(diagram):
     return {Regime(int(v)).name: int(n) for v, n in zip(values, counts, strict=True)}
 
 
+def settling(quick):
+    """Processor time of settling a diagram against that of a fixed transient of 200 common periods; labels of both."""
+    system = whirlmap.load("gear-psfd/intended")
+    speeds = {"s": np.linspace(0.3, 4, 64 if quick else 600)}
+    found, seconds = {}, dict.fromkeys(("fixed", "settling", "plainly"), np.inf)
+    for _ in range(3):
+        for name in seconds:
+            ensemble, _ = make_ensemble(system, speeds)
+            begin = time.process_time()
+            if name == "fixed":
+                common = ensemble.common_multiple
+                ensemble.advance(FIXED * common, save_periods=common)
+            else:
+                options = Settling() if name == "settling" else Settling(transient=FIXED, accelerate=False)
+                found[name] = settle(ensemble, options)
+            seconds[name] = min(seconds[name], time.process_time() - begin)
+    out = {
+        "points": speeds["s"].size, "fixed": FIXED, "waited": float(found["settling"].waited.mean()),
+        "ratio": seconds["settling"] / seconds["fixed"], "accelerated": int(found["settling"].accelerated.sum()),
+        "same": int((found["settling"].multiple == found["plainly"].multiple).sum()),
+    }  # fmt: skip
+    say(f"settling: {out}")
+    return out
+
+
 def _share(task):
     """SciPy on a share of the points, in a process of its own; wall seconds without compilation."""
     method, tolerance, share, shares, periods = task
@@ -187,21 +215,24 @@ def _share(task):
 
 
 def diagram(quick):
-    """Wall time of 600 points x 8T on two cores at a median error of 1e-7: SciPy's over whirlmap's."""
-    del quick  # there is no shorter form of it
+    """Wall time of 600 points on two cores at a median error of 1e-7 after 8T: SciPy's over whirlmap's.
+
+    A diagram settles for some hundred T; in a run of 64 the start of threads and processes counts for little.
+    """
+    periods = 8 if quick else 64
     short_rows = _rows_near(SCIPY_ERROR)
-    problem = problems.gear_pair(0.0, 600)
+    problem = problems.gear_pair(0.0, 600, periods)
     accuracy = short_rows["whirlmap"][1]
     begin = time.perf_counter()
     steps = choose_steps(problem.ensemble(BY_ACCURACY, LADDER[0], 2), accuracy).steps
     choosing = time.perf_counter() - begin
     ours = _seconds(problem, BY_ACCURACY, steps, workers=2)
     mine = {"accuracy": accuracy, "seconds": ours, "choosing": choosing}
-    out = {"points": 600, "periods": 8, "cores": 2, "whirlmap": mine}
+    out = {"points": 600, "periods": periods, "cores": 2, "whirlmap": mine}
     for name in ("DOP853", "LSODA"):
         tolerance = short_rows[name][1]
         with ProcessPoolExecutor(2) as pool:
-            seconds = max(pool.map(_share, [(name, tolerance, i, 2, 8) for i in range(2)]))
+            seconds = max(pool.map(_share, [(name, tolerance, i, 2, periods) for i in range(2)]))
         out[name] = {"tolerance": tolerance, "seconds": seconds, "ratio": seconds / ours}
         say(f"diagram: {name} {out[name]}")
     return out
