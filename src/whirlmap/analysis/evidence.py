@@ -125,7 +125,7 @@ def moving_coordinates(
     Returns
     -------
     columns : array, shape (point, coordinate, time)
-        Zero where a coordinate stands still, or the point is not finite.
+        Zero where a coordinate stands still, or the point is not finite. Nothing moves in an empty section.
     moves : array of bool, shape (point, coordinate)
     """
     columns = []
@@ -137,6 +137,8 @@ def moving_coordinates(
         else:
             columns.append(column)
     x = np.stack(columns, axis=1)
+    if not x.shape[2]:
+        return x, np.zeros(x.shape[:2], dtype=bool)
     x[~np.isfinite(x).all(axis=(1, 2))] = 0.0
     spread = x.std(axis=2)
     moves = spread > STILL * np.maximum(np.abs(x).max(axis=2), 1e-300)
