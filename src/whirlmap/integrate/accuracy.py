@@ -28,6 +28,9 @@ FEW = 8
 STALLED = 4.0
 #: The rung from which on a lost order is believed: below it the steps may only be too long for any order to show.
 BELIEVED = 48
+#: Steps of a point whose method has lost its order: between steps a corner moves by their error, and with 64 of them that
+#: shakes a periodic orbit of the dead zone by 2e-4, which its tangent vector takes for chaos.
+KINKED = 256
 
 
 class Verdict(IntEnum):
@@ -95,7 +98,7 @@ def choose_steps(
     -----
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, likewise,
-    where the times are within a step.
+    where the times are within a step. A point that has lost its order goes on to `KINKED` steps, or to the accuracy.
 
     Raises
     ------
@@ -111,7 +114,7 @@ def choose_steps(
     left = np.flatnonzero(ensemble.running[members])
     verdict[left] = Verdict.stiff
     before = _Trial.of(ensemble, members[left], LADDER[0], progress)
-    history = np.full((len(LADDER), n), np.nan)
+    history, kinked = np.full((len(LADDER), n), np.nan), np.zeros(n, dtype=bool)
     for i, rung in enumerate(LADDER[1:]):
         if not left.size:
             break
@@ -120,7 +123,8 @@ def choose_steps(
         history[i, left] = error[left] = found
         steps[left] = LADDER[i]
         good = found <= accuracy
-        stalled = _stalled(history[:, left], i) & ~good
+        kinked[left] |= _stalled(history[:, left], i)
+        stalled = kinked[left] & ~good & (LADDER[i] >= KINKED)
         verdict[left[good]], verdict[left[stalled]] = Verdict.met, Verdict.nonsmooth
         stay = ~good & ~stalled
         steps[left[stay]] = rung
