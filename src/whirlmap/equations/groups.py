@@ -59,6 +59,9 @@ class Groups:
     quantities : callable
         ``quantities(switches) -> {name: Output}``: dimensional results worth showing (natural frequency,
         speeds), in inputs and parameters.
+    units : mapping of str to Expr
+        What the model's units are worth, in inputs and parameters: ``force`` [N], ``length`` [m], ``speed`` of the clock
+        [rad/s].
     routes : tuple of Route
         Other ways to give some inputs. An input is given in one way alone.
     shared : mapping of str to tuple of str
@@ -74,6 +77,7 @@ class Groups:
     inputs: tuple[Parameter, ...]
     declare: Callable[[Switches], Mapping[Parameter, Expr]]
     quantities: Callable[[Switches], Mapping[str, Output]] = lambda _: {}
+    units: Mapping[str, Expr] = field(default_factory=dict)
     routes: tuple[Route, ...] = ()
     shared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     sections: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

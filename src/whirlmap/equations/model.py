@@ -58,6 +58,20 @@ class Switching:
     jumps: bool = False
 
 
+@dataclass(frozen=True)
+class Film:
+    """A fluid film of the short-bearing law between a journal that spins and its bearing, for its linear coefficients.
+
+    ``u`` is the journal relative to the bearing over the clearance, ``psi`` the permeability, ``spin`` the journal's speed
+    over the clock's, positive from x to y, and ``strength`` is A times the clock's speed, over the model's unit of force.
+    """
+
+    u: tuple[State, State]
+    psi: Expr | int
+    spin: Expr | int
+    strength: Expr
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """States, parameters and one expression for the rate of each state.
@@ -83,6 +97,8 @@ class Model:
         Events that end a run, by the name of the status they give.
     switchings : mapping of str to Switching
         Surfaces at which the equations change their form.
+    films : mapping of str to Film
+        Films that carry a load at rest; nothing is integrated from them.
     section, typical_time
         For unforced models: where to cut, and a time in which the state changes by its own size (about a turn).
     start : "states" or "equilibrium"
@@ -116,6 +132,7 @@ class Model:
     outputs: Mapping[str, Output] = field(default_factory=dict)
     stops: Mapping[str, Stop] = field(default_factory=dict)
     switchings: Mapping[str, Switching] = field(default_factory=dict)
+    films: Mapping[str, Film] = field(default_factory=dict)
     section: Section | None = None
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
@@ -149,6 +166,8 @@ class Model:
         self._refuse_unknown("the stops", (e for s in self.stops.values() for e in (s.gap, s.reachable)), known)
         surfaces = [q.surface for q in self.switchings.values()]
         self._refuse_unknown("the switchings", surfaces, known | {t})
+        of_films = (e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength))
+        self._refuse_unknown("the films", of_films, known)
         self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")

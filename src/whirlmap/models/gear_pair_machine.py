@@ -211,6 +211,7 @@ GEAR_PAIR_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
+        units={"force": K_p * c, "length": c, "speed": pair.s * omega_0},
         routes=ROUTES,
         shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()}
