@@ -62,7 +62,7 @@ def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
         if spin == 0.0 or eccentricity == 0.0:
             continue
         one, sense = linear_film(eccentricity, psi), np.sign(spin)
-        # The film counts the line of centres from the load in the sense of rotation, and its second axis is ahead of the load.
+        # The film counts the line of centres from the load in the sense of rotation; its second axis is ahead of the load.
         along = np.arctan2(uy, ux) - sense * one.attitude
         turn = np.array([[np.cos(along), -sense * np.sin(along)], [np.sin(along), sense * np.cos(along)]])
         load = float(one.load) * strength * abs(spin)
