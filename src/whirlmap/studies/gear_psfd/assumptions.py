@@ -302,8 +302,8 @@ def _clocks(facts: _Facts) -> Iterator[Strain]:
         if given is not None and given < FEWEST_TEETH:
             yield Strain(
                 f"few_teeth_{i}", given, float(FEWEST_TEETH),
-                f"The {gear} has a number of teeth of {given:g}: below {FEWEST_TEETH} or so they are undercut, and the contact"
-                " ratio that keeps one pair or two in mesh is lost.",
+                f"Gears with fewer than {FEWEST_TEETH} teeth or so are undercut, and lose the contact ratio that keeps one"
+                f" pair or two in mesh; the {gear} has {given:g}.",
             )  # fmt: skip
         limit = FEWEST_TEETH if given is None else given
         if value < limit if given is None else abs(value - limit) > 1e-9 * limit:
