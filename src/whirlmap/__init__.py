@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.campbell import campbell as campbell
     from whirlmap.analysis.diagnosis import diagnose as diagnose
     from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
+    from whirlmap.analysis.film_coefficients import film_coefficients as film_coefficients
     from whirlmap.analysis.floquet import floquet_multipliers as floquet_multipliers
     from whirlmap.analysis.linear import linear_analysis as linear_analysis
     from whirlmap.analysis.lyapunov import lyapunov_spectrum as lyapunov_spectrum
@@ -47,6 +48,7 @@ _HOMES = {
     "lyapunov_spectrum": "whirlmap.analysis.lyapunov",
     "Settling": "whirlmap.analysis.settling",
     "diagnose_series": "whirlmap.analysis.series",
+    "film_coefficients": "whirlmap.analysis.film_coefficients",
     "floquet_multipliers": "whirlmap.analysis.floquet",
     "full_spectrum": "whirlmap.analysis.spectrum",
     "power_spectrum": "whirlmap.analysis.spectrum",

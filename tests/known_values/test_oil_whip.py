@@ -91,3 +91,28 @@ def test_the_stock_case_decays_below_and_grows_above_its_linear_threshold():
     parts = [e.advance(40, save_every=5).saved[:, :2] - rest[:2] for _ in range(2)]
     size = [np.hypot(part[:, 0], part[:, 1]).max(axis=0) for part in parts]
     assert size[1][0] < size[0][0] and size[1][1] > size[0][1]
+
+
+def test_the_gear_pair_begins_to_whirl_at_its_linear_threshold():
+    """20 states without unbalance and transmission error: a small kick grows at the rate of the eigenvalue, within 1 %."""
+    system = whirlmap.load("gear-psfd/machine", arc="fixed", b_p=0, b_g=0, E=0)
+    limit = whirlmap.stability_threshold(system, "s", (2.0, 4.0))
+    ratios = np.array([0.99, 1.01])
+    values = np.repeat(system.vector[:, None], 2, axis=1)
+    values[system.parameters.index("s")] = limit * ratios
+    rest, found = start_states(system.model, values)
+    assert found.all()
+    modes = [whirlmap.linear_analysis(system.replace(s=limit * r)) for r in ratios]
+    kick = np.stack([m.eigenvectors[:, 0].real / np.abs(m.eigenvectors[:, 0]).max() for m in modes], axis=1)
+    e = Ensemble(system.model, values, rest + 1e-5 * kick, orders=system.orders, steps=64)
+    turns, teeth = 30, 20  # saves every tooth, over turns of the pinion
+    path = e.advance(turns * teeth, save_every=64).saved - rest
+    assert (e.status == 0).all()
+    time = np.arange(path.shape[0]) * system.period
+    growth = []
+    for i, m in enumerate(modes):
+        left = np.linalg.inv(m.eigenvectors)[0]  # the least damped mode alone
+        growth.append(np.polyfit(time, np.log(np.abs(np.einsum("j,tj->t", left, path[:, :, i]))), 1)[0])
+        assert growth[i] == pytest.approx(m.eigenvalues[0].real, rel=1e-2)
+    assert growth[0] < 0 < growth[1]
+    assert np.interp(0.0, growth, ratios) == pytest.approx(1.0, abs=1e-3)

@@ -9,6 +9,7 @@ from sympy import lambdify, symbols
 
 from whirlmap.equations import t
 from whirlmap.errors import CaseError, ModelError
+from whirlmap.films import porous_short
 from whirlmap.films.law import plain_fixed_force
 from whirlmap.integrate.system import System
 from whirlmap.models import family, mesh
@@ -51,13 +52,22 @@ SWITCHED = [
     },
 ]  # fmt: skip
 
+#: Every film: switches, and changes of values.
+FILMS = [
+    ({"arc": "fixed"}, {"psi": 0.1}),
+    ({"arc": "positive"}, {}),
+    ({"arc": "positive"}, {"psi": 0.1}),
+    ({"arc": "positive", "centring": "spring"}, {"j_p": 0.0, "j_g": 0.0}),  # dampers that do not turn
+]
 
 ux, uy, wx, wy = symbols("ux uy wx wy", real=True)
 _FILM = lambdify((ux, uy, wx, wy), plain_fixed_force(ux, uy, wx, wy), "math")
 
 
-def film_force(u, slip, sense):
-    """Plain film with fixed half film, from velocity to force: the other way round than the model uses it."""
+def film_force(u, slip, sense, psi, arc):
+    """Force of a film from the velocity, the other way round than the model uses it."""
+    if arc == "positive" or psi > 0.0:
+        return np.array(porous_short.film_force(*u, *slip, psi, arc=arc, sigma=sense))
     force = np.array(_FILM(u[0], sense * u[1], slip[0], sense * slip[1]))  # mirrored where the journal turns clockwise
     return force * (1, sense)
 
@@ -150,7 +160,7 @@ class Energy:
             lost += 2 / v["s"] * (v["xi_tp"] * q["vqp"] ** 2 + v["xi_tg"] * q["vqg"] ** 2)
         for u, w, Gamma, spin in ((q["u1"], u_rates[:2], "Gamma_1", v["j_p"]), (q["u2"], u_rates[2:], "Gamma_2", v["j_g"])):
             slip = w - spin / 2 * np.array([-u[1], u[0]])
-            film = v[Gamma] * v["s"] * film_force(u, slip, np.sign(spin))
+            film = v[Gamma] * v["s"] * film_force(u, slip, np.sign(spin), v["psi"], self.switches["arc"])
             assert film @ slip <= 0, "a film takes energy from the half-speed frame, it never gives any"
             lost -= film @ w / s2
             eps = np.hypot(*u)
@@ -160,10 +170,13 @@ class Energy:
         return come - lost, q
 
 
-@pytest.mark.parametrize("switches", SWITCHED, ids=lambda s: " ".join(s.values()) or "as derived")
-def test_energy_balance_closes(switches):
+@pytest.mark.parametrize(
+    ("switches", "changes"), [*(({"arc": "fixed", **s}, {}) for s in SWITCHED), *FILMS],
+    ids=lambda s: " ".join(f"{k}={v}" for k, v in s.items()) or "as derived",
+)  # fmt: skip
+def test_energy_balance_closes(switches, changes):
     """Power in less losses less the change of what is stored, over one mesh period, after the motion has begun."""
-    system = pair(arc="fixed", **switches)
+    system = pair(changes, **switches)
     n, energy = system.model.dimension, Energy(system)
     k, k_rate = energy.stiffness()
     seen = {"loose": 0.0, "rubbing": 0.0}

@@ -152,6 +152,12 @@ def test_journals_and_gear_of_the_print_turn_on_clocks_of_their_own():
     assert (strains["spin_1"].value, strains["spin_2"].value) == (4.0, 8.0)
     assert strains["gear_sense"].value == 0.5
     assert not {"spin_1", "spin_2", "gear_sense"} & set(found(system(INTENDED), CALM))
+    assert found(system(MACHINE, r_g="1/2"), CALM)["gear_sense"].value == 0.5
+
+
+def test_few_teeth():
+    assert "few_teeth_1" not in found(system(MACHINE, z_p=12), CALM)
+    assert found(system(MACHINE, z_p=11), CALM)["few_teeth_1"].value == 11
     assert "spin_1" in found(system(MACHINE, s=0.5, j_p=0.5), CALM)
 
 

@@ -1,56 +1,24 @@
 """A bearing of a dimensional rotor as the keyword arguments of ROSS's ``BearingElement``."""
 
 import numpy as np
-from numpy.typing import NDArray
 
-from whirlmap.analysis.linear import linear_analysis
+from whirlmap.analysis.film_coefficients import film_coefficients
 from whirlmap.errors import RangeError
-from whirlmap.films.linear import linear_film
 from whirlmap.integrate.system import System
 
-Matrix = NDArray[np.float64]
 
+def ross_bearing(system: System, film: str = "1") -> dict[str, float]:
+    """Keyword arguments of ``ross.BearingElement`` for one bearing of the system: kxx ... cyy, without its node.
 
-def has_si_film(system: System) -> bool:
-    """Whether the system is a Jeffcott rotor on journal bearings with dimensional inputs."""
-    rotor = system.model.name == "jeffcott" and system.model.switches["bearing"] == "journal"
-    return rotor and {"M", "g", "c"} <= set(getattr(system.details, "inputs", {}))
+    ROSS's x and y are the transverse axes, its shaft turning from x to y, as the pinion does here. A gear turns the other
+    way: its coefficients are for these axes all the same, and its shaft has a negative speed in ROSS.
 
-
-def load_scale(system: System) -> tuple[float, float]:
-    """W/c [N/m] and W/(c omega) [N*s/m] of one bearing of such a rotor."""
-    M, g, c = (float(system.details.inputs[name].value) for name in ("M", "g", "c"))
-    omega = float(system.values["s"]) * np.sqrt(g / c)
-    return M * g / 2 / c, M * g / 2 / (c * omega)
-
-
-def film_coefficients(system: System) -> tuple[Matrix, Matrix]:
-    """Stiffness [N/m] and damping [N*s/m] of one film of a dimensional Jeffcott rotor at its static equilibrium.
-
-    Axes are the model's: x horizontal, y up, the journal turning from x to y; the force on the journal is -K u - C u'.
-
-    Raises
-    ------
-    RangeError
-        Where the system is not a Jeffcott rotor on journal bearings with dimensional inputs, or has no equilibrium.
-    """
-    if not has_si_film(system):
-        raise RangeError(
-            f"{system.case or system.model.name}: coefficients in N/m need a dimensional Jeffcott rotor on journal bearings,"
-            " such as machines/jeffcott-rig"
-        )
-    ux, uy = linear_analysis(system).equilibrium[:2]
-    film = linear_film(np.hypot(ux, uy), 0.0)
-    load = np.arctan2(uy, ux) - film.attitude  # direction of the load, from which the film counts the line of centres
-    turn = np.array([[np.cos(load), -np.sin(load)], [np.sin(load), np.cos(load)]])
-    stiffness, damping = load_scale(system)
-    return stiffness * turn @ film.K @ turn.T, damping * turn @ film.C @ turn.T
-
-
-def ross_bearing(system: System) -> dict[str, float]:
-    """Keyword arguments of ``ross.BearingElement`` for one bearing of the rotor: kxx ... cyy, without its node.
-
-    ROSS's x and y are the transverse axes, its shaft turning from x to y, as here.
+    Parameters
+    ----------
+    system : System
+        With dimensional inputs, such as machines/jeffcott-rig or machines/turbo-gearbox.
+    film : str
+        Name of the bearing: "1", or "2" for those of the gear.
 
     Returns
     -------
@@ -60,8 +28,18 @@ def ross_bearing(system: System) -> dict[str, float]:
     Raises
     ------
     RangeError
-        See `film_coefficients`.
+        Where there is no such film, no static equilibrium, or a case without dimensions.
     """
-    K, C = film_coefficients(system)
+    name = system.case or system.model.name
+    if film not in system.model.films:
+        known = ", ".join(system.model.films) or "none"
+        raise RangeError(f"{name}: found no film {film!r} that carries a load at rest, expected one of: {known}")
+    found = film_coefficients(system).get(film)
+    if found is None or np.isnan(found.W_c_omega):
+        raise RangeError(
+            f"{name}: coefficients of film {film} in N/m need a journal that turns and carries a load, and dimensional"
+            " inputs, as in machines/jeffcott-rig"
+        )
+    sets = (("k", found.W_c * found.K), ("c", found.W_c_omega * found.C))
     axes = (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
-    return {f"{letter}{name}": float(A[i, j]) for letter, A in (("k", K), ("c", C)) for name, i, j in axes}
+    return {f"{letter}{axis}": float(A[i, j]) for letter, A in sets for axis, i, j in axes}

@@ -172,7 +172,9 @@ def _body(
     for key, value in (*table.items(), *chosen.items()):
         if key in entries.RESERVED:
             continue
-        if isinstance(value, Mapping) and value and all(isinstance(v, Mapping) for v in value.values()):
+        sections = family.groups.sections if family.groups else {}
+        grouped = isinstance(value, Mapping) and value and all(isinstance(v, Mapping) for v in value.values())
+        if grouped or (key in sections and isinstance(value, Mapping)):
             for name, entry in _section(file, raw, key, value, family).items():
                 _put(layer, entries.given(file, raw, name, entry), family)
             continue

@@ -1,16 +1,23 @@
 """``whirlmap linear``: the static equilibrium, the eigenvalues there, and the stability threshold."""
 
-from typing import Annotated
+import math
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from whirlmap.cli import options, report
+
+if TYPE_CHECKING:
+    from whirlmap.analysis.film_coefficients import FilmCoefficients
 
 EXAMPLES = (
     "whirlmap linear jeffcott",
     "whirlmap linear machines/jeffcott-rig --json",
     "whirlmap linear jeffcott --set Gamma=0.2 --threshold s=0.5:4",
 )
+
+#: Coefficients in units of the load W that the film carries, and of the journal's speed omega; and in SI.
+HEADS = {"K_over_W_c": "k [W/c]", "K": "k [N/m]", "C_over_W_c_omega": "c [W/(c omega)]", "C": "c [N*s/m]"}
 
 
 def linear(
@@ -28,8 +35,8 @@ def linear(
     """Linearise CASE about its static equilibrium, with all forcing off."""
     bracket = next(iter(options.brackets([threshold], "--threshold").items())) if threshold else None
     system = options.open_system(case, changes, None)
+    from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import linear_analysis
-    from whirlmap.analysis.ross import film_coefficients, has_si_film, load_scale
     from whirlmap.analysis.threshold import stability_threshold
 
     found = linear_analysis(system)
@@ -39,14 +46,11 @@ def linear(
         {"growth": float(v.real), "frequency": float(v.imag), "damping_ratio": float(-v.real / abs(v)) if v else None}
         for v in found.eigenvalues
     ]
-    film = None
-    if has_si_film(system):
-        (K, C), (stiffness, damping) = film_coefficients(system), load_scale(system)
-        film = {"K": K, "C": C, "K_over_W_c": K / stiffness, "C_over_W_c_omega": C / damping}
+    films = {name: _film(one) for name, one in film_coefficients(system).items()}
     if json:
         report.print_json({
             "case": system.case, "model": system.model.name, "parameters": system.values, "equilibrium": equilibrium,
-            "stable": found.stable, "eigenvalues": modes, "film": film,
+            "stable": found.stable, "eigenvalues": modes, "films": films,
             "threshold": {"parameter": bracket[0], "value": limit} if bracket else None,
         })  # fmt: skip
         return
@@ -56,12 +60,22 @@ def linear(
         report.table("Static equilibrium", ("state", "value"), equilibrium.items(), numbers=(1,)),
         report.table("Eigenvalues, per radian of the clock", columns, [tuple(m.values()) for m in modes], numbers=(0, 1, 2)),
     )
-    if film:
+    for name, one in films.items():
+        keys = [key for key in one if key[0] in "KC" and one[key] is not None]
         rows = [
-            (name, *(float(film[key][i, j]) for key in ("K_over_W_c", "K", "C_over_W_c_omega", "C")))
-            for name, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
+            (axes, *(float(one[key][i][j]) for key in keys))
+            for axes, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
         ]
-        heads = ("axes", "k [W/c]", "k [N/m]", "c [W/(c omega)]", "c [N*s/m]")
-        report.show(report.table("Film of one bearing, x horizontal, y up", heads, rows, numbers=(1, 2, 3, 4)))
+        title = f"Bearing {name}, eccentricity {one['eccentricity']:.4g}"
+        report.show(report.table(title, ("axes", *(HEADS[key] for key in keys)), rows, numbers=range(1, len(keys) + 1)))
     if bracket:
         typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}")
+
+
+def _film(film: "FilmCoefficients") -> dict[str, Any]:
+    """Plain data of one film; None in place of what needs dimensions."""
+    si = math.isfinite(film.W_c_omega)
+    return {
+        "eccentricity": film.eccentricity, "load": film.load, "K_over_W_c": film.K, "K": film.W_c * film.K if si else None,
+        "C_over_W_c_omega": film.C, "C": film.W_c_omega * film.C if si else None,
+    }  # fmt: skip

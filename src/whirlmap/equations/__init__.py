@@ -8,6 +8,7 @@ from sympy import sin as sin
 from sympy import sqrt as sqrt
 
 from whirlmap.equations.model import Family as Family
+from whirlmap.equations.model import Film as Film
 from whirlmap.equations.model import Model as Model
 from whirlmap.equations.model import Output as Output
 from whirlmap.equations.model import Section as Section

@@ -10,6 +10,8 @@ from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from fractions import Fraction
 from functools import lru_cache
+from math import inf, nan
+from sys import float_info
 
 from sympy import Expr, Rational, Symbol, sympify
 
@@ -59,6 +61,9 @@ class Groups:
     quantities : callable
         ``quantities(switches) -> {name: Output}``: dimensional results worth showing (natural frequency,
         speeds), in inputs and parameters.
+    units : mapping of str to Expr
+        What the model's units are worth, in inputs and parameters: ``force`` [N], ``length`` [m], ``speed`` of the clock
+        [rad/s].
     routes : tuple of Route
         Other ways to give some inputs. An input is given in one way alone.
     shared : mapping of str to tuple of str
@@ -74,6 +79,7 @@ class Groups:
     inputs: tuple[Parameter, ...]
     declare: Callable[[Switches], Mapping[Parameter, Expr]]
     quantities: Callable[[Switches], Mapping[str, Output]] = lambda _: {}
+    units: Mapping[str, Expr] = field(default_factory=dict)
     routes: tuple[Route, ...] = ()
     shared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     sections: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -156,12 +162,19 @@ def _declared(
 
 
 def value_of(expression: Expr, values: Mapping[str, Fraction | float]) -> Fraction | float:
-    """Evaluate an expression: exactly where all is rational, else to 30 digits and rounded to a float."""
+    """Evaluate an expression: exactly where all is rational, else to 30 digits and rounded to a float.
+
+    A result that is no number (a division by zero, a root of a negative number) is NaN, one beyond the floats infinite.
+    """
     numbers: dict[Symbol, Expr] = {}
     for symbol in expression.free_symbols:
         value = Fraction(values[symbol.name])
         numbers[symbol] = Rational(value.numerator, value.denominator)
     result = expression.xreplace(numbers)
+    if result.is_finite is False or result.is_real is False:
+        return nan
+    if abs(result) > float_info.max:
+        return inf if result > 0 else -inf
     if isinstance(result, Rational):
         return Fraction(int(result.p), int(result.q))
     return float(result.evalf(30))

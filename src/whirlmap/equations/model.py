@@ -58,6 +58,20 @@ class Switching:
     jumps: bool = False
 
 
+@dataclass(frozen=True)
+class Film:
+    """A fluid film of the short-bearing law between a journal that spins and its bearing, for its linear coefficients.
+
+    ``u`` is the journal relative to the bearing over the clearance, ``psi`` the permeability, ``spin`` the journal's speed
+    over the clock's, positive from x to y, and ``strength`` is A times the clock's speed, over the model's unit of force.
+    """
+
+    u: tuple[State, State]
+    psi: Expr | int
+    spin: Expr | int
+    strength: Expr
+
+
 @dataclass(frozen=True, eq=False)
 class Model:
     """States, parameters and one expression for the rate of each state.
@@ -85,6 +99,8 @@ class Model:
         Surfaces at which the equations change their form.
     teeth : Expr, optional
         Deflection of the teeth, of states, parameters and time: positive while the driving flanks press on each other.
+    films : mapping of str to Film
+        Films that carry a load at rest; nothing is integrated from them.
     section, typical_time
         For unforced models: where to cut, and a time in which the state changes by its own size (about a turn).
     start : "states" or "equilibrium"
@@ -119,6 +135,7 @@ class Model:
     stops: Mapping[str, Stop] = field(default_factory=dict)
     switchings: Mapping[str, Switching] = field(default_factory=dict)
     teeth: Expr | None = None
+    films: Mapping[str, Film] = field(default_factory=dict)
     section: Section | None = None
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
@@ -153,6 +170,8 @@ class Model:
         surfaces = [q.surface for q in self.switchings.values()]
         self._refuse_unknown("the switchings", surfaces, known | {t})
         self._refuse_unknown("the teeth", [] if self.teeth is None else [self.teeth], known | {t})
+        of_films = (e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength))
+        self._refuse_unknown("the films", of_films, known)
         self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")

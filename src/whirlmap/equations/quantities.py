@@ -11,6 +11,9 @@ from sympy import Symbol
 
 from whirlmap.errors import ModelError
 
+#: Beyond any machine; products of a few numbers below it are still floats.
+LARGEST = 1e30
+
 
 class Quantity(Symbol):
     """A real symbol with unit and meaning.
@@ -108,6 +111,8 @@ class Parameter(Quantity):
         """Say what a value of this parameter breaks: ``"must be above 0"``; empty where it is allowed."""
         if not isfinite(value):
             return "must be a finite number"
+        if abs(value) > LARGEST:
+            return f"must be at most {LARGEST:g} in size"
         if self.above is not None and not value > self.above:
             return f"must be above {self.above:g}"
         if self.at_least is not None and not value >= self.at_least:

@@ -25,7 +25,7 @@ from collections.abc import Mapping
 
 from sympy import Expr
 
-from whirlmap.equations import Family, Model, Output, Parameter, Stop, Switching, cos, sign, sin, sqrt, states, t
+from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, Switching, cos, sign, sin, sqrt, states, t
 from whirlmap.errors import ModelError
 from whirlmap.films.law import FilmLaw, film_law, permeability_fault
 from whirlmap.models import mesh, rub, torsion
@@ -304,6 +304,7 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         else {},
         switchings=switchings(switches),
         teeth=tooth_deflection(switches)[0] if line else None,
+        films=films(film),
         start="equilibrium",
         start_where_none={u1x: 0.1, u2x: 0.1},
         bound=1e6,
@@ -337,6 +338,16 @@ def switchings(switches: Mapping[str, str]) -> dict[str, Switching]:
         for i, (ux, uy) in enumerate(((u1x, u1y), (u2x, u2y)), start=1):
             found[f"rub_{i}"] = Switching(sqrt(ux**2 + uy**2) - rub.eps_r, f"journal {i} rubs its bearing")
     return found
+
+
+def films(film: str) -> dict[str, Film]:
+    """Films of one bearing each; none of the print's law, whose force is that of a linear damper wherever the journal is."""
+    if film == "printed":
+        return {}
+    return {
+        "1": Film((u1x, u1y), psi, j_p, Gamma_1 * s / 2),  # A = mu R L^3/(2 c^2) in each of the two bearings of a shaft
+        "2": Film((u2x, u2y), psi, j_g, Gamma_2 * s / 2),
+    }
 
 
 GEAR_PAIR = Family(

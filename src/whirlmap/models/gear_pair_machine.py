@@ -7,6 +7,7 @@ of the clock. The pinion turns counter-clockwise.
 
 from collections.abc import Mapping
 from dataclasses import replace
+from fractions import Fraction
 
 from sympy import Abs, Expr, Rational, cos, pi, sign, sqrt
 
@@ -102,6 +103,16 @@ ROUTES = (
     Route(e_ug, (G_g, speed_max, z_p, z_g), lambda G, w, zp, zg: G * zg / (w * zp), "e = G/omega, ISO 21940-11"),
     Route(T_p, (P_t, speed_max), lambda P, w: P / w, "T = P/omega at speed_max"),
 )
+
+def torque_fault(inputs: Mapping[str, Fraction]) -> str:
+    """Say that a torque of zero has no line of action: its sign chooses the flanks that touch."""
+    if inputs.get(T_p.name) == 0:
+        return (
+            "found T_p = 0, expected a torque with a sign, which says on which flanks the teeth touch; or F_0 = 0 with"
+            " phi_m, the direction in which the pinion pushes the gear"
+        )
+    return ""
+
 
 omega_0 = sqrt(K_p / m_p)  # natural frequency of the pinion on a rigid bearing
 
@@ -212,11 +223,12 @@ GEAR_PAIR_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
+        units={"force": K_p * c, "length": c, "speed": pair.s * omega_0},
         routes=ROUTES,
         shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()}
         | {"bearings": (*(q.name for q in SECTIONS["bearings"]), "R", "L")},
         operation=tuple(q.name for q in OPERATION),
-        checks=(range_fault,),
+        checks=(range_fault, torque_fault),
     ),
 )

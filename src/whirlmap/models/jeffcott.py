@@ -15,7 +15,7 @@ pressure.
 
 from sympy import Expr
 
-from whirlmap.equations import Family, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
+from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
 from whirlmap.errors import ModelError
 from whirlmap.films.law import film_law, plain_fixed_force
 
@@ -29,6 +29,8 @@ b = Parameter("b", "1", "unbalance eccentricity over c", at_least=0)
 k = Parameter("k", "1", "shaft stiffness K c/W", above=0)
 k_c = Parameter("k_c", "1", "squirrel cage of one damper, K_c c/W", above=0)
 xi = Parameter("xi", "1", "damping of the rotor, C/(2 M) sqrt(c/g)", latex=r"\xi", at_least=0)
+
+FILM = Film((ux, uy), psi=0, spin=1, strength=Gamma * s)  # of one bearing; both are alike
 
 
 def outputs(F_x: Expr, F_y: Expr) -> dict[str, Output]:
@@ -55,6 +57,7 @@ def rigid() -> Model:
         harmonics=(1,),
         outputs=outputs(Gamma * s * F_x, Gamma * s * F_y),
         stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
+        films={"1": FILM},
         start="equilibrium",
         start_where_none={ux: 0.1},
         switches={"rotor": "rigid", "arc": "fixed", "bearing": "journal"},
@@ -87,6 +90,7 @@ def flexible(arc: str, bearing: str) -> Model:
         harmonics=(1,),
         outputs=outputs(load_x, load_y),
         stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
+        films={} if damper else {"1": FILM},
         # A film that carries nothing at rest has no derivative there, so that no Newton step finds the sag in the cage.
         start="states" if damper else "equilibrium",
         start_where_none={} if damper else {ux: 0.1},

@@ -91,6 +91,7 @@ JEFFCOTT_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
+        units={"force": W, "length": c, "speed": rotor.s * sqrt(g / c)},
         routes=ROUTES,
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()},
         operation=tuple(q.name for q in OPERATION),

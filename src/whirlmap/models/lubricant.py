@@ -13,6 +13,8 @@ from whirlmap.errors import CaseError
 
 KELVIN = 273.15
 LOW, HIGH = 40.0, 100.0
+#: Temperatures [degC] for which the charts of ASTM D341 are drawn straight.
+COLDEST, HOTTEST = -70.0, 340.0
 
 #: Grades of ISO 3448 [mm2/s].
 ISO_VG = (2, 3, 5, 7, 10, 15, 22, 32, 46, 68, 100, 150, 220, 320, 460, 680, 1000, 1500, 2200, 3200)
@@ -44,8 +46,13 @@ def walther(nu_40: float, nu_100: float, temperature: float) -> float:
     Raises
     ------
     CaseError
-        Where the oil does not get thinner as it warms, or is too thin for the equation (0.7 of ASTM D341 needs about 2).
+        Where the oil does not get thinner as it warms, or is too thin for the equation (0.7 of ASTM D341 needs about 2);
+        for a temperature outside of `COLDEST` to `HOTTEST`.
     """
+    if not COLDEST <= temperature <= HOTTEST:
+        raise CaseError(
+            f"found an oil at {temperature:g} degC, expected {COLDEST:g} to {HOTTEST:g} (Walther's equation, ASTM D341)"
+        )
     if not nu_40 > nu_100:
         raise CaseError(f"found {nu_40:g} mm^2/s at 40 degC and {nu_100:g} at 100 degC, expected less at 100 degC")
     if nu_100 < 2.0:

@@ -299,6 +299,12 @@ def _clocks(facts: _Facts) -> Iterator[Strain]:
             continue
         value = abs(v["r_m"] / v[rate])
         given = facts.inputs.get(teeth)
+        if given is not None and given < FEWEST_TEETH:
+            yield Strain(
+                f"few_teeth_{i}", given, float(FEWEST_TEETH),
+                f"Gears with fewer than {FEWEST_TEETH} teeth or so are undercut, and lose the contact ratio that keeps one"
+                f" pair or two in mesh; the {gear} has {given:g}.",
+            )  # fmt: skip
         limit = FEWEST_TEETH if given is None else given
         if value < limit if given is None else abs(value - limit) > 1e-9 * limit:
             beside = f"but it has {given:g}" if given is not None else f"and gears have at least {limit} or so"
@@ -316,7 +322,7 @@ def _clocks(facts: _Facts) -> Iterator[Strain]:
                 f"spin_{i}", value, 1.0,
                 f"Journal {i} spins in its film at {value:.4g} times the speed of its own shaft's unbalance.",
             )  # fmt: skip
-    if facts.switches.get("edition") == "literal" and v["r_p"] * v["r_g"] > 0.0:
+    if v["r_p"] * v["r_g"] > 0.0:
         yield Strain(
             "gear_sense", v["r_g"] / v["r_p"], 0.0,
             "The gear turns the same way as the pinion; two external gears turn against each other.",
