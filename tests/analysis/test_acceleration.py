@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
+import sympy as sp
 
 from whirlmap.analysis import acceleration, settling
 from whirlmap.analysis.extrapolation import DIFFERENCES, limit
 from whirlmap.analysis.floquet import floquet_multipliers
+from whirlmap.analysis.monodromy import largest_multipliers
 from whirlmap.analysis.points import make_ensemble
 from whirlmap.analysis.settling import Settling, settle
+from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate.loading import load
+from whirlmap.integrate.system import System
 
 FREE = np.array([np.inf, np.inf])
 
@@ -164,6 +168,65 @@ def test_a_failed_trial_leaves_no_trace(monkeypatch):
     assert (fast[0].waited > plain[0].waited).any() and not fast[0].accelerated.any()
     np.testing.assert_array_equal(fast[0].multiple, plain[0].multiple)
     np.testing.assert_array_equal(fast[1].x, plain[1].x)
+
+
+def test_multipliers_of_many_orbits():
+    """Those of `floquet_multipliers`, for orbits of one, two and four periods; the ensemble stays where it is."""
+    system, gamma = load("duffing"), np.array([0.1, 0.2, 0.27, 0.29])
+    settled_, e = settled(system, {"gamma": gamma}, transient=3000)[0]
+    assert set(settled_.multiple) == {1, 2, 4}
+    before = e.x.copy()
+    found = largest_multipliers(e, np.arange(4), settled_.multiple)
+    np.testing.assert_array_equal(e.x, before)
+    for i, m in enumerate(settled_.multiple):
+        at = system.replace(gamma=float(gamma[i]))
+        exact = floquet_multipliers(at, e.x[:, i], m * at.period)
+        assert found[i] == pytest.approx(float(np.exp(exact.log_modulus[0])), rel=1e-4)
+
+
+x, v, s = (State(n, "1", n) for n in "xvs")
+omega, rate = (Parameter(n, "1", n) for n in ("omega", "rate"))
+#: A weakly damped oscillator pushed by z = s - v, which grows or decays at a rate of its own and pulls nothing along.
+PUSHED = cos(omega * t) - 4 * x - v / 20 + (s - v)
+PLANE = Model("plane", (x, v, s), (omega, rate), {x: v, v: PUSHED, s: PUSHED + rate * (s - v)}, harmonics=(omega,))
+
+
+def plane(z, rate):
+    """How one start settles beside the plane z = 0."""
+    system = System(PLANE, {"omega": 1.0, "rate": rate})
+    return settled(system, {"rate": [rate]}, start=np.array([[0.8], [0.0], [z]]), transient=400)
+
+
+def test_an_orbit_that_repels_is_no_end_of_a_short_cut():
+    """The approach lies in the plane and shows nothing of the way out; the multipliers do."""
+    plain, fast = plane(0.0, -0.5)
+    assert fast[0].accelerated[0] and fast[0].multiple[0] == 1
+    plain, fast = plane(0.0, 0.02)
+    assert not fast[0].accelerated[0]
+    assert_same(plain, fast)
+
+
+def test_what_an_approach_hides_is_seen_by_the_multipliers(monkeypatch):
+    """A part that decays by 0.6 % a period, 1e-5 of the motion: its differences are far below the tolerance, it is not."""
+    cut = plane(1e-5, -1e-3)[1][0].accelerated[0]
+    monkeypatch.setattr(acceleration, "largest_multipliers", lambda e, points, multiple: np.full(points.size, 0.86))
+    assert plane(1e-5, -1e-3)[1][0].accelerated[0] and not cut
+
+
+def test_models_whose_rates_jump_settle_plainly():
+    """Without saltation their multipliers would be wrong, so nothing can be proved by them."""
+    friction = {x: v, v: cos(omega * t) - 4 * x - v / 20 - sp.sign(v) / 100, s: -s}
+    system = System(Model("dry", (x, v, s), (omega, rate), friction, harmonics=(omega,)), {"omega": 1.0, "rate": 0.0})
+    assert system.model.jumps
+    plain, fast = settled(system, {"rate": [0.0]}, start=np.array([[0.8], [0.0], [0.0]]), transient=400)
+    assert fast[0].waited[0] == plain[0].waited[0] > 20 and not fast[0].accelerated[0]
+
+
+def test_points_that_the_multipliers_refuse_settle_plainly(monkeypatch):
+    monkeypatch.setattr(acceleration, "largest_multipliers", lambda e, points, multiple: np.full(points.size, 1.001))
+    plain, fast = settled(load("duffing").replace(delta=0.03), {"gamma": np.linspace(0.1, 0.2, 10)}, transient=600)
+    assert not fast[0].accelerated.any() and (fast[0].waited > plain[0].waited).any()
+    assert_same(plain, fast)
 
 
 @pytest.mark.parametrize("size", [1, 7])

@@ -1,10 +1,12 @@
 """Points that do not return stop when they are labelled and sure enough, each by itself."""
 
 import numpy as np
+import pytest
 
 import whirlmap
 from whirlmap.analysis.open_points import ENOUGH
-from whirlmap.sweep.points import label_points
+from whirlmap.results.regime import Regime
+from whirlmap.sweep.points import Labelling, label_points
 
 GAMMA = {"gamma": np.array([0.35, 0.41, 0.45, 0.5, 0.54, 0.58])}
 
@@ -37,3 +39,24 @@ def test_the_exponent_of_known_chaos_is_within_its_error():
     """known_values.md: 0.1057 +- 0.001 at gamma = 0.5 for delta 0.3, omega 1.2."""
     ds = labelled({"gamma": np.array([0.5])}, lyapunov=16384)
     assert abs(float(ds["lyapunov"][0]) - 0.1057) < 4 * float(ds["lyapunov_error"][0]) + 0.002
+
+
+WEAKLY_DAMPED = {"alpha": [1.0], "beta": [0.5], "delta": [0.02], "gamma": [0.05], "omega": [2.0]}
+SHORT = whirlmap.Settling(transient=20, most=8, accelerate=False)
+
+
+def test_a_point_that_contracts_needs_no_longer_tangent_run():
+    """It is settled on instead, and returns, sooner than it would take to give it up."""
+    ds = labelled(WEAKLY_DAMPED, settling=SHORT)
+    assert int(ds["regime"][0]) == Regime.periodic and int(ds["period_T"][0]) == 1
+    assert int(ds["lyapunov_periods"][0]) == 256
+    assert float(ds["lyapunov"][0]) == pytest.approx(-0.01, rel=0.05)  # half of the damping
+    assert 36 < int(ds["settled_after"][0]) < 1024
+
+
+def test_a_point_that_contracts_but_does_not_return_is_run_to_the_end(monkeypatch):
+    """No vote is lost: where there is no orbit after all, the whole run follows."""
+    monkeypatch.setattr(Labelling, "_given_time", lambda self, ensemble, returns, *rest: returns)
+    ds = labelled(WEAKLY_DAMPED, settling=SHORT)
+    assert int(ds["regime"][0]) == Regime.undecided
+    assert int(ds["lyapunov_periods"][0]) == 2048

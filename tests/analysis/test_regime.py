@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, henon, logistic
 
-from whirlmap.analysis.evidence import SectionEvidence, section_evidence, winding_of
+from whirlmap.analysis.evidence import SectionEvidence, section_evidence, windings_of
 from whirlmap.analysis.regime import Evidence, Vote, decide, regime
 from whirlmap.analysis.winding import Winding
 from whirlmap.results.regime import Regime
@@ -78,6 +78,28 @@ def test_a_batch_is_judged_point_by_point():
         assert float(alone[name][0]) == float(ds[name][1])
 
 
+def test_bits_of_evidence_do_not_depend_on_the_company():
+    """More points than are judged together; some with a coordinate that stands still, with bands of chaos, or broken."""
+    henons = np.stack([henon(300) * (1 + k) for k in range(40)], axis=2)
+    henons[:, 1, 3:6] = 7.0
+    henons[:, :, 8:12] = np.stack([logistic(3.574, 300), logistic(3.574, 300)], axis=1)[:, :, None]
+    henons[9, 0, 20] = np.nan
+    whole, turns = section_evidence(henons), windings_of(henons)
+    assert np.isfinite(whole.growth).sum() == 39
+    for k in range(40):
+        alone = section_evidence(henons[:, :, k : k + 1])
+        for name in ("growth", "growth_low", "digits"):
+            np.testing.assert_array_equal(getattr(alone, name)[0], getattr(whole, name)[k])
+        assert repr(windings_of(henons[:, :, k : k + 1])[0]) == repr(turns[k])
+
+
+def test_one_coordinate_turns_in_the_plane_of_its_last_value():
+    x = np.cos(2 * np.pi * GOLDEN * np.arange(512))
+    for section in (x[:, None, None], np.stack([np.ones(512), x], axis=1)[:, :, None]):
+        turned = windings_of(section)[0].number
+        assert turned in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
+
+
 def test_evidence_does_not_depend_on_scale_shift_or_rotation():
     x = henon(1024)
     turn = np.array([[np.cos(1.0), -np.sin(1.0)], [np.sin(1.0), np.cos(1.0)]])
@@ -94,7 +116,8 @@ def test_an_angle_enters_by_its_circle():
     for phase in (angle, angle % (2 * np.pi)):
         e = section_evidence(phase[:, None, None], cyclic={0: 2 * np.pi})
         assert e.digits[0] > 8
-        assert winding_of(phase[:, None], {0: 2 * np.pi}).number in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
+        turned = windings_of(phase[:, None, None], {0: 2 * np.pi})[0].number
+        assert turned in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
 
 
 def test_short_still_and_broken_sections_are_not_judged():

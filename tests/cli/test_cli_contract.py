@@ -54,7 +54,7 @@ def test_help_explains_every_option_and_gives_examples(name):
 def test_examples_use_options_that_exist(name):
     """Every example names options and, where it takes one, a case that the program knows."""
     command = COMMANDS[name]
-    known = {option for p in command.params for option in p.opts}
+    known = {option for p in command.params for option in (*p.opts, *p.secondary_opts)}
     examples = re.findall(r"`(.+?)`", command.epilog.partition("Examples")[2])
     assert examples
     for line in examples:

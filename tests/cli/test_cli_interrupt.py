@@ -63,3 +63,20 @@ def test_an_interrupted_diagnosis_writes_nothing(tmp_path):
     assert process.returncode == 130 and stdout == ""
     assert "Traceback" not in stderr
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT between processes")
+def test_an_interrupted_comparison_keeps_the_designs_that_were_finished(tmp_path):
+    place = tmp_path / "part"
+    process = start(
+        "improve", "machines/jeffcott-rig", "--vary", "c=60um:140um:4000", "--points", "20", "--workers", "1", "--json",
+        "--out", place,
+    )  # fmt: skip
+    stdout, stderr = interrupt_at(process, " designs")
+    assert process.returncode == 130, stderr
+    assert "Traceback" not in stderr and "were kept" in stderr
+    ds = xr.load_dataset(place / "improve.nc")
+    assert 1 <= ds.sizes["design"] < 4000 and (ds["followed"] == 0).all()
+    assert ds.attrs["incomplete"] == f"interrupted in the values given, after {ds.sizes['design']} designs"
+    assert json.loads(stdout)["incomplete"] == ds.attrs["incomplete"]
+    assert {f.suffix for f in place.iterdir()} == {".nc", ".png"}

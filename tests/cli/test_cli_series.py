@@ -46,10 +46,18 @@ def test_regular_motion_in_a_file(tmp_path):
     assert json.loads(two.stdout)["regime"] == "quasi-periodic"
 
 
-@pytest.mark.parametrize("colour", [[1.0], [1.0, -1.8, 0.95]], ids=["white", "resonant"])
-def test_noise_is_undecided(tmp_path, colour):
-    """Also where a resonance colours it, so that it swings like an oscillator."""
-    noise = lfilter([1.0], colour, np.random.default_rng(2).normal(size=6000))
+NOISE = {
+    "white": ([1.0], [1.0]),
+    "resonant": ([1.0], [1.0, -1.8, 0.95]),
+    "sharply resonant": ([1.0], [1.0, -1.95, 0.98]),
+    "smooth": (np.hanning(30), [1.0, -1.97, 0.99]),
+}
+
+
+@pytest.mark.parametrize("name", NOISE)
+def test_noise_is_undecided(tmp_path, name):
+    """Also where a resonance colours it, so that it swings like an oscillator, or where it is smooth."""
+    noise = lfilter(*NOISE[name], np.random.default_rng(3).normal(size=10_000))[2000:]
     file = write(tmp_path, noise)
     assert json.loads(run(f"diagnose --series {file} --column y --rate 1 --json").stdout)["regime"] == "undecided"
 

@@ -23,6 +23,23 @@ def test_windows_in_rpm_and_micrometres(tmp_path):
     assert facts["rpm"][0] == pytest.approx(1000) and facts["rpm"][-1] == pytest.approx(6000)
     assert facts["windows"] and sum(facts["verdicts"].values()) == 16
     assert {f.suffix for f in (tmp_path / "a").iterdir()} == {".nc", ".png"}
+    assert facts["followed"] and facts["force_N"] == pytest.approx(0.8 * 9.81 / 2)
+    for row in facts["stretches"]:
+        assert row["min_film_um"] == pytest.approx(100 * row["min_film"]) and 0 < row["min_film_um"] < 100
+        assert row["max_load_N"] == pytest.approx(facts["force_N"] * row["max_load"]) and row["max_load"] > 0.9
+
+
+def test_the_machine_s_own_speed_has_its_margins():
+    """1800 rpm lies below the resonance: what forbids is above, and the range's own end is no boundary."""
+    line = f'speeds {RIG} --range "1000 rpm:3000 rpm" --points 11 --no-follow --quiet'
+    at = json.loads(run(f"{line} --json").stdout)["operation"]
+    assert at["verdict"] == "safe" and at["rpm"] == pytest.approx(1800) and set(at["margins"]) == {"above"}
+    assert at["margins"]["above"]["to"] == "amplitude" and 250 < at["margins"]["above"]["rpm"] < 350
+    said = run(line).stdout
+    assert f"1800 rpm: safe, margin {at['margins']['above']['rpm']:.0f} rpm above (amplitude)" in said
+    assert "thinnest film [um]" in said and "largest load [N]" in said and "cold starts alone" in said
+    beyond = run(f'speeds {RIG} --range "2500 rpm:3000 rpm" --points 3 --no-follow --quiet')
+    assert "own speed" not in beyond.stdout and "no safe speed" in beyond.stdout
 
 
 def test_limit_and_range_of_the_case_are_the_defaults():

@@ -69,7 +69,7 @@ def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
     y = blocked(x)
     flags = {name: np.array(value, dtype=np.int64).reshape(1, 1, LANES) for name, value in (
         ("first", first), ("active", active), ("failed", [-1] * LANES))}  # fmt: skip
-    work = kernel.work(count)
+    work = kernel.work()
     work[:] = sentinel
     h = np.full((1, 1, LANES), system.period / 20)
     inputs = kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES))

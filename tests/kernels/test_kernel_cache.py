@@ -273,6 +273,7 @@ CHANGES = {
     "stop": {"stops": {"contact": Stop(3 - x, "wall")}},
     "stop reachable": {"stops": {"contact": Stop(2 - x, "wall", k)}},
     "bound": {"bound": 1e5},
+    "teeth": {"teeth": x - 1},
     "clock": {"clocks": {"forcing": omega / 2}},
     "default": {"defaults": {g: 2}},
     "table's coordinates": {"tables": (table(coordinates=("z", "u")),)},
@@ -299,7 +300,7 @@ def test_no_part_of_a_declaration_is_forgotten():
     """A new field of a model is either part of its digest or is said here not to reach any cached answer."""
     digested = {
         "name", "states", "parameters", "equations", "harmonics", "defaults", "outputs", "stops", "section",
-        "typical_time", "start", "bound", "tables", "clocks", "switchings",
+        "typical_time", "start", "bound", "tables", "clocks", "switchings", "teeth",
     }  # fmt: skip
     read_when_running = {"start_where_none", "plain", "checks", "switches", "swing", "sources", "films"}
     assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running

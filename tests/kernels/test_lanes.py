@@ -140,8 +140,11 @@ def test_extremes_are_those_of_all_steps(together):
     e = Ensemble(base.model, values[:, which], x[:, which], orders=base.orders, steps=8)
     part = e.advance(10, save_every=1, extremes=True)
     orbit = part.saved  # (step, state, point)
-    eps_1 = np.hypot(orbit[:, 0], orbit[:, 1])
-    rows = np.concatenate([orbit, eps_1[:, None], np.hypot(orbit[:, 2], orbit[:, 3])[:, None]], axis=1)
+    eps = np.stack([np.hypot(orbit[:, 0], orbit[:, 1]), np.hypot(orbit[:, 2], orbit[:, 3])], axis=1)
+    kappa_g = values[base.parameters.index("kappa_g"), which]
+    sag = [orbit[:, 4 + k] - orbit[:, 8 + k] - orbit[:, k] for k in range(4)]  # rotor less housing less journal
+    load = np.stack([np.hypot(*sag[:2]) / 2, kappa_g * np.hypot(*sag[2:]) / 2], axis=1)
+    rows = np.concatenate([orbit, eps, load], axis=1)
     for name, expected in (
         ("minimum", rows.min(0)), ("maximum", rows.max(0)), ("mean", rows.mean(0)), ("rms", rows.std(0)),
     ):  # fmt: skip

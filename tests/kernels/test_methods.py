@@ -8,7 +8,7 @@ import pytest
 
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.methods import METHODS
+from whirlmap.kernels.methods import METHODS, Method
 from whirlmap.models import family
 
 
@@ -94,3 +94,29 @@ def test_slopes_that_are_still_needed_share_no_place(method):
     for i in range(method.stages):  # while stage i is computed, and until the step ends
         needed = [j for j in range(i) if method.b[j] or any(method.a[k][j] for k in range(i, method.stages) if j < k)]
         assert len({homes[j] for j in needed} | {homes[i]}) == len(needed) + 1
+
+
+KUTTA = Method("kutta3", 3, a=((), (0.5,), (-1, 2)), b=(1 / 6, 2 / 3, 1 / 6), c=(0, 0.5, 1), source="")
+
+
+@pytest.mark.parametrize("method", [KUTTA, *METHODS.values()], ids=lambda m: m.name)
+@pytest.mark.parametrize("tangents", [0, 1, 2])
+def test_steps_are_the_methods_polynomial_of_a_linear_system(method, tangents):
+    """Stages are combined in pairs: here also of a method that has three. The state is its own tangent vector."""
+    system = System(family("duffing").model(), {"delta": 0.3, "alpha": 2, "beta": 0, "gamma": 0, "omega": 3.0})
+    x, steps = np.array([0.7, 0.4]), 5
+    z = np.array([[0.0, 1.0], [-2.0, -0.3]]) * system.period / steps
+    slopes = []  # of the stages, as matrices
+    for row in method.a:
+        slopes.append(z @ (np.eye(2) + sum((float(w) * k for w, k in zip(row, slopes, strict=True)), np.zeros((2, 2)))))
+    one = np.eye(2) + sum(float(w) * k for w, k in zip(method.b, slopes, strict=True))
+    expected = np.linalg.matrix_power(one, steps) @ x
+    e = Ensemble(system.model, system.vector[:, None], x[:, None], orders=system.orders, steps=steps, method=method,
+                 tangents=tangents)  # fmt: skip
+    if tangents:
+        e._y[2:4, 0] = x
+    growth = e.advance(1).growth
+    np.testing.assert_allclose(e.x[:, 0], expected, rtol=0, atol=1e-14)
+    if tangents:
+        assert growth[0, 0, 0] == pytest.approx(np.log(np.linalg.norm(expected)), abs=1e-13)
+        np.testing.assert_allclose(e._y[2:4, 0], expected / np.linalg.norm(expected), rtol=0, atol=1e-13)

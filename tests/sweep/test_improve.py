@@ -7,8 +7,10 @@ import pytest
 
 import whirlmap
 from whirlmap.errors import RangeError
-from whirlmap.sweep.improve import _crossing, _front, _widest_window
-from whirlmap.sweep.speeds import PARTS, ROUNDS, Verdict, clearance, safe_speeds, shaft_speed
+from whirlmap.sweep.improve import _front
+from whirlmap.sweep.judging import Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds import safe_speeds
+from whirlmap.sweep.windows import PARTS, ROUNDS, crossing, widest_window
 
 RIG = "machines/jeffcott-rig"
 MAKE = partial(whirlmap.load, RIG)
@@ -66,9 +68,9 @@ def test_two_parameters_make_a_grid():
 def test_windows_by_hand():
     at, swing = np.array([1.0, 2.0, 3.0, 4.0, 5.0]), np.array([0.1, 0.2, 0.6, 0.3, np.nan])
     verdict = np.array([Verdict.safe, Verdict.safe, Verdict.amplitude, Verdict.safe, Verdict.contact], dtype=np.int8)
-    assert _widest_window(at, swing, verdict, 0.4) == pytest.approx((1.0, 2.5))
-    assert _crossing(at, swing, verdict, 0.4, 3, 1) == 4.0  # contact is no crossing of the limit
-    assert np.isnan(_widest_window(at, swing, np.full(5, Verdict.contact, dtype=np.int8), 0.4)).all()
+    assert widest_window(at, swing, verdict, 0.4) == pytest.approx((1.0, 2.5))
+    assert crossing(at, swing, verdict, 0.4, 3, 1) == 4.0  # contact is no crossing of the limit
+    assert np.isnan(widest_window(at, swing, np.full(5, Verdict.contact, dtype=np.int8), 0.4)).all()
 
 
 def test_the_front_is_what_nothing_betters():

@@ -4,25 +4,16 @@ import json
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 import whirlmap
-from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.errors import RangeError
-from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
+from whirlmap.sweep.judging import Verdict, shaft_speed, verdicts
+from whirlmap.sweep.machines import judge_machines, safe_probability
 from whirlmap.sweep.points import label_points
-from whirlmap.sweep.speeds import (
-    PARTS,
-    ROUNDS,
-    Verdict,
-    judge_machines,
-    safe_probability,
-    safe_speeds,
-    shaft_speed,
-    verdicts,
-)
+from whirlmap.sweep.speeds import safe_speeds
+from whirlmap.sweep.windows import PARTS, ROUNDS
 
 RIG = "machines/jeffcott-rig"
 
@@ -48,7 +39,7 @@ def test_edges_are_where_the_amplitude_crosses_the_limit(rig, judged):
     below = next(w for w in windows if w["above"] == "amplitude")
     above = next(w for w in windows if w["below"] == "amplitude")
     spacing = (2.2 - 0.4) / 24 / (PARTS + 1) ** ROUNDS
-    for edge, margin in ((below["window_end"], below["margin_end"]), (above["window_start"], -above["margin_start"])):
+    for edge, margin in ((below["end"], below["gap_end"]), (above["start"], -above["gap_start"])):
         exact = brentq(lambda s: swing(rig, s) - 0.6, *sorted((edge - margin, edge + 2 * margin)), xtol=1e-7)
         assert abs(edge - exact) <= 1.01 * spacing
         assert abs(margin) == pytest.approx(spacing, rel=1e-6)
@@ -69,37 +60,21 @@ def test_speeds_in_rpm_are_those_of_the_case(rig, judged):
     assert judged["rpm"].values[0] == pytest.approx(0.4 * shaft_speed(rig) * 30 / np.pi)
 
 
-def hardening():
-    """x'' + 0.1 x' + x + 0.5 x^3 = 0.3 cos(s t), from rest: between two folds a large and a small motion coexist."""
-    x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
-    s = Parameter("s", "1", "speed", above=0)
-    rates = {x: v, v: 0.3 * cos(s * t) - v / 10 - x - x**3 / 2}
-    return System(Model("hardening", (x, v), (s,), rates, harmonics=(s,), clocks={"shaft": s}, swing=(x,)), {"s": 1.0})
-
-
-def test_runs_up_and_down_find_coexisting_motions():
-    """Behind the peak of the large motion a cold start and the run down are small; the run up is not."""
-    system, at = hardening(), np.linspace(1.0, 2.2, 13)
-    cold, followed = (safe_speeds(system, at, 1.5, follow=f) for f in (False, True))
-    safe = cold["verdict"].values == Verdict.safe
-    coexisting = followed["verdict"].values == Verdict.coexisting
-    assert 1 <= coexisting.sum() < safe.sum()  # some of the safe speeds, and the fastest ones are safe in any case
-    assert safe[coexisting].all() and followed["verdict"].values[-1] == Verdict.safe
-    np.testing.assert_array_equal(followed["verdict"].values[~safe], cold["verdict"].values[~safe])
-    assert carried_up(at[: np.flatnonzero(coexisting)[0] + 1]) > 1.5 > cold["amplitude"].values[coexisting].max()
-
-
-def carried_up(speeds):
-    """Peak to peak at the last of these speeds, by SciPy, the state carried along at phase zero."""
-    state = [0.0, 0.0]
-    for s in speeds:
-        def rates(t, y, s=s):
-            return [y[1], 0.3 * np.cos(s * t) - y[1] / 10 - y[0] - y[0] ** 3 / 2]
-
-        period = 2 * np.pi / s
-        state = solve_ivp(rates, (0, 100 * period), state, "DOP853", rtol=1e-9, atol=1e-9).y[:, -1]
-    turn = solve_ivp(rates, (0, period), state, "DOP853", rtol=1e-9, atol=1e-9, t_eval=np.linspace(0, period, 400)).y[0]
-    return np.ptp(turn)
+def test_stretches_cover_the_range_and_margins_end_at_the_edges(judged):
+    rows, at = json.loads(judged.attrs["stretches"]), judged["s"].values
+    assert [r["verdict"] for r in rows[:3]] == ["safe", "amplitude", "safe"]
+    assert rows[0]["start"] == at[0] and rows[-1]["end"] == at[-1]
+    assert [r["end"] for r in rows[:-1]] == [r["start"] for r in rows[1:]]
+    assert sum(r["speeds"] for r in rows) == at.size
+    safe = judged["verdict"].values == Verdict.safe
+    assert np.isnan(judged["margin"].values[~safe]).all()
+    inside = np.flatnonzero(at < rows[0]["end"])[-1]
+    assert float(judged["margin"][inside]) == pytest.approx(rows[0]["end"] - at[inside])  # the range's own end is none
+    middle = np.flatnonzero((at > rows[2]["start"]) & (at < rows[2]["end"]))
+    nearer = np.minimum(at[middle] - rows[2]["start"], rows[2]["end"] - at[middle])
+    np.testing.assert_allclose(judged["margin"].values[middle], nearer, rtol=1e-12)
+    for name, pick in (("amplitude", max), ("max_load", max), ("min_film", min)):
+        assert rows[1][name] == pick(judged[name].values[(at > rows[1]["start"]) & (at < rows[1]["end"])].ravel())
 
 
 def test_probability_is_the_share_of_the_drawn_machines(rig):
@@ -110,6 +85,8 @@ def test_probability_is_the_share_of_the_drawn_machines(rig):
     np.testing.assert_array_equal(same["probability"].values, alone)
     half = safe_probability(rig, [rig, rig], at, [0.6, 1e-9])
     np.testing.assert_array_equal(half["probability"].values, alone / 2)
+    np.testing.assert_allclose(half["probability_of"].sum("why"), 1, rtol=1e-12)
+    np.testing.assert_array_equal(half["probability_of"].sel(why="safe").values, alone / 2)
     assert (half["probability_low"] <= half["probability"]).all() and (half["probability"] <= half["probability_high"]).all()
 
 

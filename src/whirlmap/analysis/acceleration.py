@@ -3,24 +3,28 @@
 A point whose section approaches an orbit slowly is put where its own last differences lead (`extrapolation.limit`), and goes
 on as plainly as before. It has settled there only if all of these hold:
 
-1. The multipliers that its approach shows lie inside the unit circle, and its last three differences shrink as they say:
-   the orbit is stable, and the one that the point was contracting to.
+1. The multipliers that its approach shows lie inside the unit circle, and its last three differences shrink as they say.
 2. `STAYS` returns of the plain run from there stay within the tolerance, and what is left of the approach at the rate of the
-   leading multiplier is within it too.
+   largest multiplier seen is within it too.
 3. The multiple is the smallest: no shorter return is within ten tolerances.
+4. All Floquet multipliers of the orbit lie inside the unit circle: it is stable. The approach was no slower than the largest
+   of them: the orbit is the one that the point was contracting to. What is left of the approach at the rate of the largest
+   of all is within the tolerance as well.
 
 Otherwise the point goes back to the state before, and plain settling goes on as though nothing had been tried.
 
-A full monodromy matrix would cost as much as 13 common periods for the twenty states of the gear pair, and a second kernel;
-the plain run that is needed anyway says as much of the directions that the motion can leave in.
+The multipliers cost as much as 13 to 17 common periods for the twenty states of the gear pair, so they are asked last, of
+all points together that have passed the rest (`Trials.refuse_unproved`).
 """
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.extrapolation import DIFFERENCES, limit, wrapped
+from whirlmap.analysis.extrapolation import DIFFERENCES, FOLLOWS, limit, wrapped
+from whirlmap.analysis.monodromy import largest_multipliers
 from whirlmap.analysis.periodicity import period_of, scales
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.status import Status
@@ -38,6 +42,16 @@ WORTH = 1.5
 PAUSE = 0.15
 #: Above this scaled size differences are not those of a linear approach.
 LINEAR = 0.1
+
+
+@dataclass(frozen=True)
+class _Passed:
+    """Points that the plain run has passed, their returns, last scaled differences over one, and states before the trial."""
+
+    points: Points
+    multiple: NDArray[np.int64]
+    change: Array
+    before: Array
 
 
 class Trials:
@@ -75,6 +89,7 @@ class Trials:
         self._leading = np.full(n, np.nan)
         self._before = np.full((states, size), np.nan)
         self._points = np.full((self.needs(LONGEST_RETURN) + 1, states, size), np.nan)
+        self._passed: list[_Passed] = []
 
     def needs(self, multiple: int) -> int:
         """Common periods that a trial takes."""
@@ -94,29 +109,35 @@ class Trials:
         size : array, shape (state, all points)
             Range of each state.
         """
-        left = members[ran[members] >= self._next[members]]
-        for m in range(1, LONGEST_RETURN + 1):
-            left = left[ran[left] >= m * DIFFERENCES + 1]
-            if not left.size:
-                return
-            x = last(left, m * DIFFERENCES + 1)[::m]
-            scale = scales(x, size[:, left], self.period)
-            change = np.abs(wrapped(np.diff(x, axis=0), self.period) / scale).max(axis=1)
-            first, end = change[:4].max(axis=0), change[-4:].max(axis=0)
-            slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
-            rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
-            slow &= m * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8 > WORTH * self.needs(m)
-            at = np.flatnonzero(slow)
-            if not at.size:
-                continue
-            found = limit(x[:, :, at], scale[:, at], self.period, self.tolerance / 4)
-            good = np.isfinite(found.error)
-            chosen = left[at[good]]
-            self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
-            self._start(chosen, m, found.x[:, good], found.leading[good])
-            left = np.delete(left, at[good])
+        due = members[ran[members] >= self._next[members]]
+        # Every return that may be tried of every point, side by side: NumPy's calls cost more than their numbers.
+        multiples = range(1, LONGEST_RETURN + 1)
+        long_enough = [due[ran[due] >= m * DIFFERENCES + 1] for m in multiples]
+        points = np.concatenate(long_enough)
+        if not points.size:
+            return
+        multiple = np.repeat(multiples, [p.size for p in long_enough])
+        x = np.concatenate(
+            [last(p, m * DIFFERENCES + 1)[::m] for m, p in zip(multiples, long_enough, strict=True)], axis=2
+        )  # fmt: skip
+        scale = scales(x, size[:, points], self.period)
+        change = np.abs(wrapped(np.diff(x, axis=0), self.period) / scale).max(axis=1)
+        first, end = change[:4].max(axis=0), change[-4:].max(axis=0)
+        slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
+        rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
+        left = multiple * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8
+        slow &= left > WORTH * np.array([0, *map(self.needs, multiples)])[multiple]
+        at = np.flatnonzero(slow)
+        if not at.size:
+            return
+        found = limit(x[:, :, at], scale[:, at], self.period, self.tolerance / 4)
+        good = np.flatnonzero(np.isfinite(found.error))
+        chosen, shortest = np.unique(points[at[good]], return_index=True)  # multiples ascend: the first is the shortest
+        good = good[shortest]
+        self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
+        self._start(chosen, multiple[at[good]], found.x[:, good], found.leading[good])
 
-    def _start(self, points: Points, multiple: int, x: Array, leading: Array) -> None:
+    def _start(self, points: Points, multiple: NDArray[np.int64], x: Array, leading: Array) -> None:
         e, slot = self.ensemble, self.slot[points]
         self._before[:, slot], self._turns[points] = e.x[:, points], e.turns[points]
         self._points[0, :, slot], self._ran[points] = x.T, 0
@@ -131,37 +152,55 @@ class Trials:
         rows = self._ran[members] + 1 + np.arange(self.every)[:, None]
         self._points[rows, :, self.slot[members]] = saved.transpose(0, 2, 1)
         self._ran[members] += self.every
-        distance = np.full(members.size, np.inf)
+        distance, change = np.full(members.size, np.inf), np.full(members.size, np.inf)
         multiple = self.multiple[members]
         alive = self.ensemble.running[members]
         over = ~alive
         for m in range(1, LONGEST_RETURN + 1):
             at = np.flatnonzero(alive & (multiple == m) & (self._ran[members] >= self.needs(m)))
             x = self._points[: self.needs(m) + 1, :, self.slot[members[at]]]
-            distance[at] = self._distance(x, m, size[:, members[at]], self._leading[members[at]])
+            distance[at], change[at] = self._distance(x, m, size[:, members[at]], self._leading[members[at]])
             over[at] = True
         passed = distance <= self.tolerance
-        self._take_back(members[over & ~passed])
+        lost, proved = members[over & ~passed], members[passed]
+        self._take_back(lost, self._before[:, self.slot[lost]])
+        if proved.size:
+            self._passed.append(_Passed(proved, multiple[passed], change[passed], self._before[:, self.slot[proved]]))
         self.multiple[members[over]] = 0
         return members[passed], multiple[passed], distance[passed]
 
-    def _distance(self, x: Array, m: int, size: Array, leading: Array) -> Array:
-        """Largest scaled distance from the point on trial and its successors; infinite where a condition fails."""
+    def refuse_unproved(self) -> Points:
+        """Ask the multipliers of all points that have passed; put back, and return, those whose orbit they refuse."""
+        refused = [p.points[:0] for p in self._passed]
+        for p in self._passed:
+            largest = largest_multipliers(self.ensemble, p.points, p.multiple)
+            stable = largest < 1
+            left = p.change * largest / np.where(stable, 1 - largest, 1.0)
+            approach = self._leading[p.points]
+            bad = ~stable | (left > self.tolerance) | (approach > (1 + FOLLOWS) * largest)
+            self._take_back(p.points[bad], p.before[:, bad])
+            refused.append(p.points[bad])
+        self._passed = []
+        return np.concatenate(refused) if refused else np.zeros(0, dtype=np.intp)
+
+    def _distance(self, x: Array, m: int, size: Array, leading: Array) -> tuple[Array, Array]:
+        """Largest scaled distance of a run from its first return, infinite where a condition fails; its last change."""
         if not x.shape[2]:
-            return np.zeros(0)
+            return np.zeros(0), np.zeros(0)
         scale = scales(x, size, self.period)
 
         def apart(a: Array, b: Array) -> Array:
             largest: Array = np.abs(wrapped(a - b, self.period) / scale).max(axis=(0, 1))
             return largest
 
-        bad = apart(x[-1:], x[-1 - m : -m]) * leading / (1 - leading) > self.tolerance
+        change = apart(x[-1:], x[-1 - m : -m])
+        bad = change * leading / (1 - leading) > self.tolerance
         for d in range(1, m):
             if m % d == 0:
                 bad |= apart(x[d:], x[:-d]) < 10 * self.tolerance
-        return np.where(bad, np.inf, apart(x, x[np.arange(x.shape[0]) % m]))
+        return np.where(bad, np.inf, apart(x, x[np.arange(x.shape[0]) % m])), change
 
-    def _take_back(self, points: Points) -> None:
+    def _take_back(self, points: Points, before: Array) -> None:
         e = self.ensemble
-        e.x[:, points], e.turns[points] = self._before[:, self.slot[points]], self._turns[points]
+        e.x[:, points], e.turns[points] = before, self._turns[points]
         e.status[points], e.end_time[points], e.end_stop[points] = Status.ok, np.nan, -1

@@ -124,7 +124,7 @@ def _transition(system: System, x: Array, begin: int, h: float, steps: int) -> t
         blocks=blocks, count=1, y=run, h=blocked(np.full((1, n), h)), **waves.arguments(begin), steps=steps, first=first,
         **kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(every), active=active, failed=failed,
         save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0, growth=np.zeros(0), folded=0,
-        sums=np.zeros(0), work=kernel.work(1),
+        sums=np.zeros(0), work=kernel.work(),
     )  # fmt: skip
     if (failed >= 0).any():
         raise RangeError(f"the orbit of {system.model.name} leaves the model's limits: it is no periodic orbit")

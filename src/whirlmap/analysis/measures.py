@@ -89,9 +89,9 @@ def judge_section(
         if error * 64**2 < 1:
             locking = locking_ratio(turned, error)
             votes["birkhoff"] |= {"ratio": str(locking.ratio), "locked": locking.locked}
-    columns = moving_coordinates(section[-RECURRENT:, :, some[0]], cyclic) if some.size else None
-    if columns is not None and len(columns) >= 100:
-        r = recurrence(columns)
+    columns, moves = moving_coordinates(section[-RECURRENT:, :, some[:1]], cyclic)
+    if moves.any() and columns.shape[2] >= 100:
+        r = recurrence(columns[0, moves[0]].T)
         votes["recurrence"] = {
             "vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"]),
             "radius": float(r["radius"]),

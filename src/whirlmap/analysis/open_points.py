@@ -1,7 +1,9 @@
 """Operating points that do not return: exponent, section and verdict of each, run as long as that one needs.
 
 A run with one tangent vector gives both. It goes on in stretches that double, until the indicators agree on a label and the
-error of the exponent is small enough, or to the longest length. A point's numbers depend on its own run alone.
+error of the exponent is small enough, or to the longest length. Where tangent vectors shrink for sure no label can come of
+it: such a point is on its way to an orbit, for which it needs no tangent vector, and stops. A point's numbers depend on its
+own run alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -12,7 +14,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import mean_and_error
-from whirlmap.analysis.regime import regime
+from whirlmap.analysis.regime import contracts, regime
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.regime import Regime
@@ -50,7 +52,12 @@ class OpenPoints:
 
 
 def judge_open_points(
-    tangent: Ensemble, most: int, cyclic: Mapping[int, float] | None, progress: Callable[[int], None] | None = None
+    tangent: Ensemble,
+    most: int,
+    cyclic: Mapping[int, float] | None,
+    progress: Callable[[int], None] | None = None,
+    *,
+    contraction_ends: bool = False,
 ) -> OpenPoints:
     """Measure and judge points that have settled but do not return.
 
@@ -60,6 +67,8 @@ def judge_open_points(
         At the settled states, with one tangent vector; its ``status`` is taken forward in place.
     most : int
         Common periods (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
+    contraction_ends : bool
+        Whether points of a forced model stop, undecided, once their tangent vectors have shrunk for sure.
     """
     n = tangent.points
     found = OpenPoints(
@@ -68,7 +77,7 @@ def judge_open_points(
     )  # fmt: skip
     for first in range(0, n, TOGETHER):
         members = np.arange(first, min(first + TOGETHER, n))
-        _judge(tangent, members, most, cyclic, found, progress)
+        _judge(tangent, members, most, cyclic, found, progress, contraction_ends and tangent.model.forced)
     return found
 
 
@@ -79,6 +88,7 @@ def _judge(
     cyclic: Mapping[int, float] | None,
     found: OpenPoints,
     progress: Callable[[int], None] | None,
+    contraction_ends: bool,
 ) -> None:
     """Run some of the points to their verdicts, into ``found``."""
     rates = np.full((most, members.size), np.nan)
@@ -100,7 +110,10 @@ def _judge(
         unsure = np.flatnonzero((found.regime[at] == Regime.undecided) & run.running)
         _vote(run, unsure, at, done, [np.concatenate(sections[p]) for p in left[unsure]], cyclic, found)
         target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1])
-        stay = run.running & ((found.regime[at] == Regime.undecided) | (found.error[at] > target))
+        open_ = found.regime[at] == Regime.undecided
+        if contraction_ends:
+            open_ &= ~contracts(found.exponent[at], found.error[at], done * run.common_multiple * run.period)
+        stay = run.running & (open_ | (found.error[at] > target))
         stretch = min(done, most - done)
         if not stretch:
             return

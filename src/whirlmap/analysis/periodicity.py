@@ -114,8 +114,36 @@ def return_multiple(
 def shortest_return(
     section: Array, *, scale: Array, tolerance: float, most: int, cyclic: Mapping[int, float] | None = None
 ) -> tuple[NDArray[np.int64], Array]:
-    """Multiple and distance of `return_multiple`, shape (lane,), without its checks and its Dataset: for inner loops."""
-    return _search(section, scale, tolerance, most, cyclic, 1e-6)[:2]
+    """Multiple of `return_multiple` and its distance (NaN where nothing returns), shape (lane,), for inner loops.
+
+    The last point alone rules out nearly all multiples, so that few of them are held against the window.
+    """
+    period = _periods(cyclic, section.shape[1])
+    finite = np.asarray(np.isfinite(section).all(axis=(0, 1)))
+    size = _scales(section, scale, period, 1e-6, finite)
+    multiple, distance = np.zeros(section.shape[2], np.int64), np.full(section.shape[2], np.nan)
+    last = _difference(section[-1] - section[-2 : -2 - most : -1], period)
+    near = ((last / size).max(axis=1) < tolerance) & finite
+    for m in np.flatnonzero(near.any(axis=1)) + 1:
+        left = np.flatnonzero(near[m - 1] & (multiple == 0))
+        largest = _window_difference(section, int(m), left, period, size).max(axis=0)
+        returned = largest < tolerance
+        multiple[left[returned]], distance[left[returned]] = m, largest[returned]
+    return multiple, distance
+
+
+def nearest_return(
+    section: Array, *, scale: Array, tolerance: float, most: int, cyclic: Mapping[int, float] | None = None
+) -> Array:
+    """Distance of `return_multiple`, the smallest of any multiple where nothing returns, shape (lane,)."""
+    found: Array = _search(section, scale, tolerance, most, cyclic, 1e-6)[1]
+    return found
+
+
+def _window_difference(section: Array, m: int, lanes: NDArray[np.intp], period: Array, size: Array) -> Array:
+    """Largest scaled difference of points m apart, shape (state, lane)."""
+    out: Array = _difference(section[m:, :, lanes] - section[:-m, :, lanes], period).max(axis=0) / size[:, lanes]
+    return out
 
 
 def _search(
@@ -134,7 +162,7 @@ def _search(
     for m in range(1, most + 1):
         if left.size == 0:
             break
-        per_state = _difference(x[m:, :, left] - x[:-m, :, left], period).max(axis=0) / size[:, left]
+        per_state = _window_difference(x, m, left, period, size)
         largest = per_state.max(axis=0)
         closer = largest < distance[left]
         where = left[closer]

@@ -18,7 +18,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.evidence import LEAST, SectionEvidence, section_evidence, winding_of
+from whirlmap.analysis.evidence import LEAST, SectionEvidence, section_evidence, windings_of
 from whirlmap.analysis.winding import Winding
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import regime_variable, variable
@@ -114,11 +114,9 @@ def regime(
     full = {n: np.full(where.size, np.nan) for n in ("growth", "growth_low", "digits")}
     for name, values in full.items():
         values[open_points] = getattr(judged, name)
-    nothing = Winding(np.nan, np.nan, "not-finite")
-    windings = [nothing] * where.size
-    if section.shape[0] >= LEAST:
-        for k in open_points:
-            windings[k] = winding_of(section[:, :, k], cyclic)
+    windings = [Winding(np.nan, np.nan, "not-finite")] * where.size
+    for k, winding in zip(open_points, windings_of(section[:, :, open_points], cyclic), strict=True):
+        windings[k] = winding
     given = (exponent, exponent_error, duration)
     value, error, time = (np.broadcast_to(np.asarray(v, dtype=float), where.shape) for v in given)
     said = SectionEvidence(**full, points=section.shape[0])
@@ -196,8 +194,17 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
         sure = np.abs(e.exponent) > 3 * e.exponent_error
         vote = np.where(np.abs(grown) < limit, Vote.regular, Vote.none)
         vote = np.where(sure & (grown >= limit), Vote.chaotic, vote)
-        # Shear makes neutral vectors longer, never shorter: what shrinks by more than they breathe is contracting.
-        return np.where(sure & (grown <= -BREATHING), Vote.periodic, vote)
+        return np.where(contracts(e.exponent, e.exponent_error, e.duration), Vote.periodic, vote)
+
+
+def contracts(exponent: Array, error: Array, duration: Array) -> NDArray[np.bool_]:
+    """Whether tangent vectors have shrunk for sure.
+
+    Shear makes neutral ones longer, never shorter: what shrinks by more than they breathe is contracting.
+    """
+    with np.errstate(invalid="ignore"):
+        shrunk: NDArray[np.bool_] = (np.abs(exponent) > 3 * error) & (exponent * duration <= -BREATHING)
+    return shrunk
 
 
 def _zero_one_votes(e: Evidence) -> NDArray[np.int64]:

@@ -11,7 +11,7 @@ are as many typical times as would be common periods, each twice the one before,
 The tolerance is relative to each state's range (`periodicity.return_multiple`).
 """
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -32,6 +32,8 @@ Integers = NDArray[np.int64]
 EXTREMES_STEPS = 48
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
+#: Points that are recorded in one batch.
+RECORDED = 4096
 
 
 @dataclass(frozen=True)
@@ -40,7 +42,7 @@ class Returns:
 
     Attributes
     ----------
-    section : array, shape (period, state, point)
+    section : array, shape (period, kept state, point)
         Once per T, in the order of time; NaN where a point has ended.
     regime : array of int
         `Regime`: periodic, contact, diverged or undecided.
@@ -70,23 +72,39 @@ def settle_and_record(
     ensemble: Ensemble,
     settling: Settling,
     *,
+    kept: Sequence[int] | None = None,
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Returns:
-    """Settle an ensemble and record it, in place."""
+    """Settle an ensemble and record it, in place.
+
+    Parameters
+    ----------
+    kept : sequence of int, optional
+        States whose section is returned; all of them where absent. The search for the smallest return sees them all.
+    """
     if ensemble.model.forced:
         settled = _settle_accurately(ensemble, settling, cyclic, progress)
     else:
         settled = _settle_unforced(ensemble, settling, cyclic, progress)
-    common = ensemble.common_multiple
-    kept = common * max(-(-settling.keep // common), 2)
+    common, forced = ensemble.common_multiple, ensemble.model.forced
+    periods = common * max(-(-settling.keep // common), 2)
+    rows = list(range(ensemble.model.dimension) if kept is None else kept)
+    section = np.full((periods, len(rows), ensemble.points), np.nan)
     multiple = np.where(ensemble.running, settled.multiple, 0)
-    fine = ensemble.subset(np.arange(ensemble.points), steps=np.maximum(ensemble.point_steps, EXTREMES_STEPS))
-    section = ensemble.advance(kept, save_periods=1, progress=progress).saved
-    extremes = _extremes(fine, multiple, kept, progress)
-    multiple = np.where(ensemble.running, multiple, 0)
-    forced = ensemble.model.forced
-    period = _periods_in_T(section, multiple, settled.scale, common, settling, cyclic) if forced else multiple.copy()
+    period, extremes = multiple.copy(), _empty_extremes(ensemble)
+    for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
+        members = np.arange(first, min(first + RECORDED, ensemble.points))
+        fine = ensemble.subset(members, steps=np.maximum(ensemble.point_steps[members], EXTREMES_STEPS))
+        saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
+        section[:, :, members] = saved[:, rows]
+        for name, values in _extremes(fine, multiple[members], periods, progress).items():
+            extremes[name][:, members] = values
+        multiple[members] = np.where(ensemble.running[members], multiple[members], 0)
+        if forced:
+            period[members] = _periods_in_T(
+                saved, multiple[members], settled.scale[:, members], common, settling, cyclic
+            )
     period = np.where(ensemble.running, period, 0)
     return Returns(
         section, _labels(ensemble, multiple), period, multiple, settled.distance, settled.waited, settled.accelerated,
@@ -94,12 +112,17 @@ def settle_and_record(
     )  # fmt: skip
 
 
+def _empty_extremes(ensemble: Ensemble) -> dict[str, Array]:
+    """Extremes, mean and rms of every state and output, shape (row, point), of which nothing is known yet."""
+    rows = ensemble.model.dimension + len(ensemble.model.outputs)
+    return {name: np.full((rows, ensemble.points), np.nan) for name in ("minimum", "maximum", "mean", "rms")}
+
+
 def _extremes(
     fine: Ensemble, multiple: Integers, kept: int, progress: Callable[[int], None] | None
 ) -> dict[str, Array]:
     """Extremes, mean and rms of all rows: over one return of the points that return, over the record of the others."""
-    rows = fine.model.dimension + len(fine.model.outputs)
-    out = {name: np.full((rows, fine.points), np.nan) for name in ("minimum", "maximum", "mean", "rms")}
+    out = _empty_extremes(fine)
     length = np.where((multiple > 0) & fine.model.forced, np.minimum(multiple * fine.common_multiple, kept), kept)
     for periods in np.unique(length):
         members = np.flatnonzero(length == periods)
@@ -130,10 +153,8 @@ def _settle_accurately(
         part = ensemble.subset(left, steps=rungs.steps[more])
         again = settle(part, settling, cyclic=cyclic, progress=progress)
         ensemble.absorb(part, left)
-        settled.multiple[left], settled.distance[left] = again.multiple, again.distance
-        settled.scale[:, left] = again.scale
-        settled.waited[left] += again.waited
-        settled.accelerated[left] |= again.accelerated
+        again.accelerated[:] |= settled.accelerated[left]
+        settled.take(again, left)
     return settled
 
 

@@ -11,10 +11,9 @@ from scipy import signal
 
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
-from whirlmap.analysis.kantz import kantz_exponent
 from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.recurrence import recurrence
-from whirlmap.analysis.rosenstein import rosenstein_exponent
+from whirlmap.analysis.signal_exponents import signal_exponents
 from whirlmap.analysis.spectral_lines import spectral_lines
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.zero_one import STATUS as ZERO_ONE_STATUS
@@ -32,14 +31,13 @@ FEWEST, FEWEST_SWINGS = 1000, 30
 STRONG = 0.95
 #: Samples per swing to which a finely sampled signal is thinned before it is embedded.
 FINE = 40
-#: Samples whose neighbours, vectors whose distances, and points whose recurrences are looked at.
+#: Samples whose false neighbours, vectors whose distances, and points whose recurrences are looked at.
 NEIGHBOURS, VECTORS, RECURRENT = 12_000, 8_000, 1_500
-#: Swings over which neighbours are followed.
-FOLLOWED = 12
 #: Damping of the 0-1 test, for noise.
 DAMPING = 1.0
 #: Shares of the power: of one line that counts, of all lines in regular motion, outside of lines in broadband motion.
 LINE, LINES, BROAD = 1e-3, 0.98, 0.1
+CITED = "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007"
 #: K of the 0-1 test above and below which it has a say; clean sections allow tighter ones (`regime`).
 WANDERS, BOUNDED = 0.8, 0.3
 
@@ -76,7 +74,8 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     2. Lag from the first minimum of the mutual information (without one, a quarter swing, which is said), dimension from
        false neighbours; without one at that lag, nor at a half or a quarter of it, none of the embedded indicators
        speaks: noise, or too many dimensions.
-    3. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
+    3. Exponents as `signal_exponents` says.
+    4. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
        positive over a scaling range, and so is the other, or the dimension has one: coloured noise may show one of them
        by chance. Regular: the lines do, the 0-1 test does not wander, and Rosenstein's exponent is not
        seen; periodic where all strong lines are multiples and fractions of one frequency, quasi-periodic where they
@@ -109,7 +108,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
         "rate": rate, "unit": unit, "samples": int(np.size(values)), "thinned": thin, "swing": swing * thin / rate,
         "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),
         "verdict": _sentences(label, votes, unit), "whirlmap_version": package_version("whirlmap"),
-        "citations": "gottwald2009 rosenstein1993 kantz1994 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007",
+        "citations": CITED,
     }  # fmt: skip
     return with_attributes(xr.Dataset(data, coords=coords), facts)
 
@@ -217,22 +216,18 @@ def _embedded(
     votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any],
 ) -> None:  # fmt: skip
     """Exponents, dimension and recurrence of the embedded signal."""
-    part = x[:NEIGHBOURS]
-    steps = min(FOLLOWED * swing, part.size // 4)
-    for name, method in (("rosenstein", rosenstein_exponent), ("kantz", kantz_exponent)):
-        found = method(
-            part, dimension=dimension, lag=lag, theiler=swing, steps=steps, rate=rate, window=max(swing, 3)
-        )
+    exponents, factor = signal_exponents(x, dimension=dimension, lag=lag, swing=swing, rate=rate)
+    for name, found in exponents.items():
         status = str(found["status"].attrs["flag_meanings"]).split()[int(found["status"])]
         value, error = float(found["exponent"]), float(found["exponent_error"])
         positive = status == "ok" and value > 2 * error
         votes[name] = {
             "vote": "positive" if positive else status if status != "ok" else "none", "value": _finite(value),
             "error": _finite(error),
-            "range": [int(found["range_begin"]), int(found["range_end"])] if status == "ok" else None,
+            "range": [int(found[end]) for end in ("range_begin", "range_end")] if status == "ok" else None,
         }  # fmt: skip
         data[name] = variable("step", found["divergence"].values, "1", f"mean logarithm of distances, {name}")
-    coords["step"] = variable("step", np.arange(steps + 1), "1", "samples")
+    coords["step"] = variable("step", np.arange(found.sizes["step"]) / factor, "1", "samples")
     vectors = delay_embedding(x, dimension=dimension, lag=lag)
     every = max(len(vectors) // VECTORS, 1)
     d = correlation_dimension(vectors[::every], theiler=max(ceil(swing / every), 1))

@@ -9,14 +9,15 @@ is looked at on its own, by its own history:
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
 3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
-   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
+   (`acceleration`); where not it is put back, and the trial counts for nothing but time. Models whose rates jump have no
+   multipliers to prove it by (`saltation`), and settle plainly.
 4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -24,7 +25,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.acceleration import LONGEST_RETURN, Trials
 from whirlmap.analysis.extrapolation import DIFFERENCES
-from whirlmap.analysis.periodicity import distance_to_limit, shortest_return, shrinking
+from whirlmap.analysis.periodicity import distance_to_limit, nearest_return, shortest_return, shrinking
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.routine import LANES
@@ -34,8 +35,8 @@ Integers = NDArray[np.int64]
 
 #: Common periods between two looks at a point.
 ROUND = 4
-#: Blocks of lanes in the pool, for each worker.
-POOL = 32
+#: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
+POOL = 128
 
 
 @dataclass(frozen=True)
@@ -90,7 +91,8 @@ class Settled:
     multiple : array of int
         Smallest return in common periods; 0 where there is none.
     distance : array
-        The return distance that decided, over the range of each state.
+        The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
+        where it ended.
     scale : array, shape (state, point)
         Range of each state over the last round.
     waited : array of int
@@ -104,6 +106,12 @@ class Settled:
     scale: Array
     waited: Integers
     accelerated: NDArray[np.bool_]
+
+    def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
+        """Take over how some points settled that have settled on, in place; the time they waited adds up."""
+        self.multiple[points], self.distance[points] = again.multiple, again.distance
+        self.scale[:, points], self.accelerated[points] = again.scale, again.accelerated
+        self.waited[points] += again.waited
 
 
 def settle(
@@ -133,6 +141,12 @@ def settle(
         )
         assert segment.extremes is not None
         pool.look(segment.saved, segment.extremes["maximum"] - segment.extremes["minimum"])
+    refused = pool.trials.refuse_unproved()
+    if refused.size:
+        part = ensemble.subset(refused)
+        again = settle(part, replace(settling, accelerate=False), cyclic=cyclic, progress=progress)
+        ensemble.absorb(part, refused)
+        pool.settled.take(again, refused)
     return pool.settled
 
 
@@ -142,6 +156,7 @@ class _Pool:
     def __init__(self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float]) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.cyclic = ensemble, settling, cyclic
+        self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
         self.waiting = 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
@@ -180,7 +195,7 @@ class _Pool:
         self.end_trials(at[trying], saved[:, :, trying])
         self.look_plainly(at[~trying], saved[:, :, ~trying])
         done = ~self.ensemble.running[at] | (s.multiple[at] > 0) | (self.ran[at] >= self.settling.longest)
-        if self.settling.accelerate and not self.ensemble.tangents:
+        if self.accelerate:
             self.trials.begin(at[~done & ~trying], self.ran, self.last, positive(s.scale))
         self.free += self.slot[at[done]].tolist()
         self.active = at[~done]
@@ -226,7 +241,15 @@ class _Pool:
         multiple, s.distance[points] = shortest_return(
             x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
         )
+        given_up = (multiple == 0) & (self.ran[points] >= self.settling.longest)
+        if window == self.windows[-1] and given_up.any():
+            s.distance[points[given_up]] = nearest_return(
+                x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1),
+                cyclic=self.cyclic,
+            )  # fmt: skip
         returned = np.flatnonzero(multiple > 0)
+        if not returned.size:
+            return
         multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
         near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance
         # a spiral of nearly m to the round looks like an orbit of m in one window, and not in two

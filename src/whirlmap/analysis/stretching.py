@@ -11,16 +11,13 @@ Array = NDArray[np.float64]
 
 STATUS = ("ok", "no-scaling-range", "neighbours-coincide")
 """Meaning of ``status`` by value."""
+#: Share of the pairs that may be far apart in the range: what has reached the attractor's size grows no more, so that the
+#: slope is low by about this share.
+MOST_FAR = 0.15
 
 
 def exponent_of(
-    curves: Array,
-    *,
-    rate: float,
-    window: int,
-    tolerance: float,
-    least_growth: float,
-    least_steps: int,
+    curves: Array, far: Array, *, rate: float, tolerance: float, least_growth: float, least_steps: int
 ) -> xr.Dataset:
     """Slope of the mean of several curves over their widest straight range.
 
@@ -28,61 +25,57 @@ def exponent_of(
     ----------
     curves : array, shape (block, step)
         Mean logarithmic distance after so many samples, of disjoint blocks of reference points.
+    far : array, shape (step,)
+        Share of the pairs that are farther apart than a fifth of two random points of the attractor.
     rate : float
         Samples per unit of time.
-    window : int
-        Steps over which a local slope is taken: about one swing of the motion, within which distances breathe.
     tolerance : float
-        Largest departure of a local slope in the range from the fitted one, as a fraction of that.
+        Largest departure of the slopes of the three thirds of the range from that of the whole, as a fraction of it.
     least_growth : float
         Growth over the range, in e-folds, below which nothing counts as a range.
     least_steps : int
-        A range must be longer: more than the span of an embedded vector, for noise also parts while one component
-        after the other is renewed.
+        A range must be longer: more than the span of an embedded vector, for smooth noise also parts while that is renewed.
 
     Returns
     -------
     xr.Dataset
-        ``divergence(step)``, ``exponent`` [1/time], ``exponent_error``, ``range_begin`` and ``range_end`` [samples],
-        ``growth`` (e-folds over the range), ``status``. Without a range the numbers are NaN and -1.
+        ``divergence(step)``, ``far_share(step)``, ``exponent`` [1/time], ``exponent_error``, ``range_begin`` and
+        ``range_end`` [samples], ``growth`` (e-folds over the range), ``status``. Without a range the numbers are NaN and -1.
 
     Notes
     -----
-    The widest range in e-folds wins. The error is the root of the squares of the standard error between the blocks and
-    of half the difference of the slopes of its halves.
+    The range ends before `MOST_FAR` of the pairs are far apart. Of the straight ranges that are left the one with the most
+    growth wins. The error is the root of the sum of squares of the standard error between the blocks, the spread of
+    the slopes of the thirds (neighbours turn into the growing direction at one end and feel the size at the other, which is
+    no scatter), and the slope times the mean share of far pairs.
     """
     mean = curves.mean(axis=0)
     steps = np.arange(mean.size)
-    window = min(max(window, 2), mean.size - 1)
     answer = {"exponent": np.nan, "exponent_error": np.nan, "growth": np.nan}
     ends = (-1, -1)
     status = "no-scaling-range"
     if not np.isfinite(mean).all():
         status = "neighbours-coincide"
     else:
-        local = np.array([_slope(mean[k : k + window + 1]) for k in range(mean.size - window)])
-        best = least_growth * (1 - 1e-12)
-        for a in range(local.size):
-            low = high = local[a]
-            for b in range(a + window, mean.size):  # every local slope inside counts, short ranges too
-                low, high = min(low, local[b - window]), max(high, local[b - window])
-                if low <= 0 or high - low > 2 * tolerance * high:
-                    break
-                slope = _slope(mean[a : b + 1])
-                grown = slope * (b - a)
-                straight = high <= (1 + tolerance) * slope and low >= (1 - tolerance) * slope
-                if b - a > least_steps and grown > best and straight:
-                    best, ends, status = grown, (a, b), "ok"
-        if status == "ok":
-            a, b = ends
-            each = np.array([_slope(c[a : b + 1]) for c in curves])
-            middle = (a + b) // 2
-            halves = abs(_slope(mean[a : middle + 1]) - _slope(mean[middle : b + 1])) / 2
+        last = int(np.argmax(far > MOST_FAR)) if (far > MOST_FAR).any() else mean.size
+        begin, end = np.triu_indices(last, k=6)  # thirds of three points at least
+        slope = _slopes(mean, begin, end)
+        thirds = _thirds(mean, begin, end)
+        growth = slope * (end - begin)
+        straight = (np.abs(thirds - slope) <= tolerance * slope).all(axis=0)
+        straight &= (growth >= least_growth) & (end - begin > least_steps)
+        if straight.any():
+            best = int(np.argmax(np.where(straight, growth, -np.inf)))
+            a, b = ends = (int(begin[best]), int(end[best]))
+            status = "ok"
+            each = np.array([_slopes(c, begin[[best]], end[[best]])[0] for c in curves])
             between = each.std(ddof=1) / np.sqrt(each.size)
+            uneven = np.ptp(thirds[:, best])
+            lost = slope[best] * far[a : b + 1].mean()
             answer = {
-                "exponent": _slope(mean[a : b + 1]) * rate,
-                "exponent_error": float(np.hypot(between, halves)) * rate,
-                "growth": best,
+                "exponent": slope[best] * rate,
+                "exponent_error": float(np.sqrt(between**2 + uneven**2 + lost**2)) * rate,
+                "growth": growth[best],
             }
     flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
     numbers = {
@@ -97,13 +90,24 @@ def exponent_of(
         {"step": ("step", steps, {"units": "1", "long_name": "samples after the neighbours were found"})},
     )
     ds["divergence"] = ("step", mean, {"units": "1", "long_name": "mean logarithm of the distance of neighbours"})
+    ds["far_share"] = ("step", far, {"units": "1", "long_name": "share of the pairs that feel the attractor's size"})
     ds["status"] = ((), np.int8(STATUS.index(status)), {"units": "1", "long_name": "status of the exponent", **flags})
-    ds.attrs = {"window": window, "tolerance": tolerance, "least_growth": least_growth, "rate": rate}
-    ds.attrs["least_steps"] = least_steps
+    ds.attrs = {"tolerance": tolerance, "least_growth": least_growth, "least_steps": least_steps, "rate": rate}
     return ds
 
 
-def _slope(y: Array) -> float:
-    """Least-squares slope per step."""
-    x = np.arange(y.size) - (y.size - 1) / 2
-    return float(x @ y / (x @ x))
+def _slopes(y: Array, begin: NDArray[np.intp], end: NDArray[np.intp]) -> Array:
+    """Least-squares slopes per step of ``y[begin : end + 1]``, of many ranges at once, from running sums."""
+    n = np.arange(y.size, dtype=np.float64)
+    sums, moments = (np.r_[0.0, np.cumsum(v)] for v in (y - y.mean(), n * (y - y.mean())))
+    count = end - begin + 1
+    middle = (begin + end) / 2
+    return np.asarray(
+        (moments[end + 1] - moments[begin] - middle * (sums[end + 1] - sums[begin])) / (count * (count**2 - 1.0) / 12)
+    )
+
+
+def _thirds(y: Array, begin: NDArray[np.intp], end: NDArray[np.intp]) -> Array:
+    """Slopes of the three thirds of every range, shape (3, range)."""
+    first, second = begin + (end - begin) // 3, end - (end - begin) // 3
+    return np.stack([_slopes(y, a, b) for a, b in ((begin, first), (first, second), (second, end))])

@@ -21,10 +21,11 @@ MOST_DIGITS = 16.0
 
 def weighted_average(values: ArrayLike) -> Array:
     """Weighted Birkhoff average over the first axis, weights exp(-1/(t(1 - t))) with t = 1/(N+1), ..., N/(N+1)."""
-    x = np.asarray(values, dtype=np.float64)
-    t = np.arange(1, x.shape[0] + 1) / (x.shape[0] + 1)
+    # Each series in one piece, and no matrix product: the sums of one series must not depend on the others.
+    x = np.ascontiguousarray(np.moveaxis(np.asarray(values, dtype=np.float64), 0, -1))
+    t = np.arange(1, x.shape[-1] + 1) / (x.shape[-1] + 1)
     weight = np.exp(-1.0 / (t * (1.0 - t)))
-    return np.asarray(np.tensordot(weight / weight.sum(), x, axes=(0, 0)))
+    return np.asarray((x * (weight / weight.sum())).sum(axis=-1))
 
 
 def converged_digits(values: ArrayLike) -> Array:
@@ -58,7 +59,7 @@ def converged_digits(values: ArrayLike) -> Array:
     half = x.shape[0] // 2
     with np.errstate(invalid="ignore"):
         difference = np.abs(weighted_average(x[:half]) - weighted_average(x[half : 2 * half]))
-        size = x.std(axis=0)
+        size = np.ascontiguousarray(np.moveaxis(x, 0, -1)).std(axis=-1)
         moves = size > 1e-13 * np.abs(x).max(axis=0)
     share = np.divide(difference, size, out=np.full(size.shape, np.nan), where=moves)
     return np.asarray(np.clip(-np.log10(np.maximum(share, 10.0**-MOST_DIGITS)), 0.0, MOST_DIGITS))
@@ -109,20 +110,31 @@ def winding_number(x: ArrayLike, y: ArrayLike, *, least_gap: float = 0.02) -> Wi
     u, v = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if u.shape != v.shape or u.ndim != 1 or u.size < 64:
         raise RangeError(f"x and y have shapes {u.shape} and {v.shape}: twice (time,) with at least 64 are needed.")
-    if not (np.isfinite(u).all() and np.isfinite(v).all()):
-        return Winding(np.nan, np.nan, "not-finite")
-    angle = np.arctan2(v - weighted_average(v), u - weighted_average(u)) / (2 * np.pi)
+    return winding_numbers(u[None], v[None], least_gap=least_gap)[0]
+
+
+def winding_numbers(x: Array, y: Array, *, least_gap: float = 0.02) -> list[Winding]:
+    """`winding_number` of many curves, ``x`` and ``y`` of shape (curve, time)."""
+    out = [Winding(np.nan, np.nan, "not-finite")] * len(x)
+    finite = np.flatnonzero((np.isfinite(x) & np.isfinite(y)).all(axis=1))
+    u, v = x[finite], y[finite]
+    angle = np.arctan2(v - weighted_average(v.T)[:, None], u - weighted_average(u.T)[:, None]) / (2 * np.pi)
     step = np.diff(angle) % 1.0
     ordered = np.sort(step)
-    gaps = np.append(np.diff(ordered), ordered[0] + 1.0 - ordered[-1])
-    widest = int(gaps.argmax())
-    if gaps[widest] < least_gap:
-        return Winding(np.nan, np.nan, "through-centre")
-    cut = ordered[(widest + 1) % ordered.size]
+    following = np.roll(ordered, -1, axis=1)
+    following[:, -1] += 1.0
+    gaps = following - ordered
+    widest = gaps.argmax(axis=1)[:, None]
+    cut = np.take_along_axis(ordered, (widest + 1) % ordered.shape[1], axis=1)
     lifted = (step - cut) % 1.0
-    half = lifted.size // 2
-    halves = abs(float(weighted_average(lifted[:half]) - weighted_average(lifted[half : 2 * half])))
-    return Winding(float((cut + weighted_average(lifted)) % 1.0), halves, "ok")
+    half = lifted.shape[1] // 2
+    number = (cut[:, 0] + weighted_average(lifted.T)) % 1.0
+    error = np.abs(weighted_average(lifted[:, :half].T) - weighted_average(lifted[:, half : 2 * half].T))
+    open_gap = np.take_along_axis(gaps, widest, axis=1)[:, 0] >= least_gap
+    for k, curve in enumerate(finite):
+        found = Winding(float(number[k]), float(error[k]), "ok")
+        out[curve] = found if open_gap[k] else Winding(np.nan, np.nan, "through-centre")
+    return out
 
 
 @dataclass(frozen=True)

@@ -25,25 +25,26 @@ LAGS = 25
 
 @compiled(fastmath={"contract", "reassoc", "nsz"})
 def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: Array) -> None:
-    """Mean square displacement of the walk of each angle, ``out`` of shape (angle, lag)."""
-    n = series.size
+    """Mean square displacement of the walk of each series, shape (lane, time), and angle; ``out``: (lane, angle, lag)."""
+    lanes, n = series.shape
     p, q = np.empty(n), np.empty(n)
     used = n - lags[-1]
-    for a in range(angles.size):
-        turn_x, turn_y = np.cos(angles[a]), np.sin(angles[a])
-        x = y = 0.0
-        c, s = turn_x, turn_y
-        for i in range(n):
-            x += series[i] * c
-            y += series[i] * s
-            p[i], q[i] = x, y
-            c, s = c * turn_x - s * turn_y, c * turn_y + s * turn_x
-        for k in range(lags.size):
-            lag = lags[k]
-            total = 0.0
-            for i in range(used):
-                total += (p[i + lag] - p[i]) ** 2 + (q[i + lag] - q[i]) ** 2
-            out[a, k] = total / used
+    for lane in range(lanes):
+        for a in range(angles.size):
+            turn_x, turn_y = np.cos(angles[a]), np.sin(angles[a])
+            x = y = 0.0
+            c, s = turn_x, turn_y
+            for i in range(n):
+                x += series[lane, i] * c
+                y += series[lane, i] * s
+                p[i], q[i] = x, y
+                c, s = c * turn_x - s * turn_y, c * turn_y + s * turn_x
+            for k in range(lags.size):
+                lag = lags[k]
+                total = 0.0
+                for i in range(used):
+                    total += (p[i + lag] - p[i]) ** 2 + (q[i + lag] - q[i]) ** 2
+                out[lane, a, k] = total / used
 
 
 def zero_one_test(
@@ -122,23 +123,20 @@ def growth_rates(
     lags = np.unique(np.linspace(1, reach, min(reach, LAGS)).astype(np.int64))
     n = lags.astype(float)
     wobble = damping * np.sin(np.sqrt(2.0) * n)
-    status = np.zeros(x.shape[1], np.int8)
-    K = np.full((x.shape[1], angles), np.nan)
-    displacement = np.empty((angles, lags.size))
-    for lane in range(x.shape[1]):
-        column = x[:, lane]
-        if not np.isfinite(column).all():
-            status[lane] = STATUS.index("not-finite")
-            continue
-        deviation = column.std()
-        if deviation <= 1e-12 * np.abs(column).max():
-            status[lane] = STATUS.index("constant")
-            continue
-        walk = np.ascontiguousarray((column - column.mean()) / deviation)
-        if np.mean(np.diff(walk) ** 2) < OVERSAMPLED:
-            status[lane] = STATUS.index("oversampled")
-        _displacements(walk, c, lags, displacement)
-        K[lane] = _correlation(n, displacement + wobble)
+    series = np.ascontiguousarray(x.T)  # sums along a row do not depend on the other rows
+    status = np.zeros(len(series), np.int8)
+    finite = np.isfinite(series).all(axis=1)
+    with np.errstate(invalid="ignore"):
+        deviation = series.std(axis=1)
+        constant = finite & (deviation <= 1e-12 * np.abs(series).max(axis=1))
+    status[~finite], status[constant] = STATUS.index("not-finite"), STATUS.index("constant")
+    K = np.full((len(series), angles), np.nan)
+    if (judged := np.flatnonzero(finite & ~constant)).size:
+        walks = (series[judged] - series[judged].mean(axis=1, keepdims=True)) / deviation[judged, None]
+        status[judged[np.mean(np.diff(walks) ** 2, axis=1) < OVERSAMPLED]] = STATUS.index("oversampled")
+        displacement = np.empty((judged.size, angles, lags.size))
+        _displacements(walks, c, lags, displacement)
+        K[judged] = _correlation(n, displacement + wobble)
     return np.percentile(K, (25, 50, 75), axis=1), status, reach
 
 
@@ -165,29 +163,31 @@ def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.9)
     The shortest cycle whose unexplained variance is within twice that of the best one, so that multiples do not win.
     Quasi-periodic motion stays quasi-periodic, chaos stays chaos.
     """
-    x = np.asarray(series, dtype=np.float64)
-    rest, cycle = x - x.mean(axis=0), np.ones(x.shape[1], np.int64)
-    whole = (rest**2).mean(axis=0)
-    most = min(most, x.shape[0] // 8)
-    left = np.stack([whole] + [((x - _phase_means(x, m)) ** 2).mean(axis=0) for m in range(2, most + 1)])
-    for lane in np.flatnonzero(left.min(axis=0) < (1 - least_share) * whole):
-        m = int(np.flatnonzero(left[:, lane] <= 2 * left[:, lane].min())[0]) + 1
-        column = x[:, lane : lane + 1]
-        rest[:, lane : lane + 1], cycle[lane] = column - _phase_means(column, m), m
-    return rest, cycle
+    x = np.ascontiguousarray(np.asarray(series, dtype=np.float64).T)
+    rest, cycle = x - x.mean(axis=1, keepdims=True), np.ones(len(x), np.int64)
+    whole = (rest**2).mean(axis=1)
+    most = min(most, x.shape[1] // 8)
+    left = np.stack([whole] + [((x - _phase_means(x, m)) ** 2).mean(axis=1) for m in range(2, most + 1)])
+    hops = left.min(axis=0) < (1 - least_share) * whole
+    cycle[hops] = (left[:, hops] <= 2 * left[:, hops].min(axis=0)).argmax(axis=0) + 1
+    for m in np.unique(cycle[hops & (cycle > 1)]):
+        these = hops & (cycle == m)
+        rest[these] = x[these] - _phase_means(x[these], int(m))
+    return rest.T, cycle
 
 
 def _phase_means(x: Array, m: int) -> Array:
-    """Mean of every m-th sample, repeated over the series."""
-    means = x[: x.shape[0] // m * m].reshape(-1, m, x.shape[1]).mean(axis=0)
-    return means[np.arange(x.shape[0]) % m]
+    """Mean of every m-th sample of each row, repeated over the row."""
+    rounds = x.shape[1] // m
+    means = x[:, : rounds * m].reshape(len(x), rounds, m).mean(axis=1)
+    return means[:, np.arange(x.shape[1]) % m]
 
 
 def _correlation(n: Array, rows: Array) -> Array:
-    """Correlation of each row with n."""
-    a, b = n - n.mean(), rows - rows.mean(axis=1, keepdims=True)
-    size = np.sqrt((a @ a) * (b**2).sum(axis=1))
-    return np.divide(b @ a, size, out=np.zeros(len(rows)), where=size > 0)
+    """Correlation of each row, along the last axis, with n."""
+    a, b = n - n.mean(), rows - rows.mean(axis=-1, keepdims=True)
+    size = np.sqrt((a**2).sum() * (b**2).sum(axis=-1))
+    return np.divide((b * a).sum(axis=-1), size, out=np.zeros(size.shape), where=size > 0)
 
 
 def _lane(values: Any, long_name: str, **more: Any) -> tuple[str, Any, dict[str, Any]]:

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
+from whirlmap.cli.machine_input import limit_of, range_of
+from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
-from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span, limit_of, range_of
+from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
 
 if TYPE_CHECKING:
@@ -44,6 +46,13 @@ def improve(
     coarse: Annotated[
         bool, typer.Option("--coarse", rich_help_panel=SPEEDS, help="Try the values given alone, and none around the best.")
     ] = False,
+    follow: Annotated[
+        bool,
+        typer.Option(
+            "--follow/--no-follow", rich_help_panel=SPEEDS,
+            help="Whether to judge the best designs in run-up and run-down as well, which shows coexisting motions.",
+        ),
+    ] = True,
     changes: options.Changes = None,
     start: options.Start = None,
     transient: options.Transient = 100,
@@ -58,7 +67,8 @@ def improve(
     """Compare values of one or two design parameters of CASE by what they do to its safe speeds.
 
     Every design runs at the same speeds of the first shaft. Said are its widest window of safe speeds and its largest
-    amplitude over the whole range; around the best designs more values are tried.
+    amplitude over the whole range; around the best designs more values are tried. Ctrl-C keeps the designs that are
+    finished: they are reported and written, marked as incomplete.
     """
     ranges, units = _ranges(vary)
     settings = options.assignments(changes, "--set")
@@ -71,18 +81,23 @@ def improve(
 
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.loading import load
-    from whirlmap.sweep.improve import improve as compare
+    from whirlmap.sweep.improve import improve_in_batches
     from whirlmap.sweep.run import expected_periods
 
     allowed = limit_of(system, limit)
     at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
     designs = int(np.prod([r.count for r in ranges.values()]))
     with Progress("improve", expected_periods(system, points * designs, settling), quiet=quiet) as progress:
-        ds = compare(
+        work = improve_in_batches(
             partial(load, case, start=dict(system.start), **settings), {n: r.values for n, r in ranges.items()}, at, allowed,
-            units=units, refine=not coarse, quantity=quantity, settling=settling, accuracy=accuracy, method=method,
-            workers=workers, progress=progress,
+            units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,
+            method=method, workers=workers, progress=progress, on_batch=lambda done, total: progress.expect(
+                progress.done * total / done, f"{done} of {total} designs"
+            ),
         )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    ds = work.dataset
     files = destination.write(ds, lambda made: _picture(system, made))
     report.say_doubts(ds.attrs)
     facts = summary(system, ds)
@@ -91,6 +106,9 @@ def improve(
     else:
         _print(facts)
         report.print_written(files)
+    if not work.complete:
+        say(f"{facts['incomplete']}; these were kept")
+        raise typer.Exit(130)
 
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
@@ -145,7 +163,7 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what was found, as plain data."""
-    from whirlmap.sweep.speeds import clearance
+    from whirlmap.sweep.judging import clearance
 
     names = ds.attrs["varied"].split()
     length, scale = clearance(system), float(ds["rpm"][-1] / ds["s"][-1]) if "rpm" in ds.coords else None
@@ -158,7 +176,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
             key: float(one[key])
             for key in ("window_start", "window_end", "window_width", "safe_share", "worst_amplitude")
         }
-        row |= {"ended": int(one["ended"]), "refined": bool(one["refined"]), "front": bool(one["front"])}
+        row |= {"ended": int(one["ended"])} | {name: bool(one[name]) for name in ("refined", "followed", "front")}
         if scale:
             row["rpm"] = [row["window_start"] * scale, row["window_end"] * scale]
             row["rpm_width"] = row["window_width"] * scale
@@ -169,7 +187,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
     return {
         "case": system.case, "varied": names, "units": {n: ds[n].attrs["units"] for n in names}, "limit": limit,
         "limit_um": limit * um if um else None, "s": ds["s"].values, "designs": rows,
-        "widest": int(ds.attrs["widest"]), "calmest": int(ds.attrs["calmest"]),
+        "widest": int(ds.attrs["widest"]), "calmest": int(ds.attrs["calmest"]), "incomplete": ds.attrs.get("incomplete"),
     }  # fmt: skip
 
 
@@ -177,6 +195,8 @@ def _print(facts: dict[str, Any]) -> None:
     names, um, designs = facts["varied"], facts["limit_um"], facts["designs"]
     limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
     typer.echo(f"{facts['case']}: {len(designs)} designs at {len(facts['s'])} speeds, peak to peak at most {limit}")
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
     heads = [n if facts["units"][n] == "1" else f"{n} [{facts['units'][n]}]" for n in names]
     rows = []
     for i in sorted(range(len(designs)), key=lambda i: [designs[i][n] for n in names]):
@@ -186,24 +206,25 @@ def _print(facts: dict[str, Any]) -> None:
         width = f"{d['rpm_width']:.0f}" if "rpm" in d else f"{d['window_width']:.4f}"
         worst = d.get("worst_amplitude_um", d["worst_amplitude"])
         swing = f"{d['ended']} runs end early" if d["ended"] else f"{worst:.4g}"
+        judged = "up and down" if d["followed"] else "cold"
         notes = [w for w, key in (("widest window", "widest"), ("lowest amplitude", "calmest")) if facts[key] == i]
         share = f"{100 * d['safe_share']:.0f} %"
-        rows.append((*(f"{d[n]:.5g}" for n in names), place, width, share, swing, ", ".join(notes)))
+        rows.append((*(f"{d[n]:.5g}" for n in names), place, width, share, swing, judged, ", ".join(notes)))
     speed, length = ("rpm", "um") if "rpm" in designs[0] else ("s", "clearances")
-    columns = (*heads, f"widest window [{speed}]", "width", "safe", f"worst amplitude [{length}]", "")
+    columns = (*heads, f"widest window [{speed}]", "width", "safe", f"worst amplitude [{length}]", "judged", "")
     report.show(report.table("Designs", columns, rows, numbers=(*range(len(names)), len(names) + 1, len(names) + 2)))
     best = designs[facts["widest"]]
     if best["safe_share"]:
         units = facts["units"]
         chosen = " ".join(f'--set "{n}={best[n]:.6g}{"" if units[n] == "1" else " " + units[n]}"' for n in names)
-        typer.echo(f"next: whirlmap speeds {facts['case']} {chosen} --follow, the other options as here")
+        typer.echo(f"next: whirlmap speeds {facts['case']} {chosen}, the other options as here")
     else:
         typer.echo("no design has a safe speed")
 
 
 def _picture(system: "System", ds: "xr.Dataset") -> Any:
     from whirlmap.plot.improve import improve_figure
-    from whirlmap.sweep.speeds import clearance
+    from whirlmap.sweep.judging import clearance
 
     length = clearance(system)
     known = length == length

@@ -47,6 +47,7 @@ def model_digest(model: Model) -> str:
         *(f"output {name} {of(o.expression)}" for name, o in model.outputs.items()),
         *(f"stop {name} {of(s.gap)} {of(s.reachable)}" for name, s in model.stops.items()),
         *(f"switching {name} {of(q.surface)}" for name, q in model.switchings.items()),
+        *([] if model.teeth is None else [f"teeth {of(model.teeth)}"]),
         *(f"table {_shape(table)}" for table in model.tables),
         *([f"section {of(cut.surface)} {cut.direction}"] if cut else []),
         *(f"clock {name} {of(rate)}" for name, rate in model.clocks.items()),

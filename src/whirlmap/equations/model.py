@@ -99,6 +99,8 @@ class Model:
         Surfaces at which the equations change their form.
     films : mapping of str to Film
         Films that carry a load at rest; nothing is integrated from them.
+    teeth : Expr, optional
+        Deflection of the teeth, of states, parameters and time: positive while the driving flanks press on each other.
     section, typical_time
         For unforced models: where to cut, and a time in which the state changes by its own size (about a turn).
     start : "states" or "equilibrium"
@@ -133,6 +135,7 @@ class Model:
     stops: Mapping[str, Stop] = field(default_factory=dict)
     switchings: Mapping[str, Switching] = field(default_factory=dict)
     films: Mapping[str, Film] = field(default_factory=dict)
+    teeth: Expr | None = None
     section: Section | None = None
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
@@ -168,6 +171,7 @@ class Model:
         self._refuse_unknown("the switchings", surfaces, known | {t})
         of_films = (e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength))
         self._refuse_unknown("the films", of_films, known)
+        self._refuse_unknown("the teeth", [] if self.teeth is None else [self.teeth], known | {t})
         self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")

@@ -113,10 +113,8 @@ def _fixed_arc(mobility: Mobility) -> Callable[..., Vector]:
         along = qx * ux + qy * uy  # eps s_r
         across = qy * ux - qx * uy  # eps s_t
         coupling = sigma * mB / sqrt(e2 + CENTRE)  # direction-dependent at the centre, but bounded
-        return (
-            radial * qx - excess * across * uy - coupling * (across * ux - along * uy),
-            radial * qy + excess * across * ux - coupling * (across * uy + along * ux),
-        )
+        turn, approach = excess * across - coupling * along, coupling * across  # across and against the eccentricity
+        return radial * qx - turn * uy - approach * ux, radial * qy + turn * ux - approach * uy
 
     return velocity
 

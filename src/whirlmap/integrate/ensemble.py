@@ -31,8 +31,9 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-#: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run).
-TASKS, MOST_BLOCKS = 4, 16
+#: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run). Calls of
+#: fewer steps of blocks than `SHORT` are not divided: they take less than some milliseconds, Python's part of a call 0.1.
+TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict")
@@ -74,6 +75,8 @@ class Ensemble:
     method : Method
     tangents : int
         Tangent vectors carried along, started from a fixed random orthonormal set.
+    orthonormal : bool
+        Whether the tangent vectors are orthonormalised once per T. Where not, they start from the first unit vectors.
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
     redo : bool
@@ -111,6 +114,7 @@ class Ensemble:
         steps: int | Integers,
         method: Method = RK4,
         tangents: int = 0,
+        orthonormal: bool = True,
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
@@ -120,7 +124,8 @@ class Ensemble:
             raise RangeError(f"steps per T must be at least 1, not {np.min(steps)}")
         if x.shape != (model.dimension, n):
             raise RangeError(f"start states have shape {x.shape}, expected {(model.dimension, n)}")
-        self.model, self.method, self.tangents, self.redo, self.accuracy = model, method, tangents, redo, accuracy
+        self.model, self.method, self.redo, self.accuracy = model, method, redo, accuracy
+        self.tangents, self.orthonormal = tangents, orthonormal
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
         self.orders, self.workers = orders, workers or cores()
         self.points = n
@@ -132,7 +137,7 @@ class Ensemble:
         self.turns = np.zeros(n, dtype=np.int64)
         self.step_error, self.step_verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
         self._group()
-        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n)])
+        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n, orthonormal)])
 
     def _group(self) -> None:
         """Group the points by kernel and steps."""
@@ -146,6 +151,11 @@ class Ensemble:
     def x(self) -> Array:
         """Present states, shape (state, point)."""
         return self._y[: self.model.dimension]
+
+    @property
+    def vectors(self) -> Array:
+        """Present tangent vectors, shape (vector, state, point)."""
+        return self._y[self.model.dimension :].reshape(self.tangents, self.model.dimension, self.points)
 
     @property
     def steps(self) -> int:
@@ -173,7 +183,7 @@ class Ensemble:
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            workers=self.workers, redo=self.redo, accuracy=self.accuracy,
+            orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:
@@ -228,7 +238,7 @@ class Ensemble:
         rows = self.model.dimension + len(self.model.outputs)
         segment = Record(
             saved=np.full((int(n_periods // save) if save else 0, self.model.dimension, members.size), np.nan),
-            growth=np.zeros((n_periods if self.tangents else 0, self.tangents, members.size)),
+            growth=np.zeros((n_periods if self.tangents and self.orthonormal else 0, self.tangents, members.size)),
             sums=np.zeros((5, rows if extremes else 0, members.size)),
         )
         place = np.full(self.points, -1, dtype=np.intp)
@@ -239,7 +249,9 @@ class Ensemble:
         tasks = [
             (group, local)
             for group in self._groups
-            for local in _tasks(np.flatnonzero((place[group.members] >= 0) & running[group.members]), self.workers)
+            for local in _tasks(
+                np.flatnonzero((place[group.members] >= 0) & running[group.members]), n_periods * group.steps, self.workers
+            )
         ]
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
@@ -265,10 +277,11 @@ class Ensemble:
         return Segment(segment.saved, segment.growth, statistics)
 
 
-def _tasks(local: NDArray[np.intp], workers: int) -> list[NDArray[np.intp]]:
+def _tasks(local: NDArray[np.intp], steps: int, workers: int) -> list[NDArray[np.intp]]:
     """Whole blocks for one call of a kernel: enough calls to keep all workers busy to the end, none of them small."""
     blocks = -(-local.size // LANES)
-    each = min(max(-(-blocks // (TASKS * workers)), 1), MOST_BLOCKS) * LANES
+    each = min(-(-blocks // (TASKS * workers)), MOST_BLOCKS) if workers > 1 else MOST_BLOCKS
+    each = max(each, -(-SHORT // max(steps, 1))) * LANES
     return [local[i : i + each] for i in range(0, local.size, each)]
 
 
@@ -286,13 +299,13 @@ def variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]
     return [(m, members) for m, members in split if members.size]
 
 
-def _tangent_start(n: int, count: int, points: int) -> Array:
-    """Orthonormal tangent vectors, the same random set for every point."""
+def _tangent_start(n: int, count: int, points: int, random: bool) -> Array:
+    """Orthonormal tangent vectors, the same random set or the same unit vectors for every point."""
     if count == 0:
         return np.zeros((0, points))
     if count > n:
         raise RangeError(f"{count} tangent vectors in {n} dimensions")
-    q, _ = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))
+    q = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))[0] if random else np.eye(n, count)
     return np.repeat(q.T.reshape(n * count, 1), points, axis=1)
 
 

@@ -59,10 +59,10 @@ class Evaluator:
         times = np.broadcast_to(np.asarray(time, dtype=float), (1, columns))
         self.kernel.evaluate(
             blocks=y.shape[0], forced=int(forced), y=y, time=blocked(times), **blocks, dy=dy, jac=moving, o=o,
-            work=self.kernel.work(0),
+            work=self.kernel.work(),
         )  # fmt: skip
         dense = np.zeros((n, n, columns))
         rows = {"input": unblocked(blocks["p"], columns), "slot": unblocked(moving, columns)}
-        for (i, j), (where, value) in self.kernel.source.entries.items():
-            dense[i, j] = value if where == "constant" else rows[where][int(value)]
+        for i, j, weight, where, value in self.kernel.source.entries:
+            dense[i, j] += weight * (value if where == "constant" else rows[where][int(value)])
         return unblocked(dy, columns), dense

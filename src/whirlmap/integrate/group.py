@@ -125,6 +125,7 @@ class _Run:
         self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
         self.growth = np.zeros((self.blocks, record.growth.shape[0], self.count, LANES))
+        self.orth_every = group.steps if record.growth.shape[0] else total + 1
         self.folded = record.sums.shape[1] > 0
         self.sums = np.zeros((self.blocks, 5, record.sums.shape[1], LANES))
         if self.folded:
@@ -144,7 +145,7 @@ class _Run:
         kernel.advance(
             blocks=chosen.size, count=self.count, **arrays, **steady, tables=self.inputs["tables"],
             **self.group.waves.arguments(begin), steps=self.total, save_every=self.save_every, saves=self.saved.shape[1],
-            orth_every=self.group.steps, events=self.growth.shape[1], folded=int(self.folded), work=kernel.work(self.count),
+            orth_every=self.orth_every, events=self.growth.shape[1], folded=int(self.folded), work=kernel.work(),
         )  # fmt: skip
         if not whole:
             for name, a in arrays.items():
@@ -153,9 +154,9 @@ class _Run:
     def after_mended_step(self, block: Points, lane: Points, done: Integers) -> None:
         """Do after mended steps what the kernel does after its own where it is due: orthonormalise, and save."""
         k, n = self.count, self.n
-        due = done % self.group.steps == 0
+        due = done % self.orth_every == 0
         if k and due.any():
-            b, l, event = block[due], lane[due], done[due] // self.group.steps - 1  # noqa: E741
+            b, l, event = block[due], lane[due], done[due] // self.orth_every - 1  # noqa: E741
             vectors = self.y[b, n:, l].reshape(-1, k, n).transpose(0, 2, 1)
             q, r = np.linalg.qr(vectors)
             length = np.diagonal(r, axis1=1, axis2=2)

@@ -115,7 +115,7 @@ class Rescue:
         kernel.march(
             blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), h=blocked(h[None]),
             **kernel.inputs(self.values[:, members]).blocks(np.arange(points)), steps=steps, good=good,
-            work=kernel.work(self.tangents),
+            work=kernel.work(),
         )  # fmt: skip
         return unblocked(run, points), unblocked(good, points)[0] != 0
 

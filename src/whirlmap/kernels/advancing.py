@@ -98,7 +98,7 @@ def _block(
         here = r.spread(n)
         running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
         with b.if_then(r.any(b.icmp_signed("!=", running, integers(0)))):  # no step where all lanes wait
-            x = stepper.step(a["y"], h, inputs, count, waves_at)
+            x = stepper.step(a["y"], h, inputs, waves_at)
             r.call(examine, y=x, p=a["p"], good=good)
             lost = b.and_(running, b.not_(r.load(good)))
             truth = b.icmp_signed("!=", lost, integers(0))
@@ -106,8 +106,8 @@ def _block(
             running = b.and_(running, r.load(good))
             r.store(running, on)
             runs = b.icmp_signed("!=", running, integers(0))
-            with r.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
-                r.store(b.select(runs, r.load(x, i), r.load(a["y"], i)), a["y"], i)
+            stepper.replace(a["y"], x, sizes.states * (2 if sizes.along else 1), runs)
+            stepper.vectors(a["y"], h, a["p"], count, runs)
             done = b.add(n, integer(1))
             if turn:
                 due = b.icmp_signed("==", b.srem(done, a["orth_every"]), integer(0))
@@ -154,17 +154,17 @@ def orthonormalise(module: ir.Module, states: int) -> Routine:
 
     with r.loop(a["count"]) as v:
         this = vector(v)
-        with r.loop(v) as w:
-            other = vector(w)
-            along = product(this, other)
-            with r.loop(states) as i:
-                less = r.sub(r.load(this, i), r.mul(along, r.load(other, i)))
-                r.store(b.select(runs, less, r.load(this, i)), this, i)
         length = b.select(runs, r.root(product(this, this)), number(1.0))
         r.store(r.add(r.load(a["growth"], v), r.per_lane("log", length)), a["growth"], v)
         shrink = r.div(number(1.0), length)
         with r.loop(states) as i:
             r.store(r.mul(r.load(this, i), shrink), this, i)
+        with r.loop(b.sub(b.sub(a["count"], v), integer(1))) as later:  # they do not wait for each other
+            other = vector(b.add(b.add(v, integer(1)), later))
+            along = product(other, this)
+            with r.loop(states) as i:
+                less = r.sub(r.load(other, i), r.mul(along, r.load(this, i)))
+                r.store(b.select(runs, less, r.load(other, i)), other, i)
     r.done()
     return r
 

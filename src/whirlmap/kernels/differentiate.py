@@ -3,10 +3,12 @@
 Differentiating the whole expressions and sharing subexpressions afterwards takes SymPy a minute for a film read from a
 table; going through assignments that are shared already takes a second, and gives the shorter code. Derivatives are taken
 by *seeds*: the states, and every assignment that is a linear form of states with constant coefficients (a shaft's
-deflection), so that the parts of a linear form are not differentiated one by one. Along a single direction there is one
-seed, the direction itself.
+deflection), so that the parts of a linear form are not differentiated one by one. An assignment that depends on several
+seeds and serves several others (the square of the eccentricity) is a seed on the way: what depends on it is differentiated
+by it alone, and the chain rule is applied once at the end. Along a single direction there is one seed, the direction itself.
 """
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -17,9 +19,15 @@ from whirlmap.kernels.lower import Hoisted, Read, Straight, inverse, root, split
 Slopes = dict[Symbol, Expr]
 
 
+#: Derivatives of results: by number of the result, and by seed.
+Entries = dict[tuple[int, Symbol], Expr]
+#: Linear forms of states: by seed, the weight of each state.
+Forms = dict[Symbol, Slopes]
+
+
 def jacobian_code(
     lines: Straight, variables: list[Symbol], hoisted: Hoisted
-) -> tuple[Straight, dict[tuple[int, int], Expr]]:
+) -> tuple[Straight, Entries, Forms]:
     """Differentiate straight-line code.
 
     Parameters
@@ -35,24 +43,21 @@ def jacobian_code(
     code : Straight
         The given code with the assignments of the derivatives; its results are those of the code, then the entries that
         depend on the state, in the order of those entries. One pass through the lanes gives both.
-    entries : dict of (row, column) to Expr
-        All non-zero entries; numbers, kernel inputs, or the expression that the code computes.
+    entries : Entries
+        All that are not zero; numbers, kernel inputs, or the expression that the code computes.
+    forms : Forms
+        The seeds among them that are no states.
     """
-    writer = _Forward({v: {v: Integer(1)} for v in variables}, hoisted, forms=True)
+    writer = _Forward({v: {v: Integer(1)} for v in variables}, hoisted, uses=_uses(lines))
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
-    entries: dict[tuple[int, int], Expr] = {}
+    entries: Entries = {}
     for i, result in enumerate(lines.results):
-        by_variable: Slopes = {}
-        for seed, slope in writer.slopes(result).items():
-            for variable, weight in writer.linear.get(seed, {seed: Integer(1)}).items():
-                by_variable[variable] = by_variable.get(variable, Integer(0)) + weight * slope
-        for j, variable in enumerate(variables):
-            entry = by_variable.get(variable, Integer(0))
-            if entry != 0:
-                entries[i, j] = writer.hoist(entry)
+        for seed, slope in writer.by_last_seeds(result).items():
+            entries[i, seed] = writer.hoist(slope)
     moving = [e for e in entries.values() if e.free_symbols and e not in hoisted.symbols]
-    return _needed(Straight(tuple(writer.steps), (*lines.results, *moving))), entries
+    forms = {seed: writer.linear[seed] for _, seed in entries if seed in writer.linear}
+    return _needed(Straight(tuple(writer.steps), (*lines.results, *moving))), entries, forms
 
 
 #: The seed of derivatives along one direction.
@@ -70,11 +75,11 @@ def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol]
     Returns
     -------
     Straight
-        Its results are those of the code, then the derivative of each. For one direction this costs half of the Jacobian
-        and its product with the direction; from about five directions on, the Jacobian is cheaper.
+        Its results are those of the code, then the derivative of each. For one direction this costs four fifths of the
+        Jacobian and its product with the direction; for two, the Jacobian is cheaper.
     """
     seeds: dict[Symbol, Slopes] = {v: {DIRECTION: d} for v, d in zip(variables, direction, strict=True)}
-    writer = _Forward(seeds, hoisted, forms=False)
+    writer = _Forward(seeds, hoisted)
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
     slopes = [writer.slopes(result).get(DIRECTION, Integer(0)) for result in lines.results]
@@ -84,23 +89,30 @@ def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol]
 class _Forward:
     """Derivatives of assignments by seeds, each put into an assignment of its own unless it is trivial."""
 
-    def __init__(self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, *, forms: bool) -> None:
+    def __init__(
+        self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, *, uses: Mapping[Symbol, int] | None = None
+    ) -> None:
         self.hoisted = hoisted
         self.steps: list[tuple[Symbol, Expr] | Read] = []
         self.variables = set(by_seed)
         self.by_seed = by_seed
         self.linear: dict[Symbol, Slopes] = {}
-        self.forms = forms
+        self.on_the_way: dict[Symbol, Slopes] = {}
+        self.uses = uses
         self.count = 0
 
     def assign(self, symbol: Symbol, e: Expr) -> None:
         """Take over an assignment, and differentiate it."""
         self.steps.append((symbol, e))
-        weights = self._linear_form(e) if self.forms else {}
-        if weights and len(weights) > 1:
-            self.linear[symbol], self.by_seed[symbol] = weights, {symbol: Integer(1)}
-            return
+        weights = self._linear_form(e) if self.uses is not None else {}
+        if weights:
+            self.linear[symbol] = weights
+            if len(e.free_symbols & set(self.by_seed)) > 1:  # else it is a multiple of a seed that there is
+                self.by_seed[symbol] = {symbol: Integer(1)}
+                return
         slopes = {seed: self._name(slope) for seed, slope in self.slopes(e).items()}
+        if self.uses is not None and len(slopes) > 1 and self.uses[symbol] > 1:
+            self.on_the_way[symbol], slopes = slopes, {symbol: Integer(1)}
         if slopes:
             self.by_seed[symbol] = slopes
 
@@ -132,10 +144,20 @@ class _Forward:
                 out[seed] = out.get(seed, Integer(0)) + partial * inner
         return {seed: slope for seed, slope in out.items() if slope != 0}
 
+    def by_last_seeds(self, e: Expr) -> Slopes:
+        """Derivatives of an expression by the states and linear forms, through the seeds on the way to them."""
+        out = self.slopes(e)
+        for seed, inner in reversed(self.on_the_way.items()):
+            if seed in out:
+                slope = self._name(out.pop(seed))
+                for other, weight in inner.items():
+                    out[other] = out.get(other, Integer(0)) + slope * weight
+        return {seed: slope for seed, slope in out.items() if slope != 0}
+
     def _linear_form(self, e: Expr) -> Slopes:
-        """Weights of the states in a linear form with constant coefficients; empty where it is none."""
+        """Weights of the states in a linear form with constant coefficients and any constant; empty where it is none."""
         out: Slopes = {}
-        for symbol in e.free_symbols:
+        for symbol in e.free_symbols & set(self.by_seed):
             weight = e.diff(symbol)
             parts = {symbol: Integer(1)} if symbol in self.variables else self.linear.get(symbol)
             if parts is None or not weight.is_number:
@@ -160,6 +182,19 @@ class _Forward:
         self.count += 1
         self.steps.append((symbol, e))
         return symbol
+
+
+def _uses(lines: Straight) -> Counter[Symbol]:
+    """How many assignments, outputs of readings and results depend directly on each symbol."""
+    uses: Counter[Symbol] = Counter()
+    for step in lines.steps:
+        if isinstance(step, Read):
+            uses.update({z: len(step.outputs) for z in step.coordinates})
+        else:
+            uses.update(step[1].free_symbols)
+    for result in lines.results:
+        uses.update(result.free_symbols)
+    return uses
 
 
 def _derivative(e: Expr, symbol: Symbol) -> Expr:

@@ -44,9 +44,9 @@ class LaneKernel:
         """Rates, Jacobian and outputs at given times (free kernels)."""
         return self.code.function("evaluate", marching.EVALUATE)
 
-    def work(self, tangents: int) -> Array:
+    def work(self) -> Array:
         """Working memory of one call."""
-        return aligned(self.source.sizes.work(tangents))
+        return aligned(self.source.sizes.work)
 
     def inputs(self, values: Array) -> "Inputs":
         """Prepare the inputs of many points: values of shape (parameter, point)."""

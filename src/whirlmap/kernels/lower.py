@@ -120,6 +120,9 @@ def hoist(expression: Expr, hoisted: Hoisted) -> Expr:
             still = [a for a in e.args if constant(a)]
             moving = [walk(a) for a in e.args if not constant(a)]
             together = e.func(*still)
+            if isinstance(e, Mul) and together.free_symbols and together.could_extract_minus_sign():
+                moving.append(Integer(-1))  # products that differ in sign alone share the input, and what is made of it
+                together = -together
             if together.free_symbols:
                 together = hoisted.symbol(together)
             return e.func(together, *moving)

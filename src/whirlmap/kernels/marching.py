@@ -30,7 +30,6 @@ def march(
     b, a = one.b, one.at
     stepper = Stepper(one, sizes, method, rates, tangent, a["work"])
     stepper.clear()
-    count = a["count"] if tangent or sizes.along else integer(0)
     h = one.load(a["h"])
     flag, moment = one.local(INTS), one.local(number(0.0).type)
     inputs = {name: a[name] for name in ("p", "tables", "offsets")}
@@ -41,12 +40,12 @@ def march(
         one.call(phases, time=moment, p=a["p"], c=c)
 
     with one.loop(a["steps"]):
-        x = stepper.step(a["y"], h, inputs, count, phases_at)
+        x = stepper.step(a["y"], h, inputs, phases_at)
         one.call(examine, y=x, p=a["p"], good=flag)
         one.store(b.and_(one.load(a["good"]), one.load(flag)), a["good"])
         one.store(one.add(one.load(a["time"]), h), a["time"])
-        with one.loop(b.mul(b.add(count, integer(1)), integer(sizes.states))) as i:
-            one.store(one.load(x, i), a["y"], i)
+        stepper.replace(a["y"], x, sizes.states * (2 if sizes.along else 1), None)
+        stepper.vectors(a["y"], h, a["p"], a["count"])
     one.done()
     r = Routine(module, "march", MARCH, public=True)
     rows = {

@@ -83,7 +83,11 @@ class Place:
         return self.axes + self.record
 
     def examine(self, r: Routine, coordinates: Sequence[Value], fetch: Routine) -> None:
-        """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell)."""
+        """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell).
+
+        No register outlives the fetch. LLVM would put all that was read before it on the stack, for every evaluation to read
+        it from there; now it is read again from where it lies.
+        """
         b, scratch = r.b, r.at["scratch"]
         within = None
         for axis, z in enumerate(coordinates):
@@ -102,6 +106,7 @@ class Place:
                         fetch, tables=r.at["tables"], table=table, axes=integer(self.axes), record=integer(self.record),
                         scratch=scratch, row=integer(self.first), lane=lane,
                     )  # fmt: skip
+            r.forget()
 
     def polynomials(self, r: Routine, read: Read) -> dict[str, Value]:
         """Values of every output and derivative (Horner), by name.
@@ -162,9 +167,13 @@ class Places:
 
 
 def horner(r: Routine, coefficients: Sequence[Value], x: Value, order: int) -> Value:
-    """Polynomial, or its first derivative, in Horner's form."""
-    terms = [c if order == 0 or k == 1 else r.mul(number(k), c) for k, c in enumerate(coefficients)][order:]
-    out = terms[-1]
-    for term in reversed(terms[:-1]):
-        out = r.add(r.mul(out, x), term)
-    return out
+    """Polynomial, or its first derivative, in Horner's form.
+
+    The derivative is built from the partial sums of the polynomial, which LLVM computes once for both.
+    """
+    value, slope = coefficients[-1], None
+    for c in reversed(coefficients[:-1]):
+        if order:
+            slope = value if slope is None else r.add(r.mul(slope, x), value)
+        value = r.add(r.mul(value, x), c)
+    return value if order == 0 else number(0.0) if slope is None else slope

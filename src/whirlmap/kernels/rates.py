@@ -1,6 +1,7 @@
 """The parts of a kernel that a model decides: rates with their Jacobian, outputs, the test of a step's end, harmonics."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
+from functools import reduce
 from typing import Literal
 
 from llvmlite import ir
@@ -8,6 +9,7 @@ from sympy import Expr, Symbol
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import State
+from whirlmap.kernels.differentiate import Entries, Forms
 from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
 from whirlmap.kernels.roots import Roots
@@ -67,6 +69,8 @@ class ModelRoutines:
         for read in reads:
             place = self.places.of(read)
             place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
+        if reads:
+            code.names |= self._inputs(r, lines.names())
         for read in reads:
             code.names |= self.places.of(read).polynomials(r, read)
         for symbol, e in after:
@@ -76,25 +80,32 @@ class ModelRoutines:
         r.done()
         return r
 
-    def tangent(self, entries: dict[tuple[int, int], Expr], slots: dict[tuple[int, int], int]) -> Routine:
-        """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers."""
-        r = Routine(self.module, "tangent", {"y": "rows", "jac": "rows", "p": "rows", "dy": "rows"})
+    def tangent(self, entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms) -> Routine:
+        """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers.
+
+        It is copied into the steps, where the next stage takes the slopes from registers.
+        """
+        r = Routine(self.module, "tangent", {"y": "rows", "jac": "rows", "p": "rows", "dy": "rows"}, copied=True)
         inputs = {q: i for i, q in enumerate(self.hoisted.symbols)}
-        vector = [r.load(r.at["y"], j) for j in range(self.model.dimension)]
+        names = [Symbol(local_name(s), real=True) for s in self.model.states]
+        vector = {name: r.load(r.at["y"], j) for j, name in enumerate(names)}
+
+        def weighted(terms: Iterable[tuple[Value, Value]]) -> Value:
+            products = [r.mul(factor, value) for factor, value in terms]
+            return reduce(r.add, products) if products else number(0.0)
+
+        for seed, weights in forms.items():
+            vector[seed] = weighted((number(float(weights[name])), vector[name]) for name in names if name in weights)
         for i in range(self.model.dimension):
-            total = None
-            for j in (j for row, j in entries if row == i):
-                e = entries[i, j]
-                if e == 1:
-                    term = vector[j]
-                else:
-                    if (i, j) in slots:
-                        factor = r.load(r.at["jac"], slots[i, j])
+            terms = []
+            for (row, seed), e in entries.items():
+                if row == i:
+                    if (row, seed) in slots:
+                        factor = r.load(r.at["jac"], slots[row, seed])
                     else:
                         factor = r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))
-                    term = r.mul(factor, vector[j])
-                total = term if total is None else r.add(total, term)
-            r.store(number(0.0) if total is None else total, r.at["dy"], i)
+                    terms.append((factor, vector[seed]))
+            r.store(weighted(terms), r.at["dy"], i)
         r.done()
         return r
 
@@ -143,6 +154,9 @@ class ModelRoutines:
         return [code.value(e) for e in lines.results]
 
     def _code(self, r: Routine, names: set[str]) -> VectorCode:
+        return VectorCode(r, self._inputs(r, names), self.roots, self.sines)
+
+    def _inputs(self, r: Routine, names: set[str]) -> dict[str, Value]:
         """Values of the named inputs of a routine."""
         known = {
             local_name(s): r.load(r.at["y"], i) for i, s in enumerate(self.model.states) if local_name(s) in names
@@ -156,7 +170,7 @@ class ModelRoutines:
                 if f"{kind}{i}" in names:
                     wave = r.load(r.at["c"], 2 * i + part)
                     known[f"{kind}{i}"] = r.spread(wave) if self.time == "locked" else wave
-        return VectorCode(r, known, self.roots, self.sines)
+        return known
 
 
 def split(lines: Straight) -> tuple[list[tuple[Symbol, Expr]], list[tuple[Symbol, Expr]]]:

@@ -54,10 +54,14 @@ class Routine:
     arguments : mapping of str to kind
         They become attributes of `at`; different arrays never overlap.
     public : bool
-        Whether it is called from outside of the module; others are called, not copied into their callers.
+        Whether it is called from outside of the module.
+    copied : bool
+        Whether it is copied into its callers; other routines are called.
     """
 
-    def __init__(self, module: ir.Module, name: str, arguments: Mapping[str, Kind], *, public: bool = False) -> None:
+    def __init__(
+        self, module: ir.Module, name: str, arguments: Mapping[str, Kind], *, public: bool = False, copied: bool = False
+    ) -> None:
         self.module = module
         self.function = ir.Function(module, ir.FunctionType(ir.VoidType(), [TYPES[k] for k in arguments.values()]), name)
         self.at = dict(zip(arguments, self.function.args, strict=True))
@@ -66,7 +70,7 @@ class Routine:
                 argument.add_attribute("noalias")
         if not public:
             self.function.linkage = "internal"
-            self.function.attributes.add("noinline")
+            self.function.attributes.add("alwaysinline" if copied else "noinline")
         self.entry = self.function.append_basic_block("entry")
         self.b = ir.IRBuilder(self.entry)
 
@@ -91,6 +95,12 @@ class Routine:
     def store(self, value: Value, array: Value, index: Value | int = 0) -> None:
         """Put one row, or one number, into its place."""
         self.b.store(value, self.row(array, index), align=8)
+
+    def forget(self) -> None:
+        """Let LLVM believe that all arrays have changed: what was read before must be read again."""
+        places = [a for a in self.function.args if isinstance(a.type, ir.PointerType)]
+        kind = ir.FunctionType(ir.VoidType(), [a.type for a in places])
+        self.b.asm(kind, "", ",".join(["r"] * len(places) + ["~{memory}"]), places, side_effect=True)
 
     def lane(self, array: Value, index: Value | int, lane: Value) -> Value:
         """Address of one lane in a row."""
@@ -138,6 +148,10 @@ class Routine:
     def fused(self, a: Value, b: Value, c: Value) -> Value:
         """``a b + c``, rounded once and never rearranged; slow where the processor has no instruction for it."""
         return self._intrinsic(f"llvm.fma.v{LANES}f64", a, b, c, flags=())
+
+    def increased(self, total: Value, a: Value, b: Value) -> Value:
+        """``total + a b`` in one instruction where there is one; LLVM may not move factors out of sums of such products."""
+        return self.b.fadd(total, self.b.fmul(a, b, flags=("contract",)), flags=("contract",))
 
     def _intrinsic(self, name: str, *values: Value, flags: tuple[str, ...] = FAST_MATH) -> Value:
         return self.b.call(self._declared(name, LANE, len(values)), values, fastmath=flags)

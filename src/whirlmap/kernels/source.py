@@ -6,11 +6,12 @@ self-contained LLVM assembly, so that its hash is its identity.
 """
 
 import re
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from llvmlite import ir
-from sympy import Expr, Symbol, sympify
+from sympy import Integer, Symbol, sympify
 
 from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
@@ -18,7 +19,7 @@ from whirlmap.equations.pieces import tabulated
 from whirlmap.errors import ModelError
 from whirlmap.kernels.advancing import advance
 from whirlmap.kernels.cache import remembered
-from whirlmap.kernels.differentiate import along_code, jacobian_code
+from whirlmap.kernels.differentiate import Entries, Forms, along_code, jacobian_code
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, local_name, straight
 from whirlmap.kernels.machine import estimates, fuses
@@ -30,14 +31,23 @@ from whirlmap.kernels.routine import FAST_MATH, LANES
 from whirlmap.kernels.sines import Sines
 from whirlmap.kernels.stepping import Sizes
 
-#: Of every function: LLVM would else split vectors of 512 bits on processors that have them.
-ATTRIBUTES = '{ nounwind "prefer-vector-width"="512" "min-legal-vector-width"="512" "no-trapping-math"="true" }'
+#: Of every function. LLVM would split vectors of 512 bits on processors that have them, and keep those that find no register
+#: on a stack that is aligned for 16 bytes: nearly each would then lie across two lines of cache.
+ATTRIBUTES = (
+    '{ nounwind "stackrealign" "prefer-vector-width"="512" "min-legal-vector-width"="512" "no-trapping-math"="true" }'
+)
+
+
+Kind = Literal["constant", "input", "slot"]
 
 
 class Entry(NamedTuple):
-    """Where an entry of the Jacobian is found: a constant (its value), an input or a slot of the kernel (its index)."""
+    """A term of an entry of the Jacobian: its weight, and a constant (its value), an input or a slot (its index)."""
 
-    kind: Literal["constant", "input", "slot"]
+    row: int
+    column: int
+    weight: float
+    kind: Kind
     value: float
 
 
@@ -53,8 +63,8 @@ class KernelSource:
         Rows of its arrays.
     hoisted : HoistedFunction
         Inputs of the kernel, computed from the parameters.
-    entries : dict of (row, column) to Entry
-        Every non-zero entry of the Jacobian.
+    entries : tuple of Entry
+        The Jacobian; terms of the same row and column add up.
     tables : dict of str to (str or float)
         Tables that it reads, in the order of its offsets, each with the name or the value of its parameter.
     nodes : tuple of float
@@ -64,13 +74,13 @@ class KernelSource:
     text: str
     sizes: Sizes
     hoisted: HoistedFunction
-    entries: dict[tuple[int, int], Entry]
+    entries: tuple[Entry, ...]
     tables: dict[str, str | float]
     nodes: tuple[float, ...]
 
     def as_data(self) -> dict[str, Any]:
         """Write it as JSON holds it."""
-        entries = [[*at, *entry] for at, entry in self.entries.items()]
+        entries = [list(entry) for entry in self.entries]
         return {
             "text": self.text, "sizes": vars(self.sizes), "inputs": self.hoisted.count, "hoisted": self.hoisted.text,
             "entries": entries, "tables": self.tables, "nodes": self.nodes,
@@ -79,7 +89,7 @@ class KernelSource:
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> "KernelSource":
         """Read what `as_data` wrote."""
-        entries = {(i, j): Entry(kind, value) for i, j, kind, value in data["entries"]}
+        entries = tuple(Entry(*entry) for entry in data["entries"])
         hoisted = HoistedFunction(data["inputs"], data["hoisted"])
         sizes = Sizes(**data["sizes"])
         return cls(data["text"], sizes, hoisted, entries, dict(data["tables"]), tuple(data["nodes"]))
@@ -105,9 +115,10 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     hoisted = Hoisted(model.parameters)
     rates = straight(model, [model.equations[s] for s in model.states], hoisted)
     names = [Symbol(local_name(s), real=True) for s in model.states]
-    entries: dict[tuple[int, int], Expr] = {}
+    entries: Entries = {}
+    forms: Forms = {}
     if slopes == "jacobian":
-        rates, entries = jacobian_code(rates, names, hoisted)
+        rates, entries, forms = jacobian_code(rates, names, hoisted)
     elif slopes == "along":
         rates = along_code(rates, names, [Symbol(direction_name(s), real=True) for s in model.states], hoisted)
     moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
@@ -120,7 +131,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
     routines = ModelRoutines(module, model, hoisted, kind, Roots(estimates()), Sines(module, fuses()))
     of_rates = routines.rates(rates, along=slopes == "along")
-    of_tangent = routines.tangent(entries, slots) if slopes == "jacobian" else None
+    of_tangent = routines.tangent(entries, slots, forms) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols), tables=len(model.tables),
@@ -138,7 +149,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         text=_text(module, model),
         sizes=sizes,
         hoisted=HoistedFunction.of(hoisted.parameters, hoisted.expressions),
-        entries={at: _entry(at, e, slots, hoisted) for at, e in entries.items()},
+        entries=tuple(_terms(entries, slots, forms, names, hoisted)),
         tables=_table_parameters(model),
         nodes=nodes,
     )
@@ -152,10 +163,23 @@ def _text(module: ir.Module, model: Model) -> str:
     return f"; whirlmap {__version__}, {model.name}\n{body}\nattributes #0 = {ATTRIBUTES}\n"
 
 
-def _entry(at: tuple[int, int], e: Expr, slots: dict[tuple[int, int], int], hoisted: Hoisted) -> Entry:
-    if at in slots:
-        return Entry("slot", slots[at])
-    return Entry("input", hoisted.symbols.index(e)) if e in hoisted.symbols else Entry("constant", float(e))
+def _terms(
+    entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms, names: list[Symbol], hoisted: Hoisted
+) -> Iterator[Entry]:
+    """Terms of the Jacobian by states, from its entries by seeds."""
+    kind: Kind
+    value: float
+    for (row, seed), e in entries.items():
+        if (row, seed) in slots:
+            kind, value = "slot", slots[row, seed]
+        elif e in hoisted.symbols:
+            kind, value = "input", hoisted.symbols.index(e)
+        else:
+            kind, value = "constant", float(e)
+        weights = forms.get(seed, {seed: Integer(1)})
+        for column, name in enumerate(names):
+            if name in weights:
+                yield Entry(row, column, float(weights[name]), kind, value)
 
 
 def _table_parameters(model: Model) -> dict[str, str | float]:

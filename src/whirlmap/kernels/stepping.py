@@ -1,7 +1,9 @@
 """One step of an explicit Runge-Kutta method, for the state and for tangent vectors beside it."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from fractions import Fraction
+from typing import NamedTuple
 
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import Routine, Value, integer, number
@@ -36,10 +38,19 @@ class Sizes:
     homes: int
     along: bool
 
-    def work(self, count: int) -> int:
-        """Rows of working memory for so many tangent vectors."""
-        before = self.states * (1 + self.homes) * (2 if self.along else 1) + self.slots * self.stages
-        return before + self.scratch + 2 * self.harmonics + self.outputs + (1 + count) * self.states
+    @property
+    def work(self) -> int:
+        """Rows of working memory."""
+        tracks = self.states * (3 + self.homes) * (2 if self.along else 1)
+        return tracks + self.slots * self.stages + self.scratch + 2 * self.harmonics + self.outputs
+
+
+class Track(NamedTuple):
+    """Where the state, or a tangent vector, goes through the stages: the stage's place, a part of the next one, slopes."""
+
+    z: Value
+    ahead: Value
+    k: Value
 
 
 class Stepper:
@@ -47,7 +58,10 @@ class Stepper:
 
     A single tangent vector goes through the stages side by side with the state (`Sizes.along`). Where there may be more, the
     state goes first and leaves the stages' Jacobians; each vector then goes through them with slopes of one vector's size,
-    so that all stays in the first level of cache whatever the number of vectors.
+    and to its end in place, so that all stays in the first level of cache whatever the number of vectors.
+
+    Combining slopes waits for loads as much as for products. So the slopes that two successive stages share are read once:
+    with the place of each odd stage, all of the next one is written but the share of the slope that is yet to come.
     """
 
     def __init__(
@@ -62,67 +76,105 @@ class Stepper:
             at += rows
             return place
 
-        self.z, self.k = take(sizes.states), take(sizes.states * sizes.homes)
+        def track() -> Track:
+            return Track(take(sizes.states), take(sizes.states), take(sizes.states * sizes.homes))
+
+        self.track = track()
         if sizes.along:
-            self.z_along, self.k_along = take(sizes.states), take(sizes.states * sizes.homes)
+            self.track_along = track()
         self.jac, self.scratch = take(sizes.slots * sizes.stages), take(sizes.scratch)
         self.c, self.o = take(2 * sizes.harmonics), take(sizes.outputs)
-        self.x = take(0)
+        self.x = take(sizes.states * (2 if sizes.along else 1))
 
     def clear(self) -> None:
         """Forget the cells of tables: another block's lanes begin."""
         with self.r.loop(self.sizes.scratch) as i:
             self.r.store(number(0.0), self.scratch, i)
 
-    def step(
-        self, y: Value, h: Value, inputs: dict[str, Value], count: Value, at_stage: Callable[[int, Value], None]
-    ) -> Value:
-        """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end."""
-        r, b, n = self.r, self.r.b, self.sizes.states
-        c = b.bitcast(self.c, self.rates.at["c"].type)
-        along = r.row(y, n)
-        for stage in range(self.method.stages):
+    def step(self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int, Value], None]) -> Value:
+        """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end.
+
+        That is the end of the state, and of the one tangent vector that goes with it.
+        """
+        r, n = self.r, self.sizes.states
+        c = r.b.bitcast(self.c, self.rates.at["c"].type)
+        along, end = r.row(y, n), self.method.stages
+        for stage in range(end):
             at_stage(stage, c)
-            point = self._point(stage, y, self.k, h, self.z)
+            point = self._place(stage, y, self.track, h)
             where: dict[str, Value] = {"more": self._jacobian(stage)}
             if self.sizes.along:
-                direction = self._point(stage, along, self.k_along, h, self.z_along)
-                where = {"v": direction, "more": r.row(self.k_along, self._home(stage))}
-            r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=r.row(self.k, self._home(stage)), **where, **inputs)
-        self._combine(y, self.k, self.method.b, h, self.x)
+                direction = self._place(stage, along, self.track_along, h)
+                where = {"v": direction, "more": self._slopes(self.track_along, stage)}
+            slopes = self._slopes(self.track, stage)
+            r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=slopes, **where, **inputs)
+        self._place(end, y, self.track, h, self.x)
         if self.sizes.along:
-            self._combine(along, self.k_along, self.method.b, h, r.row(self.x, n))
-        if self.tangent:
-            with r.loop(count) as v:
-                at = b.mul(b.add(v, integer(1)), integer(n))
-                before = r.row(y, at)
-                for stage in range(self.method.stages):
-                    point = self._point(stage, before, self.k, h, self.z)
-                    slopes = r.row(self.k, self._home(stage))
-                    r.call(self.tangent, y=point, jac=self._jacobian(stage), p=inputs["p"], dy=slopes)
-                self._combine(before, self.k, self.method.b, h, r.row(self.x, at))
+            self._place(end, along, self.track_along, h, r.row(self.x, n))
         return self.x
 
-    def _home(self, stage: int) -> int:
-        return self.method.homes[stage] * self.sizes.states
+    def vectors(self, y: Value, h: Value, p: Value, count: Value, runs: Value | None = None) -> None:
+        """Take the tangent vectors behind ``y`` through the last step, in place, in the lanes of ``runs`` (absent: all)."""
+        r, n = self.r, self.sizes.states
+        if self.tangent is None:
+            return
+        with r.loop(count) as v:
+            vector = r.row(y, r.b.mul(r.b.add(v, integer(1)), integer(n)))
+            for stage in range(self.method.stages):
+                point, slopes = self._place(stage, vector, self.track, h), self._slopes(self.track, stage)
+                r.call(self.tangent, y=point, jac=self._jacobian(stage), p=p, dy=slopes)
+            end = self._place(self.method.stages, vector, self.track, h)
+            self.replace(vector, end, n, runs)
+
+    def replace(self, old: Value, new: Value, rows: int, runs: Value | None) -> None:
+        """Put new rows in the place of old ones, in the lanes of ``runs`` (absent: all)."""
+        r = self.r
+        with r.loop(rows) as i:
+            value = r.load(new, i)
+            r.store(value if runs is None else r.b.select(runs, value, r.load(old, i)), old, i)
+
+    def _slopes(self, track: Track, stage: int) -> Value:
+        return self.r.row(track.k, self.method.homes[stage] * self.sizes.states)
 
     def _jacobian(self, stage: int) -> Value:
         return self.r.row(self.jac, stage * self.sizes.slots)
 
-    def _point(self, stage: int, y: Value, k: Value, h: Value, z: Value) -> Value:
-        weights = self.method.a[stage]
-        if not any(weights):
+    def _place(self, stage: int, y: Value, track: Track, h: Value, out: Value | None = None) -> Value:
+        """Write the place of a stage, or of the step's end behind the last one, to ``out`` (absent: the track's own)."""
+        rows = (*self.method.a, self.method.b)
+        out = track.z if out is None else out
+        if stage == 0:
             return y
-        self._combine(y, k, weights, h, z)
-        return z
+        if stage % 2 == 0:
+            self._combine(track.ahead, track, [({stage - 1: rows[stage][stage - 1]}, out)], h)
+            return out
+        sums = [(dict(enumerate(rows[stage])), out)]
+        if stage + 1 < len(rows):
+            sums.append((dict(enumerate(rows[stage + 1][:stage])), track.ahead))
+        self._combine(y, track, sums, h)
+        return out
 
-    def _combine(self, y: Value, k: Value, weights: tuple, h: Value, out: Value) -> None:
+    def _combine(
+        self, y: Value, track: Track, sums: Sequence[tuple[dict[int, float | Fraction], Value]], h: Value
+    ) -> None:
+        """Write ``y + h (weighted slopes)`` for each of the sums, to its own array; two rows at once wait less."""
         r, n = self.r, self.sizes.states
-        with r.loop(n) as i:
-            total = None
-            for j, w in enumerate(weights):
-                if w != 0:
-                    term = r.mul(number(float(w)), r.load(r.row(k, self._home(j)), i))
-                    total = term if total is None else r.add(total, term)
-            value = r.load(y, i)
-            r.store(value if total is None else r.add(value, r.mul(h, total)), out, i)
+        scaled = [({j: r.mul(h, number(float(w))) for j, w in weights.items() if w != 0}, out) for weights, out in sums]
+        used = sorted({j for weights, _ in scaled for j in weights})
+
+        def write(rows: Sequence[Value]) -> None:
+            totals = {(i, s): r.load(y, row) for i, row in enumerate(rows) for s in range(len(scaled))}
+            for j in used:
+                for i, row in enumerate(rows):
+                    slope = r.load(self._slopes(track, j), row)
+                    for s, (weights, _) in enumerate(scaled):
+                        if j in weights:
+                            totals[i, s] = r.increased(totals[i, s], weights[j], slope)
+            for (i, s), total in totals.items():
+                r.store(total, scaled[s][1], rows[i])
+
+        with r.loop(n // 2) as pair:
+            first = r.b.mul(pair, integer(2))
+            write([first, r.b.add(first, integer(1))])
+        if n % 2:
+            write([integer(n - 1)])

@@ -28,6 +28,7 @@ def declare() -> Model:
             "drive_side": Switching(x - 1, "the driving flanks touch"),
             "back_side": Switching(-x - 1, "the back flanks touch"),
         },
+        teeth=x - 1,
         clocks={"mesh": Omega},
         swing=(x,),
         sources=("kahraman1990",),

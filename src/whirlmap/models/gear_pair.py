@@ -136,6 +136,17 @@ def tooth_force(switches: Mapping[str, str]) -> Expr:
     return 2 * xi_m / s * rate + Lambda / s**2 * k * mesh.engaged(delta, switches["backlash"])
 
 
+def film_load(i: int, switches: Mapping[str, str]) -> Expr:
+    """Size of the force of the film of one bearing i on its journal, over K_p c: each shaft has two."""
+    if switches["edition"] == "literal":
+        l_x, l_y = ((d1x, d1y), (d2x, d2y))[i - 1]  # K_p at both journals, as printed
+    elif i == 1:
+        l_x, l_y = journal_load(1, u1x, u1y, d1x, d1y, switches)
+    else:
+        l_x, l_y = journal_load(2, u2x, u2y, kappa_g * d2x, kappa_g * d2y, switches)
+    return sqrt(l_x**2 + l_y**2) / 2
+
+
 def mesh_force(switches: Mapping[str, str]) -> tuple[Expr, Expr]:
     """Force of the mesh on the gear, per m_p c (clock speed)^2; the printed (34) and (36) have -E sin."""
     if switches["mesh"] == "line":
@@ -282,6 +293,8 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         outputs={
             "eps_1": Output(sqrt(u1x**2 + u1y**2), "1", "eccentricity of journal 1"),
             "eps_2": Output(sqrt(u2x**2 + u2y**2), "1", "eccentricity of journal 2"),
+            "load_1": Output(film_load(1, switches), "1", "force of the film of one bearing 1, over K_p c"),
+            "load_2": Output(film_load(2, switches), "1", "force of the film of one bearing 2, over K_p c"),
         },
         stops={
             "contact_1": Stop(1 - u1x**2 - u1y**2, f"journal 1: {wall}", reachable),
@@ -290,7 +303,8 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         if switches["contact"] != "ignore"
         else {},
         switchings=switchings(switches),
-        films=films(film),
+        films={} if literal or film == "printed" else FILMS,  # a printed law is no short bearing's
+        teeth=tooth_deflection(switches)[0] if line else None,
         start="equilibrium",
         start_where_none={u1x: 0.1, u2x: 0.1},
         bound=1e6,
@@ -326,15 +340,11 @@ def switchings(switches: Mapping[str, str]) -> dict[str, Switching]:
     return found
 
 
-def films(film: str) -> dict[str, Film]:
-    """Films of one bearing each; none of the print's law, whose force is that of a linear damper wherever the journal is."""
-    if film == "printed":
-        return {}
-    return {
-        "1": Film((u1x, u1y), psi, j_p, Gamma_1 * s / 2),  # A = mu R L^3/(2 c^2) in each of the two bearings of a shaft
-        "2": Film((u2x, u2y), psi, j_g, Gamma_2 * s / 2),
-    }
-
+#: Films of one bearing each.
+FILMS = {
+    "1": Film((u1x, u1y), psi, j_p, Gamma_1 * s / 2),  # A = mu R L^3/(2 c^2) in each of the two bearings of a shaft
+    "2": Film((u2x, u2y), psi, j_g, Gamma_2 * s / 2),
+}
 
 GEAR_PAIR = Family(
     name="gear_pair",

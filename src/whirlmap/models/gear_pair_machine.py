@@ -197,6 +197,7 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     }
     return {
         "omega_0": Output(omega_0, "rad/s", "natural frequency sqrt(K_p/m_p)"),
+        "force_unit": Output(K_p * c, "N", "unit of forces, K_p c"),
         "clock_speed": Output(clock, "rad/s", "speed of the clock, which s counts"),
         "pinion_speed": Output(pair.r_p * clock, "rad/s", "speed of the pinion's shaft"),
         "gear_speed": Output(

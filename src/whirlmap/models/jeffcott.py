@@ -13,6 +13,8 @@ nothing at rest, and a squirrel cage of stiffness k_c = K_c c/W each stands besi
 pressure.
 """
 
+from sympy import Expr
+
 from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
 from whirlmap.errors import ModelError
 from whirlmap.films.law import film_law, plain_fixed_force
@@ -31,6 +33,14 @@ xi = Parameter("xi", "1", "damping of the rotor, C/(2 M) sqrt(c/g)", latex=r"\xi
 FILM = Film((ux, uy), psi=0, spin=1, strength=Gamma * s)  # of one bearing; both are alike
 
 
+def outputs(F_x: Expr, F_y: Expr) -> dict[str, Output]:
+    """What is recorded beside the states; F is the force of one film over W."""
+    return {
+        "eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal"),
+        "load": Output(sqrt(F_x**2 + F_y**2), "1", "force of the film of one bearing, over W"),
+    }
+
+
 def rigid() -> Model:
     """Declare the rigid rotor: the film force acts on the rotor's own mass."""
     F_x, F_y = plain_fixed_force(ux, uy, vx + uy / 2, vy - ux / 2)  # velocity seen from half the spin
@@ -45,7 +55,7 @@ def rigid() -> Model:
             vy: Gamma / s * F_y + b * sin(t) - 1 / s**2,
         },
         harmonics=(1,),
-        outputs={"eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal")},
+        outputs=outputs(Gamma * s * F_x, Gamma * s * F_y),
         stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
         films={"1": FILM},
         start="equilibrium",
@@ -78,7 +88,7 @@ def flexible(arc: str, bearing: str) -> Model:
             vy: -2 * xi / s * vy - k * d_y / s**2 + b * sin(t) - 1 / s**2,
         },
         harmonics=(1,),
-        outputs={"eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal")},
+        outputs=outputs(load_x, load_y),
         stops={"contact": Stop(1 - ux**2 - uy**2, "the journal touches its bearing", reachable=0 * s)},
         films={} if damper else {"1": FILM},
         # A film that carries nothing at rest has no derivative there, so that no Newton step finds the sag in the cage.

@@ -65,6 +65,7 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     clock, damper = rotor.s * sqrt(g / c), switches["bearing"] == "damper"
     made = {
         "omega_0": Output(sqrt(g / c), "rad/s", "speed at which s = 1, sqrt(g/c)"),
+        "force_unit": Output(W, "N", "weight on one bearing W, the unit of forces"),
         "shaft_speed": Output(clock, "rad/s", "speed of the shaft"),
         "omega_n": Output(sqrt(2 * K / M), "rad/s", "natural frequency of the rotor on rigid bearings"),
         "slenderness": Output(L / (2 * R), "1", "length over diameter of the bearings; short is below 0.25"),

@@ -74,14 +74,16 @@ def _line(ax: Axes, ds: xr.Dataset, name: str, values: np.ndarray, label: str) -
 
 
 def _map(fig: Figure, ax: Axes, ds: xr.Dataset, names: list[str], values: np.ndarray, label: str) -> None:
-    """Cells of the grid; designs of the refinement as dots of their own colour upon it."""
+    """Cells of the grid, grey where a run ended early or was not made; designs of the refinement as dots upon it."""
     coarse = ds["refined"].values == 0
-    x, y = (np.unique(ds[n].values[coarse]) for n in names)
+    (x, column), (y, row) = (np.unique(ds[n].values[coarse], return_inverse=True) for n in names)
+    grid = np.full((y.size, x.size), np.nan)
+    grid[row, column] = values[coarse]
     ends = (np.nanmin(values), np.nanmax(values)) if np.isfinite(values).any() else (0, 1)
     span = LogNorm(*ends) if _wide(values) else Normalize(*ends)
     edges = [cell_edges(v, log=is_log(v)) for v in (x, y)]
-    ax.set_facecolor(GREY)  # where no value is: a run that did not reach its end
-    mesh = ax.pcolormesh(*edges, values[coarse].reshape(x.size, y.size).T, cmap="viridis", norm=span)
+    ax.set_facecolor(GREY)
+    mesh = ax.pcolormesh(*edges, grid, cmap="viridis", norm=span)
     fine = ~coarse & np.isfinite(values)
     ax.scatter(ds[names[0]][fine], ds[names[1]][fine], c=values[fine], s=18, ec="white", lw=0.5, cmap="viridis", norm=span)
     bar = fig.colorbar(mesh, ax=ax, location="top", label=label)

@@ -43,6 +43,7 @@ class Search:
     def __init__(self, system: System, labelling: Labelling, starts: Array, progress: Progress | None) -> None:
         self.system, self.labelling, self.progress = system, labelling, progress
         self.cyclic, self.starts = cyclic_states(system), starts
+        self.together = LANES * (labelling.workers or cores())  # starts traced as one batch
         n = starts.shape[1]
         self.records: dict[int, Array] = {}  # section points of the starts that do not return
         self.traces: dict[int, tuple[Array, bool]] = {}  # of the attractors that do not return, and whether smooth
@@ -130,31 +131,38 @@ class Search:
         f = self.found
         traced = (label == Regime.chaotic) | (label == Regime.quasi_periodic)
         traced |= (label == Regime.periodic) & (not forced)
-        for k in np.flatnonzero(ensemble.running & traced):
-            start = int(chosen[k])
-            if f.of[start] >= 0:
-                continue
-            trace = self._trace(start)
-            if not np.isfinite(trace).all():
-                continue
-            last, smooth = trace[-RECORD:, :, None], bool(label[k] != Regime.chaotic)
-            known = [n for n, (t, kind) in self.traces.items() if on_set(last, t, self.cyclic, smooth=kind)[0]]
-            if known:  # it came there later than its record
-                f.of[start] = known[0]
-                continue
-            left = np.array([i for i in self.records if i != start], dtype=np.intp)
-            left = left[(f.of[left] < 0) & (f.status[left] == Status.ok) & ((self.multiple[left] == 0) | (not forced))]
-            if left.size:
-                records = np.stack([self.records[int(i)] for i in left], axis=2)
-                left = left[on_set(records, trace, self.cyclic, smooth=smooth)]
-            self.traces[len(f.representative)] = trace, smooth
-            self._take(np.append(left, start), self.x[:, start], int(measured.returns.multiple[k]))
+        waiting = np.flatnonzero(ensemble.running & traced)
+        while waiting.size:
+            # As many as a block of lanes holds cost what one does; few more, for the first traces may hold all others.
+            now, waiting = waiting[: self.together], waiting[self.together :]
+            for k, trace in zip(now, self._traces(chosen[now]), strict=True):
+                if f.of[chosen[k]] < 0 and np.isfinite(trace).all():
+                    self._collect(int(chosen[k]), trace, label[k] != Regime.chaotic, int(measured.returns.multiple[k]))
+            waiting = waiting[f.of[chosen[waiting]] < 0]
 
-    def _trace(self, start: int) -> Array:
-        """Section points of a long run from where a start stands now, shape (time, state)."""
-        ensemble = self.ensemble(self.x[:, [start]])
+    def _collect(self, start: int, trace: Array, smooth: bool, multiple: int) -> None:
+        """Give a start to the known set that its trace ends on, or make it a new one with all starts that lie on it."""
+        f = self.found
+        last = trace[-RECORD:, :, None]
+        known = [n for n, (t, kind) in self.traces.items() if on_set(last, t, self.cyclic, smooth=kind)[0]]
+        if known:  # it came there later than its record
+            f.of[start] = known[0]
+            return
+        left = np.array([i for i in self.records if i != start], dtype=np.intp)
+        left = left[(f.of[left] < 0) & (f.status[left] == Status.ok)]
+        left = left[(self.multiple[left] == 0) | (not self.system.model.forced)]
+        if left.size:
+            records = np.stack([self.records[int(i)] for i in left], axis=2)
+            left = left[on_set(records, trace, self.cyclic, smooth=smooth)]
+        self.traces[len(f.representative)] = trace, smooth
+        self._take(np.append(left, start), self.x[:, start], multiple)
+
+    def _traces(self, starts: NDArray[np.intp]) -> Array:
+        """Section points of long runs from where starts stand now, shape (start, time, state)."""
+        ensemble = self.ensemble(self.x[:, starts])
         common = ensemble.common_multiple
-        return ensemble.advance(TRACE * common, save_periods=common, progress=self.progress).saved[:, :, 0]
+        saved = ensemble.advance(TRACE * common, save_periods=common, progress=self.progress).saved
+        return np.moveaxis(saved, 2, 0)
 
     def _take(self, members: NDArray[np.intp], state: Array, multiple: int) -> None:
         f = self.found

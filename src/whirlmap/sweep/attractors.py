@@ -16,7 +16,7 @@ from whirlmap.analysis.returns import settle_and_record
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import doubtful
+from whirlmap.integrate.accuracy import LADDER, Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
@@ -131,7 +131,9 @@ def _one_step(
 ) -> tuple[Labelling, str | None]:
     """Choose the steps per T that all starts take, and say where they do not meet the accuracy.
 
-    With steps of their own, starts on one orbit would settle on as many slightly different ones, as integrated.
+    With steps of their own, starts on one orbit would settle on as many slightly different ones, as integrated. Where the
+    motion passes corners and the accuracy is out of reach, all take the most steps of the ladder: between steps the
+    corners shift a weakly attracting orbit by more than it attracts, which can make two of it (the dead zone, 8 and 16 T).
     """
     if labelling.steps is not None or not system.model.forced:
         return labelling, None
@@ -142,6 +144,8 @@ def _one_step(
     )  # fmt: skip
     settle_and_record(ensemble, replace(labelling.settling, keep=1), cyclic=cyclic_states(system), progress=progress)
     steps = int(max(ensemble.point_steps.max(), TANGENT_STEPS))
+    if (ensemble.step_verdict == Verdict.nonsmooth).any():
+        steps = LADDER[-1]
     return replace(labelling, steps=steps, accuracy=None), doubtful(ensemble.step_verdict) or None
 
 

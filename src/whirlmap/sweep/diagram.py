@@ -16,13 +16,12 @@ from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
+from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.points import (
     RETURNS,
     Labelling,
     Measured,
-    extreme_coordinates,
-    extreme_variables,
     kept_states,
     point_variables,
     section_variable,
@@ -93,7 +92,8 @@ def bifurcation_diagram(
     if lyapunov:
         refuse_jumps(system.model, "a Lyapunov exponent")
     kept = kept_states(system, states)
-    run = _Run(system, parameter, settling, lyapunov, steps, accuracy, method, workers, progress)
+    labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers, kept=tuple(kept))
+    run = _Run(system, parameter, labelling, progress)
     if follow is None:
         measured, ensemble = run.cold(points)
         ds = _dataset(system, parameter, points, measured, kept)
@@ -120,18 +120,12 @@ class _Run:
 
     system: System
     parameter: str
-    settling: Settling
-    lyapunov: int
-    steps: int | None
-    accuracy: float | None
-    method: str | None
-    workers: int | None
+    labelling: Labelling
     progress: Callable[[int], None] | None
 
     def cold(self, points: Array, starts: Array | None = None) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start."""
-        labelling = Labelling(self.settling, self.lyapunov, self.steps, self.accuracy, self.method, self.workers)
-        return labelling.measure(self.system, {self.parameter: points}, starts=starts, progress=self.progress)
+        return self.labelling.measure(self.system, {self.parameter: points}, starts=starts, progress=self.progress)
 
     def chain(self, points: Array, *, downwards: bool) -> tuple[Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""
@@ -177,7 +171,7 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: l
     data: dict[str, Any] = {
         "section": section_variable(parameter, system, m, kept),
         **point_variables(parameter, m),
-        **extreme_variables(parameter, system, m),
+        **extreme_variables(parameter, system, m.returns.extremes),
     }  # fmt: skip
     return xr.Dataset(
         data,

@@ -75,8 +75,6 @@ class Job:
         The store.
     coarse : int
         Spacing of the first lattice of `refine`; 0: every point is computed.
-    sections : bool
-        Whether the section of every point is kept.
     kernel : str
         `kernel_hash` of the process that began; a worker with another one refuses.
     """
@@ -86,7 +84,6 @@ class Job:
     space: Space
     labelling: Labelling
     coarse: int
-    sections: bool
     kernel: str
 
     @cached_property
@@ -138,7 +135,7 @@ class Job:
     def _label(self, index: tuple[NDArray[np.intp], ...]) -> xr.Dataset:
         columns = self.space.columns(index)
         measured, _ = self.labelling.measure(self.system, columns)
-        return points_dataset(self.system, columns, measured, sections=self.sections)
+        return points_dataset(self.system, columns, measured, kept=self.labelling.kept)
 
 
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:

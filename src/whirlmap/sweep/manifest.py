@@ -52,7 +52,7 @@ def manifest_of(job: Job) -> dict[str, Any]:
         "accuracy": labelling.accuracy,
         "method": labelling.method,
         "refined from": job.coarse,
-        "sections": job.sections,
+        "sections": bool(labelling.kept),
     }
 
 

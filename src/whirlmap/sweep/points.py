@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.lyapunov import BLOCKS
-from whirlmap.analysis.open_points import judge_open_points
+from whirlmap.analysis.open_points import OpenPoints, judge_open_points
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes
 from whirlmap.analysis.returns import Returns, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
@@ -24,24 +24,17 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
+from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 
-#: A motion that contracts is given the time to shrink by this before it is tested once more, but no more than so many
+#: A motion that contracts is given the time to shrink by this until it is given up, but no more than so many
 #: times the length of its exponent's run.
 SHRINK, PATIENCE = 1e-9, 4
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
-POOLS = 4
-
-#: Outputs with this beginning are eccentricities, in clearances: ``eps_1`` is that of bearing 1.
-ECCENTRICITY = "eps_"
-
-#: What the extremes over the record are called in Datasets, and what they are.
-EXTREMES = {
-    "minimum": "smallest value", "maximum": "largest value", "mean": "mean", "rms": "rms about the mean",
-}  # fmt: skip
+POOLS = 2
 
 #: Arrays over the points of `Returns` that can be replaced by those of a later look.
 RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated")
@@ -67,7 +60,7 @@ class Measured:
 
 @dataclass(frozen=True)
 class Labelling:
-    """How points are measured: the options of `label_points`."""
+    """How points are measured: the options of `label_points`, and the states whose section is kept."""
 
     settling: Settling
     lyapunov: int
@@ -75,6 +68,7 @@ class Labelling:
     accuracy: float | None = None
     method: str | None = None
     workers: int | None = None
+    kept: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a length of the exponent's run that gives no error."""
@@ -91,36 +85,68 @@ class Labelling:
     ) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start; the ensemble stands where they were left."""
         cyclic = cyclic_states(system)
-        ensemble, found = make_ensemble(
+        ensemble, start_found = make_ensemble(
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
-        returns = settle_and_record(ensemble, self.settling, cyclic=cyclic, progress=progress)
-        exponent, error, winding = (np.full(ensemble.points, np.nan) for _ in range(3))
-        periods = np.zeros(ensemble.points, dtype=np.int64)
-        confidence = np.where(returns.regime == Regime.undecided, 0.0, 1.0)
+        returns = self._returns(ensemble, self.settling, cyclic, progress)
+        winding, exponent, error = (np.full(ensemble.points, np.nan) for _ in range(3))
+        found = OpenPoints(
+            returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0), winding, exponent, error,
+            np.zeros(ensemble.points, dtype=np.int64),
+        )  # fmt: skip
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
-            tangent, _ = make_ensemble(
-                system, {name: np.atleast_1d(np.asarray(v, dtype=float))[open_points] for name, v in values.items()},
-                starts=ensemble.x[:, open_points], steps=ensemble.point_steps[open_points], method=ensemble.method.name,
-                tangents=1, workers=self.workers,
-            )  # fmt: skip
-            judged = judge_open_points(tangent, self.lyapunov, cyclic, progress)
-            exponent[open_points], error[open_points] = judged.exponent, judged.error
-            periods[open_points] = judged.periods
-            label = returns.regime.copy()
-            # A point that reaches contact only now has no time of contact: it stays undecided.
-            label[open_points] = np.where(tangent.running, judged.regime, Regime.undecided)
-            confidence[open_points] = np.where(tangent.running, judged.confidence, 0.0)
-            winding[open_points] = judged.winding
-            returns = replace(returns, regime=label)
-            contracts = (judged.regime == Regime.undecided) & (judged.exponent < -3 * judged.error) & tangent.running
-            returns = self._given_time(ensemble, returns, open_points[contracts], exponent, cyclic, progress)
-            confidence[returns.regime == Regime.periodic] = 1.0
+            running = self._judge(system, values, ensemble, open_points, found, cyclic, progress, contraction_ends=True)
+            undecided = found.regime[open_points] == Regime.undecided
+            contracting = undecided & (found.exponent < -3 * found.error)[open_points] & running
+            contracting = open_points[contracting]
+            returns = self._given_time(ensemble, returns, contracting, found.exponent, cyclic, progress)
+            found.regime[contracting] = returns.regime[contracting]
+            found.confidence[contracting] = np.where(returns.regime[contracting] == Regime.undecided, 0.0, 1.0)
+            again = contracting[
+                (found.regime == Regime.undecided)[contracting] & (found.periods < self.lyapunov)[contracting]
+                & ensemble.running[contracting]
+            ]  # fmt: skip
+            if again.size:  # they stopped early for an orbit that is not there
+                self._judge(system, values, ensemble, again, found, cyclic, progress, contraction_ends=False)
         return Measured(
-            returns, ensemble.status, ensemble.end_time, exponent, error, periods, confidence, winding, found,
-            ensemble.point_steps, ensemble.step_error, ensemble.step_verdict,
+            replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
+            found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
+            ensemble.step_verdict,
         ), ensemble  # fmt: skip
+
+    def _returns(
+        self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float], progress: Progress | None
+    ) -> Returns:
+        names = [s.name for s in ensemble.model.states]
+        kept = [names.index(name) for name in self.kept]
+        return settle_and_record(ensemble, settling, kept=kept, cyclic=cyclic, progress=progress)
+
+    def _judge(
+        self,
+        system: System,
+        values: Mapping[str, ArrayLike],
+        ensemble: Ensemble,
+        points: NDArray[np.intp],
+        found: OpenPoints,
+        cyclic: dict[int, float],
+        progress: Progress | None,
+        *,
+        contraction_ends: bool,
+    ) -> NDArray[np.bool_]:
+        """Judge points by a run with a tangent vector, into ``found``; returns which of them run to its end."""
+        tangent, _ = make_ensemble(
+            system, {name: np.atleast_1d(np.asarray(v, dtype=float))[points] for name, v in values.items()},
+            starts=ensemble.x[:, points], steps=ensemble.point_steps[points], method=ensemble.method.name,
+            tangents=1, workers=self.workers,
+        )  # fmt: skip
+        judged = judge_open_points(tangent, self.lyapunov, cyclic, progress, contraction_ends=contraction_ends)
+        for name in ("exponent", "error", "periods", "winding"):
+            getattr(found, name)[points] = getattr(judged, name)
+        # A point that reaches contact only now has no time of contact: it stays undecided.
+        found.regime[points] = np.where(tangent.running, judged.regime, Regime.undecided)
+        found.confidence[points] = np.where(tangent.running, judged.confidence, 0.0)
+        return tangent.running
 
     def _given_time(
         self,
@@ -131,7 +157,7 @@ class Labelling:
         cyclic: dict[int, float],
         progress: Progress | None,
     ) -> Returns:
-        """Test points once more whose motion contracts but has not returned, after the time that this takes.
+        """Settle points on whose motion contracts but has not returned, for the time that this takes at most.
 
         The time of each is a power of two of common periods, so that few lengths are run, and none depends on other points.
         """
@@ -142,13 +168,12 @@ class Labelling:
         for length in np.unique(extra):
             these = points[extra == length]
             part = ensemble.subset(these)
-            part.advance(int(length) * part.common_multiple, progress=progress)
             # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
-            longer = replace(self.settling, transient=int(length) // 4)
-            again = settle_and_record(part, longer, cyclic=cyclic, progress=progress)
+            longer = replace(self.settling, transient=int(length) + int(length) // 4)
+            again = self._returns(part, longer, cyclic, progress)
             ensemble.absorb(part, these)
             for name, values in joined.items():
-                values[..., these] = getattr(again, name) + (values[these] + length if name == "waited" else 0)
+                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
             for name, values in extremes.items():
                 values[..., these] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
@@ -165,6 +190,7 @@ def label_points(
     method: str | None = None,
     workers: int | None = None,
     starts: Array | None = None,
+    ends: bool = False,
     progress: Progress | None = None,
 ) -> xr.Dataset:
     """Label operating points anywhere in parameter space.
@@ -184,6 +210,8 @@ def label_points(
         As in `make_ensemble`.
     starts : array, shape (state, point), optional
         Start states, at phase zero; the model's default start where absent.
+    ends : bool
+        Whether to keep the states in which the points were left, at phase zero: starts of others. NaN where a run has ended.
     progress : callable, optional
         Called with the number of points x periods T done since the last call.
 
@@ -194,8 +222,9 @@ def label_points(
         ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
         ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
-        ``(point, bearing)``, where the model has outputs named ``eps_*``: ``max_eccentricity`` and ``min_film``, in
-        clearances. No section is kept.
+        ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in
+        clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``.
+        No section is kept.
 
     Raises
     ------
@@ -225,7 +254,12 @@ def label_points(
             system, {name: column[batch] for name, column in columns.items()},
             starts=None if starts is None else np.asarray(starts, dtype=float)[:, batch], progress=progress,
         )  # fmt: skip
-        parts.append(points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured))
+        part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
+        if ends:
+            left = np.where(ensemble.running, ensemble.x, np.nan).T
+            part["end_state"] = variable(("point", "state"), left, "1", "state at the end of the run, at phase zero")
+            part = part.assign_coords(state=names_coordinate("state", system.states, "state"))
+        parts.append(part)
     ds = parts[0] if len(parts) == 1 else xr.concat(parts, "point", data_vars="minimal", coords="minimal", join="exact")
     s = labelling.settling
     attributes = run_attributes(
@@ -237,17 +271,16 @@ def label_points(
 
 
 def points_dataset(
-    system: System, columns: Mapping[str, Array], measured: Measured, *, sections: bool = False
+    system: System, columns: Mapping[str, Array], measured: Measured, *, kept: Sequence[str] = ()
 ) -> xr.Dataset:
-    """Dataset of measured points over ``point``, with their sections or without, and no attributes of its own."""
+    """Dataset of measured points over ``point``, without attributes; ``kept`` are the states whose section was kept."""
     model = system.model
-    data = point_variables("point", measured) | extreme_variables("point", system, measured)
+    data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
     }
-    if sections:
-        kept = kept_states(system, None)
+    if kept:
         data["section"] = section_variable("point", system, measured, kept)
         coords["period"] = ("period", np.arange(1, measured.returns.section.shape[0] + 1), {"long_name": "T"})
         coords["state"] = names_coordinate("state", kept, "state")
@@ -274,10 +307,10 @@ def kept_states(system: System, states: Sequence[str] | None) -> list[str]:
 
 
 def section_variable(dim: str, system: System, measured: Measured, kept: Sequence[str]) -> Any:
-    """Section of every point, of some of its states."""
+    """Section of every point, of the states that it was measured with."""
     rows = [system.states.index(name) for name in kept]
     return variable(
-        (dim, "period", "state"), measured.returns.section[:, rows].transpose(2, 0, 1), "1", "section point, once per T",
+        (dim, "period", "state"), measured.returns.section.transpose(2, 0, 1), "1", "section point, once per T",
         unit_of_each=" ".join(system.model.states[k].unit for k in rows),
     )  # fmt: skip
 
@@ -307,34 +340,3 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
             flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
         ),
     }  # fmt: skip
-
-
-def extreme_variables(dim: str, system: System, measured: Measured) -> dict[str, Any]:
-    """Variables with one number for each state and output of each point, or for each bearing."""
-    extremes = measured.returns.extremes
-    data = {
-        name: variable((dim, "quantity"), extremes[name].T, "1", f"{meaning} over the record")
-        for name, meaning in EXTREMES.items()
-    }
-    swing = (extremes["maximum"] - extremes["minimum"]).T
-    data["peak_to_peak"] = variable((dim, "quantity"), swing, "1", "largest less smallest value over the record")
-    outputs = list(system.model.outputs)
-    if bearings := _bearings(system):
-        rows = [len(system.states) + outputs.index(name) for name in bearings]
-        largest, over = extremes["maximum"][rows].T, (dim, "bearing")
-        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
-        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
-    return data
-
-
-def extreme_coordinates(system: System) -> dict[str, Any]:
-    """Names of the states and outputs, and of the bearings, that `extreme_variables` are over."""
-    coords = {"quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output")}
-    if bearings := _bearings(system):
-        names = [name.removeprefix(ECCENTRICITY) for name in bearings]
-        coords["bearing"] = names_coordinate("bearing", names, "bearing")
-    return coords
-
-
-def _bearings(system: System) -> list[str]:
-    return [name for name in system.model.outputs if name.startswith(ECCENTRICITY)]

@@ -3,7 +3,7 @@
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
@@ -19,7 +19,7 @@ from whirlmap.integrate.system import System
 from whirlmap.sweep.executors import Job, Outcome, connected, in_dask, in_threads
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.manifest import claim, manifest_of, refuse_other
-from whirlmap.sweep.points import Labelling, points_dataset
+from whirlmap.sweep.points import Labelling, kept_states, points_dataset
 from whirlmap.sweep.refine import COARSE
 from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points
 from whirlmap.sweep.store import EVALUATION, Evaluation, clear_trials, create, exists, half_made, remove
@@ -105,9 +105,10 @@ def run_sweep(
                 system, space, labelling, store=here, refine=refine, sections=sections, workers=workers, chunk=chunk,
                 on_chunk=on_chunk,
             ).load()  # fmt: skip
+    labelling = replace(labelling, kept=tuple(kept_states(system, None)) if sections else ())
     with connected(cluster) as client:  # before anything is made or computed
         job = Job(
-            Path(store).expanduser().absolute(), system, space, labelling, coarse=COARSE if refine else 0, sections=sections,
+            Path(store).expanduser().absolute(), system, space, labelling, coarse=COARSE if refine else 0,
             kernel=kernel_hash(system, labelling.method),
         )  # fmt: skip
         return _run(
@@ -151,7 +152,7 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     measured, ensemble = job.labelling.measure(job.system, columns)
     each = max((time.perf_counter() - begun) / count, 1e-6)
     size = _chunk_size(job, chunk) if chunk else _chunk_size(job, int(SECONDS / each / (REFINED if job.coarse else 1)), 4)
-    template = points_dataset(job.system, columns, measured, sections=job.sections).isel(point=slice(0, 1))
+    template = points_dataset(job.system, columns, measured, kept=job.labelling.kept).isel(point=slice(0, 1))
     s = job.labelling.settling
     attributes = run_attributes(
         job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,

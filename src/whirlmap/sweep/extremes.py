@@ -1,0 +1,61 @@
+"""Extremes over the record as variables of Datasets: of every state and output, and of the films of every bearing."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.integrate.system import System
+from whirlmap.results.schema import names_coordinate, variable
+
+Array = NDArray[np.float64]
+
+#: Outputs with these beginnings are the eccentricity of a bearing's journal, in clearances, and the force of its film, in
+#: the model's unit: ``eps_1`` and ``load_1`` are those of bearing 1, ``eps`` alone is that of all.
+ECCENTRICITY, LOAD = "eps", "load"
+
+#: What the extremes over the record are called in Datasets, and what they are.
+EXTREMES = {
+    "minimum": "smallest value", "maximum": "largest value", "mean": "mean", "rms": "rms about the mean",
+}  # fmt: skip
+
+
+def extreme_variables(dim: str, system: System, extremes: Mapping[str, Array]) -> dict[str, Any]:
+    """Variables with one number for each state and output of each point, or for each bearing.
+
+    Parameters
+    ----------
+    extremes : mapping of str to array, shape (state and output, point)
+        Those of `EXTREMES`.
+    """
+    data = {
+        name: variable((dim, "quantity"), extremes[name].T, "1", f"{meaning} over the record")
+        for name, meaning in EXTREMES.items()
+    }
+    swing = (extremes["maximum"] - extremes["minimum"]).T
+    data["peak_to_peak"] = variable((dim, "quantity"), swing, "1", "largest less smallest value over the record")
+    over, bearings = (dim, "bearing"), _bearings(system, ECCENTRICITY)
+    if bearings:
+        largest = extremes["maximum"][list(bearings.values())].T
+        data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
+        data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
+    loads = _bearings(system, LOAD)
+    if bearings and bearings.keys() <= loads.keys():
+        largest = extremes["maximum"][[loads[name] for name in bearings]].T
+        data["max_load"] = variable(over, largest, "1", "largest force of a film over the record, in the model's unit")
+    return data
+
+
+def extreme_coordinates(system: System) -> dict[str, Any]:
+    """Names of the states and outputs, and of the bearings, that `extreme_variables` are over."""
+    coords = {"quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output")}
+    if bearings := _bearings(system, ECCENTRICITY):
+        coords["bearing"] = names_coordinate("bearing", list(bearings), "bearing")
+    return coords
+
+
+def _bearings(system: System, beginning: str) -> dict[str, int]:
+    """Rows of the extremes that hold a quantity of the bearings, by the name of the bearing."""
+    names = [name.partition("_") for name in system.model.outputs]
+    return {which or "all": len(system.states) + k for k, (kind, _, which) in enumerate(names) if kind == beginning}
