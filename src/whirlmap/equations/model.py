@@ -97,10 +97,10 @@ class Model:
         Events that end a run, by the name of the status they give.
     switchings : mapping of str to Switching
         Surfaces at which the equations change their form.
-    teeth : Expr, optional
-        Deflection of the teeth, of states, parameters and time: positive while the driving flanks press on each other.
     films : mapping of str to Film
         Films that carry a load at rest; nothing is integrated from them.
+    teeth : Expr, optional
+        Deflection of the teeth, of states, parameters and time: positive while the driving flanks press on each other.
     section, typical_time
         For unforced models: where to cut, and a time in which the state changes by its own size (about a turn).
     start : "states" or "equilibrium"
@@ -134,8 +134,8 @@ class Model:
     outputs: Mapping[str, Output] = field(default_factory=dict)
     stops: Mapping[str, Stop] = field(default_factory=dict)
     switchings: Mapping[str, Switching] = field(default_factory=dict)
-    teeth: Expr | None = None
     films: Mapping[str, Film] = field(default_factory=dict)
+    teeth: Expr | None = None
     section: Section | None = None
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
@@ -169,9 +169,9 @@ class Model:
         self._refuse_unknown("the stops", (e for s in self.stops.values() for e in (s.gap, s.reachable)), known)
         surfaces = [q.surface for q in self.switchings.values()]
         self._refuse_unknown("the switchings", surfaces, known | {t})
-        self._refuse_unknown("the teeth", [] if self.teeth is None else [self.teeth], known | {t})
         of_films = (e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength))
         self._refuse_unknown("the films", of_films, known)
+        self._refuse_unknown("the teeth", [] if self.teeth is None else [self.teeth], known | {t})
         self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")

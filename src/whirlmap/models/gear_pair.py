@@ -303,8 +303,8 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         if switches["contact"] != "ignore"
         else {},
         switchings=switchings(switches),
+        films={} if literal or film == "printed" else FILMS,  # a printed law is no short bearing's
         teeth=tooth_deflection(switches)[0] if line else None,
-        films=films(film),
         start="equilibrium",
         start_where_none={u1x: 0.1, u2x: 0.1},
         bound=1e6,
@@ -340,15 +340,11 @@ def switchings(switches: Mapping[str, str]) -> dict[str, Switching]:
     return found
 
 
-def films(film: str) -> dict[str, Film]:
-    """Films of one bearing each; none of the print's law, whose force is that of a linear damper wherever the journal is."""
-    if film == "printed":
-        return {}
-    return {
-        "1": Film((u1x, u1y), psi, j_p, Gamma_1 * s / 2),  # A = mu R L^3/(2 c^2) in each of the two bearings of a shaft
-        "2": Film((u2x, u2y), psi, j_g, Gamma_2 * s / 2),
-    }
-
+#: Films of one bearing each.
+FILMS = {
+    "1": Film((u1x, u1y), psi, j_p, Gamma_1 * s / 2),  # A = mu R L^3/(2 c^2) in each of the two bearings of a shaft
+    "2": Film((u2x, u2y), psi, j_g, Gamma_2 * s / 2),
+}
 
 GEAR_PAIR = Family(
     name="gear_pair",
