@@ -115,18 +115,20 @@ def diagram_in_batches(
         "accuracy": accuracy, "method": method,
         "workers": workers, "progress": progress,
     }  # fmt: skip
-    finished: dict[Any, list[xr.Dataset]] = {way: [] for way in ways}
+    sweeps = [
+        _Sweep(parameter, points.size, backwards=way == "down", forced=system.model.forced) for way in ways
+    ]  # fmt: skip
     done, total = 0, points.size * len(ways)
     try:
-        for way in ways:
+        for way, sweep in zip(ways, sweeps, strict=True):
             for part in _batches(system, parameter, points, way, size, dict(options)):
-                finished[way].append(part)
+                sweep.take(part)
                 done += part.sizes[parameter]
                 if on_batch:
                     on_batch(done, total)
     except KeyboardInterrupt:
         pass
-    ds = _joined(finished, parameter, points, follow)
+    ds = _joined(sweeps, parameter, points, follow)
     if ds is not None and "direction" in ds.dims:
         ds = with_hysteresis(ds, system, parameter)
     if ds is not None and done < total:
@@ -157,26 +159,60 @@ def _from(system: System, x: Array) -> System:
     return system.replace(start=dict(zip(system.states, x.tolist(), strict=True)))
 
 
-def _joined(
-    finished: dict[Any, list[xr.Dataset]], parameter: str, points: Array, follow: Follow | None
-) -> xr.Dataset | None:
-    sweeps = []
-    attributes = next((parts[0].attrs for parts in finished.values() if parts), {})  # it began where the user said
-    for way, parts in finished.items():
-        if parts:
-            ordered = parts[::-1] if way == "down" else parts
-            sweeps.append(_concat(ordered, parameter) if len(ordered) > 1 else ordered[0])
-    if not sweeps:
+class _Sweep:
+    """Parts of a sweep in one direction, written where they belong as they come: a large diagram is not in memory twice.
+
+    Sections of unforced models differ in length. Their parts are kept, and joined at the end with NaN where one is shorter.
+    """
+
+    def __init__(self, dim: str, total: int, *, backwards: bool, forced: bool) -> None:
+        self.dim, self.total, self.backwards, self.forced = dim, total, backwards, forced
+        self.done, self.parts, self.attrs = 0, list[xr.Dataset](), dict[Any, Any]()
+        self._whole: dict[Any, tuple[Any, NDArray[Any], dict[Any, Any]]] = {}
+        self._rest = xr.Dataset()
+
+    def take(self, part: xr.Dataset) -> None:
+        """Take over the next part."""
+        count = part.sizes[self.dim]
+        if not self.done:
+            self.attrs = part.attrs  # it began where the user said
+            along = {name: v for name, v in part.variables.items() if self.dim in v.dims}
+            self._rest = part.drop_vars(list(along))
+            if self.forced:
+                self._whole = {k: (v.dims, np.empty((self.total, *v.shape[1:]), v.dtype), v.attrs) for k, v in along.items()}
+        first = self.total - self.done - count if self.backwards else self.done
+        for name, (dims, whole, _) in self._whole.items():
+            assert dims[0] == self.dim, name
+            whole[first : first + count] = part.variables[name].values
+        if not self.forced:
+            self.parts.insert(0 if self.backwards else len(self.parts), part)
+        self.done += count
+
+    def dataset(self) -> xr.Dataset | None:
+        """Give what is finished; None where nothing is."""
+        if not self.done:
+            return None
+        if self.parts:
+            return _concat(self.parts, self.dim) if len(self.parts) > 1 else self.parts[0]
+        first = self.total - self.done if self.backwards else 0
+        made = {name: (dims, v[first : first + self.done], attrs) for name, (dims, v, attrs) in self._whole.items()}
+        coordinate = made.pop(self.dim)
+        return self._rest.assign(made).assign_coords({self.dim: coordinate})
+
+
+def _joined(sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow | None) -> xr.Dataset | None:
+    made = [ds for sweep in sweeps if (ds := sweep.dataset()) is not None]
+    if not made:
         return None
-    ds = sweeps[0]
-    if len(sweeps) > 1:
-        if sweeps[1].sizes[parameter] < points.size:
-            meta = {name: v.attrs for name, v in sweeps[1].variables.items()}
-            sweeps[1] = sweeps[1].reindex({parameter: ds[parameter]}, fill_value=_fill(sweeps[1]))
+    ds = made[0]
+    if len(made) > 1:
+        if made[1].sizes[parameter] < points.size:
+            meta = {name: v.attrs for name, v in made[1].variables.items()}
+            made[1] = made[1].reindex({parameter: ds[parameter]}, fill_value=_fill(made[1]))
             for name, own in meta.items():
-                sweeps[1][name].attrs = own
-        ds = _concat(sweeps, "direction")
-    ds.attrs = {k: v for k, v in attributes.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
+                made[1][name].attrs = own
+        ds = _concat(made, "direction")
+    ds.attrs = {k: v for k, v in sweeps[0].attrs.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
     if doubts := doubtful(ds["step_verdict"].values):
         ds.attrs["accuracy_not_met"] = doubts
     return ds
@@ -187,25 +223,7 @@ def _fill(ds: xr.Dataset) -> dict[Any, Any]:
 
 
 def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
-    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN.
-
-    Where they do not, the parts give up each variable as it is joined: a large diagram is not in memory twice.
-    """
-    if dim != "direction" and len({part.sizes["period"] for part in parts}) == 1:
-        lengths = [part.sizes[dim] for part in parts]
-        bounds = np.cumsum([0, *lengths])
-        whole = {}
-        for name, first in parts[0].variables.items():
-            if dim not in first.dims:
-                continue
-            assert first.dims[0] == dim, name
-            out = np.empty((bounds[-1], *first.shape[1:]), dtype=first.dtype)
-            for i, part in enumerate(parts):
-                out[bounds[i] : bounds[i + 1]] = part.variables[name].values
-                parts[i] = part.drop_vars(str(name))
-            whole[name] = (first.dims, out, first.attrs)
-        coordinate = whole.pop(dim)
-        return parts[0].assign(whole).assign_coords({dim: coordinate})
+    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN."""
     joined: xr.Dataset = xr.concat(
         parts, dim=dim, join="outer", data_vars="minimal" if dim != "direction" else "all", coords="minimal",
         compat="equals", combine_attrs="override",
