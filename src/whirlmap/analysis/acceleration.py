@@ -40,6 +40,8 @@ LONGEST_RETURN = 4
 WORTH = 1.5
 #: After a trial that failed, plain periods until the next one, over those run so far.
 PAUSE = 0.15
+#: Points whose approach is looked at together: the fit of all their multiples takes 50 kB for each.
+LOOKED_AT = 512
 #: Above this scaled size differences are not those of a linear approach.
 LINEAR = 0.1
 
@@ -110,6 +112,10 @@ class Trials:
             Range of each state.
         """
         due = members[ran[members] >= self._next[members]]
+        for first in range(0, due.size, LOOKED_AT):
+            self._begin(due[first : first + LOOKED_AT], ran, last, size)
+
+    def _begin(self, due: Points, ran: NDArray[np.int64], last: Callable[[Points, int], Array], size: Array) -> None:
         # Every return that may be tried of every point, side by side: NumPy's calls cost more than their numbers.
         multiples = range(1, LONGEST_RETURN + 1)
         long_enough = [due[ran[due] >= m * DIFFERENCES + 1] for m in multiples]

@@ -69,7 +69,7 @@ def kantz_exponent(
     fit: dict[str, Any] = {"tolerance": tolerance, "least_growth": least_growth, "least_steps": (dimension - 1) * lag}
     for count in neighbours:
         pairs = distance[:, :count].reshape(-1, steps + 1)
-        far = (pairs > FAR * near.size).mean(axis=0)
+        far = (pairs > FAR * near.size).mean(axis=0) if pairs.size else np.ones(steps + 1)
         curves = mean_logarithms(pairs, blocks)
         found.append(exponent_of(curves, far, rate=rate, **fit))
     each = np.array([float(f["exponent"]) for f in found])

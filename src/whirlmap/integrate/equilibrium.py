@@ -14,6 +14,8 @@ Array = NDArray[np.float64]
 
 #: Newton steps before a point counts as having no equilibrium.
 MOST_STEPS = 60
+#: Points that are solved at a time: their Jacobians, and what their rates need, take 150 kB for each.
+SOLVED = 256
 #: How often a step is halved before its point counts as stuck.
 HALVINGS = 30
 #: Implicit steps of a run to rest, where Newton's method alone finds nothing, and the first of them in units of time.
@@ -59,7 +61,11 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     found : array of bool, shape (point,)
     """
     x, found = guess.copy(), np.zeros(guess.shape[1], dtype=bool)
-    for form, members in variants(model, values):
+    parts = (
+        (form, members[first : first + SOLVED])
+        for form, members in variants(model, values) for first in range(0, members.size, SOLVED)
+    )  # fmt: skip
+    for form, members in parts:
         rates = _Rates(form, values[:, members])
         near, there = _newton(rates, np.arange(members.size), guess[:, members])
         x[:, members], found[members] = near, there
