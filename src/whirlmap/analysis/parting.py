@@ -166,9 +166,15 @@ def follow(x: Array, own: NDArray[np.intp], other: NDArray[np.intp], *, dimensio
 
 
 def mean_logarithms(distance: Array, blocks: int) -> Array:
-    """Mean logarithms of distances (pair, step) in consecutive blocks of pairs, shape (block, step); zeros are left out."""
-    logarithm = np.log(distance, out=np.full_like(distance, np.nan), where=distance > 0)
-    return np.array([np.nanmean(part, axis=0) for part in np.array_split(logarithm, blocks)])
+    """Mean logarithms of distances (pair, step) in consecutive blocks of pairs, shape (block, step).
+
+    Zeros are left out; NaN where nothing else is there.
+    """
+    apart = distance > 0
+    parts = np.array_split(np.log(distance, out=np.zeros_like(distance), where=apart), blocks)
+    counts = np.array([part.sum(axis=0) for part in np.array_split(apart, blocks)])
+    sums = np.array([part.sum(axis=0) for part in parts])
+    return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
 
 
 @compiled()
