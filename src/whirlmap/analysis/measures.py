@@ -55,13 +55,15 @@ def judge_section(
     Returns
     -------
     regime : Regime
-        That of at least three quarters of the runs judged.
+        That of at least three quarters of the runs judged; undecided where none ran to the end.
     confidence : float
         Share of the indicators that speak for it, over all runs judged.
     votes : dict
         Of the 0-1 test, the Birkhoff averages and recurrence; medians over runs.
     """
     some = np.flatnonzero(running)[:JUDGED]
+    if not some.size:
+        return Regime.undecided, 0.0, {}
     ds = regime(
         np.zeros(some.size, dtype=np.int8), np.zeros(some.size, dtype=np.int64), exponent=exponent[0],
         exponent_error=exponent[1], duration=duration, section=section[:, :, some], cyclic=cyclic,
