@@ -2,6 +2,7 @@
 
 import json
 
+import numpy as np
 import pytest
 
 import whirlmap
@@ -73,3 +74,14 @@ def test_a_diverging_run_says_so():
     verdict = verdict_json(whirlmap.diagnose(whirlmap.load("duffing", delta=-2.0, alpha=1.0, beta=0.0)))
     assert verdict["regime"] == verdict["status"] == "diverged"
     assert verdict["end_time"] > 0
+
+
+def test_runs_that_end_on_the_way_leave_the_others_judged():
+    """Journals of the printed system reach their bearings one after the other: what they recorded is there, NaN behind."""
+    ds = whirlmap.diagnose(whirlmap.load("gear-psfd/literal-best", psi=0.1), max_periods=256, points=200)
+    ended = ds["run_status"].values != 0
+    assert ended.any(), "no run ended: the test is not about this"
+    assert ds["regime"].dtype == np.int8 and ds.sizes["run"] == ended.size
+    if "section" in ds:
+        assert np.isnan(ds["section"].values[ended]).all()
+        assert np.isfinite(ds["section"].values[~ended, 0]).all()

@@ -130,8 +130,9 @@ def diagnose(
             votes["spectrum"] = spectrum
         torus = run.section[:, :, int(np.flatnonzero(run.alive)[0])] if label == Regime.quasi_periodic else None
         dimension = section_and_dimension(
-            part, 2 * RUNS if periodic else points, data, measure=not periodic, torus=torus, progress=progress
-        )
+            part, 2 * RUNS if periodic else points, data, members=alive, runs=ensemble.points, measure=not periodic,
+            torus=torus, progress=progress,
+        )  # fmt: skip
         if dimension is not None:
             votes["dimension"] = dimension
     label, confidence = _decide(returns, votes, label, confidence, forced=system.model.forced)

@@ -146,27 +146,30 @@ def _named(lines: xr.Dataset, orders: dict[str, float], step: float) -> list[Dat
 
 
 def section_and_dimension(
-    part: Ensemble, points: int, data: Data, *, measure: bool, torus: Array | None = None,
-    progress: Callable[[int], None] | None = None,
+    part: Ensemble, points: int, data: Data, *, members: NDArray[np.intp], runs: int, measure: bool,
+    torus: Array | None = None, progress: Callable[[int], None] | None = None,
 ) -> Data | None:  # fmt: skip
     """Section points of all runs into ``data``, once per common period; the correlation dimension where wanted.
 
     The runs of a swarm decorrelate in chaos, and are one sample; on a torus they stay side by side, so that there the
-    points of one long run, ``torus`` of shape (time, state), give the dimension.
+    points of one long run, ``torus`` of shape (time, state), give the dimension. ``part`` holds the ``members`` of ``runs``
+    runs that have not ended; the others have no section.
     """
     common = part.common_multiple
     each = max(-(-points // part.points), 8)
     saved = part.advance(each * common, save_periods=common, progress=progress).saved
     section = np.moveaxis(saved, 2, 0)
-    data["section"] = variable(("run", "period", "state"), section, "1", "section point, once per common period")
+    whole = np.full((runs, *section.shape[1:]), np.nan)
+    whole[members] = section
+    data["section"] = variable(("run", "period", "state"), whole, "1", "section point, once per common period")
     good = section[part.running]
     if not measure or not good.size:
         return None
     flat = good.reshape(-1, good.shape[2])
-    runs = np.repeat(np.arange(good.shape[0]), good.shape[1])
+    of = np.repeat(np.arange(good.shape[0]), good.shape[1])
     if torus is not None:
-        flat, runs = torus, np.zeros(len(torus), dtype=np.int64)
-    d = correlation_dimension(flat, theiler=10, trajectories=runs)
+        flat, of = torus, np.zeros(len(torus), dtype=np.int64)
+    d = correlation_dimension(flat, theiler=10, trajectories=of)
     status = str(d["status"].attrs["flag_meanings"]).split()[int(d["status"])]
     for name, v in d.data_vars.items():
         data[f"dimension_{name}"] = v
