@@ -223,7 +223,8 @@ def _exponent_data(system: System, run: TangentRun, data: dict[str, Any]) -> dic
         (), 0.0 if system.model.forced else np.nan, per_time, "exponent of the forcing's phase, left out of the list"
     )
     value, error = float(run.value[0]), float(run.error[0])
-    vote = "positive" if value > 3 * error else "negative" if value < -3 * error else "zero"
+    sign = "positive" if value > 3 * error else "negative" if value < -3 * error else "zero"
+    vote = sign if np.isfinite(value) else "none"
     return {
         "vote": vote, "value": number(value), "error": number(error), "periods": run.periods, "stopped": run.stopped,
     }  # fmt: skip

@@ -154,7 +154,10 @@ def exponents_to_error(
         rates = np.concatenate(pieces)
         good = ensemble.running
         value, error = _swarm_mean(rates[:, :, good])
-        if not good.any() or error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1]):
+        if not good.any():
+            reason = "no run went on to the end"
+            break
+        if error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1]):
             reason = "error small enough"
             break
         if done >= most:
@@ -162,7 +165,8 @@ def exponents_to_error(
             break
         stretch = min(done, most - done)
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
-    running = np.cumsum(rates[:, order][:, :, good].mean(axis=2), axis=0) / np.arange(1, done + 1)[:, None]
+    mean = rates[:, order][:, :, good].mean(axis=2) if good.any() else np.full(rates.shape[:2], np.nan)
+    running = np.cumsum(mean, axis=0) / np.arange(1, done + 1)[:, None]
     return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason)
 
 
