@@ -11,13 +11,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd import identify
 from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
 from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
-from whirlmap.studies.gear_psfd.identify import Cost, Settings, diagrams, judge_sets, judged_so_far, search, wilson
+from whirlmap.studies.gear_psfd.identify import Cost, Settings, diagrams, judge_sets, judged_so_far, search
 from whirlmap.studies.gear_psfd.labelled import PSI
 from whirlmap.studies.gear_psfd.ranges import design, ranges
 from whirlmap.studies.gear_psfd.refine import best_starts, refine
@@ -48,14 +49,14 @@ def small(monkeypatch):
 )
 def test_wilsons_interval(count, n, low, high):
     """81 of 263: Newcombe, Statistics in Medicine 17 (1998) 857; the others from the closed form by hand."""
-    found = wilson(np.array([count]), n)
+    found = wilson_interval(np.array([count]), n)
     assert (float(found[0][0]), float(found[1][0])) == pytest.approx((low, high), abs=6e-5)
 
 
 def test_2500_sets_are_always_enough():
-    low, high = wilson(np.arange(2501), 2500)
+    low, high = wilson_interval(np.arange(2501), 2500)
     assert ((high - low) / 2).max() < identify.PRECISION
-    low, high = wilson(np.array([256]), 512)
+    low, high = wilson_interval(np.array([256]), 512)
     assert float((high - low)[0] / 2) > identify.PRECISION
 
 

@@ -77,6 +77,16 @@ def test_an_interrupt_on_the_way_down_keeps_the_way_up(monkeypatch):
     assert np.isnan(ds["section"].sel(direction="down")[:8]).all()
 
 
+def test_a_diagram_of_some_hundred_points_is_more_than_one_batch():
+    """Else an interrupt loses it all."""
+    done = []
+    diagram_in_batches(
+        load("duffing", gamma=0.2), "omega", np.linspace(1.3, 1.4, 300), settling=SETTLING, steps=16, workers=1,
+        on_batch=lambda now, total: done.append((now, total)),
+    )  # fmt: skip
+    assert len(done) > 1 and done[-1] == (300, 300)
+
+
 def test_an_interrupt_before_the_first_batch_leaves_nothing(monkeypatch):
     interrupted_after(monkeypatch, "bifurcation_diagram", 0)
     assert diagram_in_batches(load("duffing"), "gamma", GAMMA, settling=SETTLING).dataset is None

@@ -16,7 +16,6 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.settling import POOL
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
@@ -24,7 +23,7 @@ from whirlmap.kernels.routine import LANES
 from whirlmap.results.schema import variable
 from whirlmap.sweep.judging import SPEED, Verdict, clearance, shaft_speed
 from whirlmap.sweep.machines import judge_machines
-from whirlmap.sweep.run import Work
+from whirlmap.sweep.run import BATCH, Work
 from whirlmap.sweep.speeds import refuse_speeds
 from whirlmap.sweep.windows import widest_window
 
@@ -119,7 +118,7 @@ def improve_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Designs in a batch; where absent as many as settle in one pool.
+        Designs in a batch; where absent as many as `BATCH` blocks of lanes for each worker hold.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in designs; judged once more in run-up and run-down counts as one.
 
@@ -130,7 +129,7 @@ def improve_in_batches(
     _refuse_axes(axes)
     refuse_speeds(at, limit)
     trial = _Trial(make, tuple(axes), units or {}, at, limit, {"quantity": quantity, **options}, make())
-    size = batch or max(POOL * LANES * (options.get("workers") or cores()) // at.size, 1)
+    size = batch or max(BATCH * LANES * (options.get("workers") or cores()) // at.size, 1)
     count = _Count(on_batch, int(np.prod([v.size for v in axes.values()])) + follow)
     designs: list[xr.Dataset] = []  # each with one design
     stage = "the values given"

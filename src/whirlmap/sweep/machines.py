@@ -7,6 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import variable
@@ -40,17 +41,18 @@ def safe_probability(
     Returns
     -------
     xr.Dataset
-        ``probability(s)`` of safe, ``probability_low``, ``probability_high``; ``probability_of(verdict, s)``.
+        ``probability(s)`` of safe, ``probability_low``, ``probability_high``; ``probability_of(why, s)``,
+        by name of the `Verdict`.
     """
     at = np.asarray(speeds, dtype=float)
     judged = judge_machines(system, draws, at, limits, quantity=quantity, follow=follow, **options)
     codes = np.array(list(Verdict))
     counts = (judged["verdict"].values == codes[:, None, None]).sum(axis=1)
-    low, share, high = _wilson(counts[Verdict.safe], len(draws))
+    low, high = wilson_interval(counts[Verdict.safe], len(draws))
     meaning = "share of the drawn machines that are safe"
     return xr.Dataset(
         {
-            "probability": variable(SPEED, share, "1", meaning),
+            "probability": variable(SPEED, counts[Verdict.safe] / len(draws), "1", meaning),
             "probability_low": variable(SPEED, low, "1", f"{meaning}: lower end of its 95 % interval"),
             "probability_high": variable(SPEED, high, "1", f"{meaning}: upper end of its 95 % interval"),
             "probability_of": variable(("why", SPEED), counts / len(draws), "1", "share of the drawn machines of a verdict"),
@@ -121,10 +123,3 @@ def judge_machines(
         {"verdict": verdict_variable(over, verdict), "amplitude": amplitude_variable(over, swing, judge.rows)},
         {SPEED: variable(SPEED, at, "1", "speed ratio of the machine that was meant")}, met.attrs,
     )  # fmt: skip
-
-
-def _wilson(hits: Array, count: int) -> tuple[Array, Array, Array]:
-    z, share = 1.959964, hits / count
-    centre = (share + z**2 / (2 * count)) / (1 + z**2 / count)
-    half = z * np.sqrt(share * (1 - share) / count + z**2 / (4 * count**2)) / (1 + z**2 / count)
-    return centre - half, share, centre + half

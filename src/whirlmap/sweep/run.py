@@ -16,7 +16,7 @@ from sympy import sympify
 
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.points import parameter_values
-from whirlmap.analysis.settling import POOL, Settling
+from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import series_steps, simulate
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
@@ -30,6 +30,10 @@ from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
 
 Array = NDArray[np.float64]
+
+#: Blocks of lanes in a batch, for each worker. An interrupt keeps whole batches: fewer than a pool settles at once, so that
+#: a diagram of some hundred points is not lost.
+BATCH = 32
 
 #: Points of a chain in one batch; a chain walks them one by one.
 CHAIN = 16
@@ -88,7 +92,7 @@ def diagram_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Points in a batch; where absent as many as settle in one pool, or `CHAIN` where the state is followed.
+        Points in a batch; where absent `BATCH` blocks of lanes for each worker, or `CHAIN` where the state is followed.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in points.
 
@@ -103,7 +107,7 @@ def diagram_in_batches(
     if 0 < lyapunov < BLOCKS:
         raise RangeError(f"lyapunov must be 0 or at least {BLOCKS} common periods, not {lyapunov}")
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
-    size = batch or (POOL * LANES * (workers or cores()) if follow is None else CHAIN)
+    size = batch or (BATCH * LANES * (workers or cores()) if follow is None else CHAIN)
     if follow is not None and not system.model.forced:
         size = points.size  # its section does not hold the state at the end of a record
     refuse_memory(

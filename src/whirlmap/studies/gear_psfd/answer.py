@@ -6,10 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd.blocks import Blocks
 from whirlmap.studies.gear_psfd.claims import NEED_ORBIT, WORDS
-from whirlmap.studies.gear_psfd.identify import Judged, Settings, judged_so_far, wilson
+from whirlmap.studies.gear_psfd.identify import Judged, Settings, judged_so_far
 from whirlmap.studies.gear_psfd.labelled import PSI, Array
 from whirlmap.studies.gear_psfd.ranges import Range
 from whirlmap.studies.gear_psfd.refine import all_sets, refined
@@ -119,7 +120,7 @@ def best_of(design: Judged, refinement: Judged | None, settings: Settings) -> Be
 def shares(judged: Judged, claim: str) -> tuple[float, float, float]:
     """Share of sets under which a claim holds, with its 95 % interval."""
     holds = judged.holds[judged.claims.index(claim)]
-    low, high = wilson(np.array([holds.sum()]), holds.size)
+    low, high = wilson_interval(np.array([holds.sum()]), holds.size)
     return float(holds.mean()), float(low[0]), float(high[0])
 
 

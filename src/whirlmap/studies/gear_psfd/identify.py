@@ -20,6 +20,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap import __version__
+from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.results.schema import variable, with_attributes
@@ -36,8 +37,8 @@ Progress = Callable[[int], None]
 
 #: Sets in one block.
 BLOCK = 512
-#: Half of the widest interval that is good enough, and the quantile of a 95 % interval.
-PRECISION, Z = 0.02, 1.959964
+#: Half of the widest interval that is good enough.
+PRECISION = 0.02
 #: Sets by which the cost is measured before the start.
 PILOT = 8
 #: Method of integration.
@@ -201,18 +202,10 @@ def judge_sets(variant: Variant, ds: xr.Dataset, settings: Settings) -> Judged:
     return Judged(variant, tuple(found), ds["value"].values, word, score, d)
 
 
-def wilson(count: NDArray[np.integer], n: int) -> tuple[Array, Array]:
-    """Wilson's 95 % interval of a share."""
-    p, z2 = count / n, Z**2
-    centre = (p + z2 / (2 * n)) / (1 + z2 / n)
-    half = Z / (1 + z2 / n) * np.sqrt(p * (1 - p) / n + z2 / (4 * n**2))
-    return np.where(count == 0, 0.0, centre - half), np.where(count == n, 1.0, centre + half)
-
-
 def precise(judged: Judged) -> bool:
     """Whether the share of every claim that a diagram decides is known to `PRECISION`."""
     holds = judged.holds[judged.diagram_claims]
-    low, high = wilson(holds.sum(axis=1), holds.shape[1])
+    low, high = wilson_interval(holds.sum(axis=1), holds.shape[1])
     return bool(((high - low) / 2 <= PRECISION).all())
 
 
