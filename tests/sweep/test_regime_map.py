@@ -408,6 +408,7 @@ def test_the_manifest_says_what_the_store_is_of(whole):
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(1800)  # four minutes alone on two cores
 def test_a_large_refined_map_takes_a_quarter_of_the_points(duffing):
     axes = {"gamma": np.linspace(0.1, 0.7, 400), "omega": np.linspace(0.6, 1.6, 300)}
     refined = regime_map(duffing, axes, refine=True)
