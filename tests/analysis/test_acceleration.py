@@ -224,7 +224,7 @@ def test_models_whose_rates_jump_settle_plainly():
 
 def test_points_that_the_multipliers_refuse_settle_plainly(monkeypatch):
     monkeypatch.setattr(acceleration, "largest_multipliers", lambda e, points, multiple: np.full(points.size, 1.001))
-    plain, fast = settled(load("duffing").replace(delta=0.03), {"gamma": np.linspace(0.1, 0.2, 10)}, transient=600)
+    plain, fast = settled(load("duffing").replace(delta=0.03), {"gamma": np.linspace(0.08, 0.14, 10)}, transient=600)
     assert not fast[0].accelerated.any() and (fast[0].waited > plain[0].waited).any()
     assert_same(plain, fast)
 

@@ -90,12 +90,17 @@ class Trials:
         self._ran, self._turns = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
         self._leading = np.full(n, np.nan)
         self._before = np.full((states, size), np.nan)
+        self._needed = np.array([0, *map(self.needs, range(1, LONGEST_RETURN + 1))])
         self._points = np.full((self.needs(LONGEST_RETURN) + 1, states, size), np.nan)
         self._passed: list[_Passed] = []
 
     def needs(self, multiple: int) -> int:
         """Common periods that a trial takes."""
         return -(-STAYS * multiple // self.every) * self.every
+
+    def left(self, points: Points) -> NDArray[np.int64]:
+        """Common periods until the trials of points end."""
+        return np.asarray(self._needed[self.multiple[points]] - self._ran[points])
 
     def begin(self, members: Points, ran: NDArray[np.int64], last: Callable[[Points, int], Array], size: Array) -> None:
         """Put the points on trial for which it is worth it.
@@ -132,7 +137,7 @@ class Trials:
         slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
         rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
         left = multiple * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8
-        slow &= left > WORTH * np.array([0, *map(self.needs, multiples)])[multiple]
+        slow &= left > WORTH * self._needed[multiple]
         at = np.flatnonzero(slow)
         if not at.size:
             return
@@ -150,29 +155,30 @@ class Trials:
         self.multiple[points], self._leading[points] = multiple, leading
         e.x[:, points] = x
 
-    def look(self, members: Points, saved: Array, size: Array) -> tuple[Points, NDArray[np.int64], Array]:
-        """Take over a round of the points on trial; return those that have settled, their multiples and distances.
-
-        ``saved`` has shape (period, state, member), ``size`` (state, all points). Points that failed are as they were.
-        """
-        rows = self._ran[members] + 1 + np.arange(self.every)[:, None]
+    def record(self, members: Points, saved: Array) -> None:
+        """Take over section points of points on trial, shape (period, state, member)."""
+        rows = self._ran[members] + 1 + np.arange(len(saved))[:, None]
         self._points[rows, :, self.slot[members]] = saved.transpose(0, 2, 1)
-        self._ran[members] += self.every
+        self._ran[members] += len(saved)
+
+    def look(self, members: Points, size: Array) -> tuple[Points, NDArray[np.int64], Array]:
+        """Judge points whose trial is over, or whose run has ended; return those that have settled, multiples and distances.
+
+        ``size`` has shape (state, all points). Points that failed are as they were before their trial.
+        """
         distance, change = np.full(members.size, np.inf), np.full(members.size, np.inf)
         multiple = self.multiple[members]
         alive = self.ensemble.running[members]
-        over = ~alive
-        for m in range(1, LONGEST_RETURN + 1):
-            at = np.flatnonzero(alive & (multiple == m) & (self._ran[members] >= self.needs(m)))
+        for m in np.unique(multiple):
+            at = np.flatnonzero(alive & (multiple == m))
             x = self._points[: self.needs(m) + 1, :, self.slot[members[at]]]
-            distance[at], change[at] = self._distance(x, m, size[:, members[at]], self._leading[members[at]])
-            over[at] = True
+            distance[at], change[at] = self._distance(x, int(m), size[:, members[at]], self._leading[members[at]])
         passed = distance <= self.tolerance
-        lost, proved = members[over & ~passed], members[passed]
+        lost, proved = members[~passed], members[passed]
         self._take_back(lost, self._before[:, self.slot[lost]])
         if proved.size:
             self._passed.append(_Passed(proved, multiple[passed], change[passed], self._before[:, self.slot[proved]]))
-        self.multiple[members[over]] = 0
+        self.multiple[members] = 0
         return members[passed], multiple[passed], distance[passed]
 
     def refuse_unproved(self) -> Points:

@@ -88,11 +88,11 @@ def limit(points: Array, scale: Array, period: Array, tolerance: float) -> Limit
         with np.errstate(divide="ignore"):
             off = missed_size.max(axis=0) / np.abs(at_one)
         good = (missed_size <= FOLLOWS * size[-3:, left]).all(axis=0) & (modulus < STABLE) & (off <= tolerance)
-        step = np.zeros((points.shape[1], left.size))
-        for i in range(modes):
-            step += c[:, i] / at_one * d[DIFFERENCES - modes + i :, :, left].sum(axis=0)
         these = left[good]
-        x[:, these] += (step * scale[:, left])[:, good]
+        step = np.zeros((points.shape[1], these.size))
+        for i in range(modes):
+            step += c[good, i] / at_one[good] * d[DIFFERENCES - modes + i :, :, these].sum(axis=0)
+        x[:, these] += step * scale[:, these]
         error[these], leading[these] = off[good], modulus[good]
         left = left[~good]
     return Limit(x, error, leading)

@@ -72,6 +72,7 @@ def settle_and_record(
     ensemble: Ensemble,
     settling: Settling,
     *,
+    longest: Integers | None = None,
     kept: Sequence[int] | None = None,
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
@@ -80,11 +81,13 @@ def settle_and_record(
 
     Parameters
     ----------
+    longest : array of int, shape (point,), optional
+        Of a forced model: common periods after which each point is given up, instead of `Settling.longest`.
     kept : sequence of int, optional
         States whose section is returned; all of them where absent. The search for the smallest return sees them all.
     """
     if ensemble.model.forced:
-        settled = _settle_accurately(ensemble, settling, cyclic, progress)
+        settled = _settle_accurately(ensemble, settling, longest, cyclic, progress)
     else:
         settled = _settle_unforced(ensemble, settling, cyclic, progress)
     common, forced = ensemble.common_multiple, ensemble.model.forced
@@ -134,10 +137,12 @@ def _extremes(
 
 
 def _settle_accurately(
-    ensemble: Ensemble, settling: Settling, cyclic: dict[int, float] | None, progress: Callable[[int], None] | None
-) -> Settled:
+    ensemble: Ensemble, settling: Settling, longest: Integers | None, cyclic: dict[int, float] | None,
+    progress: Callable[[int], None] | None,
+) -> Settled:  # fmt: skip
     """Settle, and settle on with more steps where the settled motion needs them."""
-    settled = settle(ensemble, settling, cyclic=cyclic, progress=progress)
+    longest = np.full(ensemble.points, settling.longest) if longest is None else longest
+    settled = settle(ensemble, settling, longest=longest, cyclic=cyclic, progress=progress)
     if ensemble.accuracy is None:
         return settled
     # Points that did not return are asked too: steps that are too long may be why. One that returned has settled.
@@ -151,7 +156,7 @@ def _settle_accurately(
         if not left.size:
             break
         part = ensemble.subset(left, steps=rungs.steps[more])
-        again = settle(part, settling, cyclic=cyclic, progress=progress)
+        again = settle(part, settling, longest=longest[left], cyclic=cyclic, progress=progress)
         ensemble.absorb(part, left)
         again.accelerated[:] |= settled.accelerated[left]
         settled.take(again, left)
@@ -202,7 +207,7 @@ def _periods_in_T(
     fits = np.flatnonzero((multiple > 0) & (out <= section.shape[0]) & np.isfinite(section[-1]).all(axis=0))
     if fits.size and common > 1:
         found = period_in_T(
-            section[:, :, fits], multiple[fits], common_over_T=common, scale=positive(scale[:, fits]),
+            section[:, :, fits], multiple[fits], common_over_T=common, scale=scale[:, fits],
             tolerance=10 * settling.tolerance, cyclic=cyclic,
         )  # fmt: skip
         out[fits] = np.where(found["period"].values > 0, found["period"].values, out[fits])

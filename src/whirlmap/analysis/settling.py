@@ -1,10 +1,11 @@
 """Settling without waste: every point runs until its section has provably repeated, and the next one takes its place.
 
-Forced models. All points share a pool of lanes. In each round the points in the pool run `ROUND` common periods; then each
-is looked at on its own, by its own history:
+Forced models. All points share a pool of lanes. In each round the points in the pool run until the first of them is due for
+a look. A point is looked at on its own, by its own history, every `ROUND` common periods, and less often the longer it has
+run (`looks`):
 
-1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever the number of
-   points has doubled, the longer window is searched too, for returns up to `Settling.most`.
+1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever a longer
+   window, each twice the one before, has filled anew, it is searched too, for returns up to `Settling.most`.
 2. A return counts once what is left of the transient is small as well: where successive differences shrink by a factor r
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
@@ -33,8 +34,9 @@ from whirlmap.kernels.routine import LANES
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Common periods between two looks at a point.
-ROUND = 4
+#: Common periods between two looks at a point, at first; later the largest power of two that is at most a
+#: `SELDOM`-th of those it has run, up to `MOST`: what Python does for a look costs a small model more than the periods.
+ROUND, SELDOM, MOST = 4, 8, 32
 #: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
 POOL = 128
 
@@ -94,7 +96,7 @@ class Settled:
         The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
         where it ended.
     scale : array, shape (state, point)
-        Range of each state over the last round.
+        Range of each state since the look before the last; one where it did not move, or the point ended.
     waited : array of int
         Common periods run, trials included.
     accelerated : array of bool
@@ -114,10 +116,17 @@ class Settled:
         self.waited[points] += again.waited
 
 
+def looks(ran: Integers, longest: Integers) -> Integers:
+    """Common periods after which points that have run ``ran`` of them, and run ``longest``, are looked at next."""
+    every = np.clip(2 ** np.floor(np.log2(np.maximum(ran, 1) / SELDOM)), ROUND, MOST).astype(np.int64)
+    return np.asarray(np.minimum((ran // every + 1) * every, -(-longest // ROUND) * ROUND))
+
+
 def settle(
     ensemble: Ensemble,
     settling: Settling,
     *,
+    longest: Integers | None = None,
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Settled:
@@ -125,26 +134,30 @@ def settle(
 
     Parameters
     ----------
+    longest : array of int, shape (point,), optional
+        Common periods after which each point is given up; `Settling.longest` where absent.
     cyclic : mapping of state index to period, optional
         States that are angles.
 
     Returns
     -------
     Settled
-        Points that ended, and points that did not return in `Settling.longest` common periods, have multiple 0.
+        Points that ended, and points that did not return in the longest time, have multiple 0.
     """
     common = ensemble.common_multiple
-    pool = _Pool(ensemble, settling, cyclic or {})
+    longest = np.full(ensemble.points, settling.longest) if longest is None else longest
+    pool = _Pool(ensemble, settling, longest, cyclic or {})
     while pool.active.size:
         segment = ensemble.advance(
-            ROUND * common, members=pool.active, save_periods=common, extremes=True, progress=progress
+            pool.stretch() * common, members=pool.active, save_periods=common, extremes=True, progress=progress
         )
         assert segment.extremes is not None
-        pool.look(segment.saved, segment.extremes["maximum"] - segment.extremes["minimum"])
+        pool.take(segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
     refused = pool.trials.refuse_unproved()
     if refused.size:
         part = ensemble.subset(refused)
-        again = settle(part, replace(settling, accelerate=False), cyclic=cyclic, progress=progress)
+        plainly = replace(settling, accelerate=False)
+        again = settle(part, plainly, longest=longest[refused], cyclic=cyclic, progress=progress)
         ensemble.absorb(part, refused)
         pool.settled.take(again, refused)
     return pool.settled
@@ -153,19 +166,20 @@ def settle(
 class _Pool:
     """Points that run now, with their last section points, and the queue of those that wait."""
 
-    def __init__(self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float]) -> None:
+    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float]) -> None:
         n, states = ensemble.points, ensemble.model.dimension
-        self.ensemble, self.settling, self.cyclic = ensemble, settling, cyclic
+        self.ensemble, self.settling, self.longest, self.cyclic = ensemble, settling, longest, cyclic
         self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
         self.waiting = 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
-        longest = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
-        longest = -(-longest // ROUND) * ROUND
-        self.history = np.full((longest, states, self.size), np.nan)
+        kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
+        self.history = np.full((-(-kept // ROUND) * ROUND, states, self.size), np.nan)
+        self.low, self.high = np.empty((states, self.size)), np.empty((states, self.size))  # since the last look
         self.slot = np.full(n, -1, dtype=np.intp)
         self.free = list(range(self.size))
-        self.ran = np.zeros(n, dtype=np.int64)  # common periods without those of trials
+        self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
+        self.next = looks(self.ran, longest)
         self.settled = Settled(
             np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64),
             np.zeros(n, dtype=np.bool_),
@@ -184,39 +198,61 @@ class _Pool:
                 self.slot[self.waiting] = self.free.pop()
                 entering.append(self.waiting)
             self.waiting += 1
+        self.forget(np.array(entering, dtype=np.intp))
         self.active = np.concatenate([self.active, np.array(entering, dtype=np.intp)])
 
-    def look(self, saved: Array, size: Array) -> None:
-        """Take over a round's section points, and let the points that are done leave."""
-        at, s = self.active, self.settled
-        s.waited[at] += ROUND
-        s.scale[:, at] = size[: s.scale.shape[0]]
+    def forget(self, points: NDArray[np.intp]) -> None:
+        """Begin the ranges of points anew."""
+        self.low[:, self.slot[points]], self.high[:, self.slot[points]] = np.inf, -np.inf
+
+    def stretch(self) -> int:
+        """Common periods until the first of the points is due for a look."""
+        at = self.active
+        left = np.where(self.trials.multiple[at] > 0, self.trials.left(at), self.next[at] - self.ran[at])
+        return int(left.min())
+
+    def take(self, saved: Array, low: Array, high: Array) -> None:
+        """Take over the section points and extremes of a stretch, and look at the points that are due."""
+        at, slot = self.active, self.slot[self.active]
+        states = saved.shape[1]
+        self.settled.waited[at] += len(saved)
+        self.low[:, slot] = np.minimum(self.low[:, slot], low[:states])
+        self.high[:, slot] = np.maximum(self.high[:, slot], high[:states])
         trying = self.trials.multiple[at] > 0
-        self.end_trials(at[trying], saved[:, :, trying])
-        self.look_plainly(at[~trying], saved[:, :, ~trying])
-        done = ~self.ensemble.running[at] | (s.multiple[at] > 0) | (self.ran[at] >= self.settling.longest)
-        if self.accelerate:
-            self.trials.begin(at[~done & ~trying], self.ran, self.last, positive(s.scale))
-        self.free += self.slot[at[done]].tolist()
+        self.trials.record(at[trying], saved[:, :, trying])
+        plain = at[~trying]
+        rows = (self.ran[plain] + np.arange(len(saved))[:, None]) % self.history.shape[0]
+        self.history[rows, :, self.slot[plain]] = saved[:, :, ~trying].transpose(0, 2, 1)
+        self.ran[plain] += len(saved)
+        due = np.where(trying, self.trials.left(at) <= 0, self.ran[at] >= self.next[at]) | ~self.ensemble.running[at]
+        done = np.zeros(at.size, dtype=np.bool_)
+        done[due] = self.look(at[due], trying[due])
+        self.free += slot[done].tolist()
         self.active = at[~done]
         self.fill()
 
-    def end_trials(self, at: NDArray[np.intp], saved: Array) -> None:
-        """Take over a round of points on trial, and the labels of those that have passed."""
-        s = self.settled
-        passed, multiple, distance = self.trials.look(at, saved, positive(s.scale))
+    def look(self, at: NDArray[np.intp], trying: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Look at points that are due; returns which of them are done."""
+        s, slot = self.settled, self.slot[at]
+        s.scale[:, at] = positive(self.high[:, slot] - self.low[:, slot])
+        self.forget(at)
+        passed, multiple, distance = self.trials.look(at[trying], s.scale)
         s.multiple[passed], s.distance[passed], s.accelerated[passed] = multiple, distance, True
+        plain, running = at[~trying], self.ensemble.running[at]
+        self.search_windows(plain[running[~trying]])
+        self.looked[plain] = self.ran[plain]
+        self.next[plain] = looks(self.ran[plain], self.longest[plain])
+        done: NDArray[np.bool_] = ~running | (s.multiple[at] > 0) | (self.ran[at] >= self.longest[at])
+        if self.accelerate:
+            self.trials.begin(at[~done & ~trying], self.ran, self.last, s.scale)
+        return done
 
-    def look_plainly(self, at: NDArray[np.intp], saved: Array) -> None:
-        """Take over a round of points that run plainly, and search the windows that are due."""
-        rows = (self.ran[at] + np.arange(ROUND)[:, None]) % self.history.shape[0]
-        self.history[rows, :, self.slot[at]] = saved.transpose(0, 2, 1)
-        self.ran[at] += ROUND
-        ran, alive = self.ran[at], self.ensemble.running[at]
+    def search_windows(self, points: NDArray[np.intp]) -> None:
+        """Search the windows that are due: the first at every look, others where they have filled anew, or at the end."""
+        ran, looked = self.ran[points], self.looked[points]
         for k, window in enumerate(self.windows):
-            due = (ran % window == 0) if k else (ran >= window)
-            due |= (ran >= self.settling.longest) & (ran >= window)
-            these = at[alive & due & (self.settled.multiple[at] == 0)]
+            due = (ran // window > looked // window) | (k == 0) | (ran >= self.longest[points])
+            these = points[due & (ran >= window) & (self.settled.multiple[points] == 0)]
             if these.size:
                 self.search(these, window)
 
@@ -237,11 +273,11 @@ class _Pool:
         """Look for a return in the last ``window`` section points."""
         s, tolerance = self.settled, self.settling.tolerance
         x = self.last(points, window)
-        scale = positive(s.scale[:, points])
+        scale = s.scale[:, points]
         multiple, s.distance[points] = shortest_return(
             x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
         )
-        given_up = (multiple == 0) & (self.ran[points] >= self.settling.longest)
+        given_up = (multiple == 0) & (self.ran[points] >= self.longest[points])
         if window == self.windows[-1] and given_up.any():
             s.distance[points[given_up]] = nearest_return(
                 x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1),

@@ -27,6 +27,7 @@ from whirlmap.results.schema import names_coordinate, regime_variable, status_va
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Progress = Callable[[int], None]
 
 #: A motion that contracts is given the time to shrink by this until it is given up, but no more than so many
@@ -88,7 +89,7 @@ class Labelling:
         ensemble, start_found = make_ensemble(
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
-        returns = self._returns(ensemble, self.settling, cyclic, progress)
+        returns = self._returns(ensemble, None, cyclic, progress)
         winding, exponent, error = (np.full(ensemble.points, np.nan) for _ in range(3))
         found = OpenPoints(
             returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0), winding, exponent, error,
@@ -116,11 +117,11 @@ class Labelling:
         ), ensemble  # fmt: skip
 
     def _returns(
-        self, ensemble: Ensemble, settling: Settling, cyclic: dict[int, float], progress: Progress | None
+        self, ensemble: Ensemble, longest: Integers | None, cyclic: dict[int, float], progress: Progress | None
     ) -> Returns:
         names = [s.name for s in ensemble.model.states]
         kept = [names.index(name) for name in self.kept]
-        return settle_and_record(ensemble, settling, kept=kept, cyclic=cyclic, progress=progress)
+        return settle_and_record(ensemble, self.settling, longest=longest, kept=kept, cyclic=cyclic, progress=progress)
 
     def _judge(
         self,
@@ -159,23 +160,21 @@ class Labelling:
     ) -> Returns:
         """Settle points on whose motion contracts but has not returned, for the time that this takes at most.
 
-        The time of each is a power of two of common periods, so that few lengths are run, and none depends on other points.
+        The time of each is a power of two of common periods: points of like exponents are looked at together.
         """
         needed = np.log(SHRINK) / (exponent[points] * (ensemble.common_multiple * ensemble.period)[points])
         extra = np.minimum(2 ** np.ceil(np.log2(np.maximum(needed, 1))), PATIENCE * self.lyapunov).astype(np.int64)
         joined: dict[str, Any] = {name: getattr(returns, name).copy() for name in RETURNS}
         extremes = {k: v.copy() for k, v in returns.extremes.items()}
-        for length in np.unique(extra):
-            these = points[extra == length]
-            part = ensemble.subset(these)
-            # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
-            longer = replace(self.settling, transient=int(length) + int(length) // 4)
-            again = self._returns(part, longer, cyclic, progress)
-            ensemble.absorb(part, these)
-            for name, values in joined.items():
-                values[..., these] = getattr(again, name) + (values[these] if name == "waited" else 0)
-            for name, values in extremes.items():
-                values[..., these] = again.extremes[name]
+        part = ensemble.subset(points)
+        # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
+        longest = extra + extra // 4 + self.settling.longest - self.settling.transient
+        again = self._returns(part, longest, cyclic, progress)
+        ensemble.absorb(part, points)
+        for name, values in joined.items():
+            values[..., points] = getattr(again, name) + (values[points] if name == "waited" else 0)
+        for name, values in extremes.items():
+            values[..., points] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
 
 
