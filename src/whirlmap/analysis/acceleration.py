@@ -183,17 +183,19 @@ class Trials:
 
     def refuse_unproved(self) -> Points:
         """Ask the multipliers of all points that have passed; put back, and return, those whose orbit they refuse."""
-        refused = [p.points[:0] for p in self._passed]
-        for p in self._passed:
-            largest = largest_multipliers(self.ensemble, p.points, p.multiple)
-            stable = largest < 1
-            left = p.change * largest / np.where(stable, 1 - largest, 1.0)
-            approach = self._leading[p.points]
-            bad = ~stable | (left > self.tolerance) | (approach > (1 + FOLLOWS) * largest)
-            self._take_back(p.points[bad], p.before[:, bad])
-            refused.append(p.points[bad])
+        if not self._passed:
+            return np.zeros(0, dtype=np.intp)
+        points, multiple, change, before = (
+            np.concatenate([getattr(p, name) for p in self._passed], axis=-1)
+            for name in ("points", "multiple", "change", "before")
+        )
         self._passed = []
-        return np.concatenate(refused) if refused else np.zeros(0, dtype=np.intp)
+        largest = largest_multipliers(self.ensemble, points, multiple)
+        stable = largest < 1
+        left = change * largest / np.where(stable, 1 - largest, 1.0)
+        bad = ~stable | (left > self.tolerance) | (self._leading[points] > (1 + FOLLOWS) * largest)
+        self._take_back(points[bad], before[:, bad])
+        return points[bad]
 
     def _distance(self, x: Array, m: int, size: Array, leading: Array) -> tuple[Array, Array]:
         """Largest scaled distance of a run from its first return, infinite where a condition fails; its last change."""

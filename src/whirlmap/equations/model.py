@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeVar
 
@@ -192,7 +193,7 @@ class Model:
         """Whether time appears in the equations."""
         return bool(self.harmonics)
 
-    @property
+    @cached_property
     def jumps(self) -> tuple[str, ...]:
         """Where the rates jump: switchings that say so, and signs of states in the equations."""
         states = set(self.states)
