@@ -2,9 +2,9 @@
 
 from itertools import pairwise
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.saltation import refuse_jumps
@@ -13,6 +13,10 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.lanes import Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
 from whirlmap.kernels.routine import LANES
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -26,7 +30,7 @@ PASSES, STILL = 60, 1e-7
 
 def floquet_multipliers(
     system: System, x: ArrayLike, duration: float, *, steps: int = STEPS
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Multipliers of small disturbances over one round of a periodic orbit.
 
     Parameters
@@ -62,6 +66,11 @@ def floquet_multipliers(
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
     """
+    return find_multipliers(system, x, duration, steps=steps).dataset()
+
+
+def find_multipliers(system: System, x: ArrayLike, duration: float, *, steps: int = STEPS) -> Findings:
+    """`floquet_multipliers` before they are a Dataset."""
     refuse_jumps(system.model, "a Floquet multiplier")
     start = np.asarray(x, dtype=np.float64)
     n = system.model.dimension
@@ -87,7 +96,7 @@ def floquet_multipliers(
     plain = [s.cyclic is None for s in system.model.states]
     size = np.maximum(np.ptp(orbit[plain], axis=1), 1e-12)
     units = {"units": "1"}
-    ds = xr.Dataset(
+    return Findings(
         {
             "log_modulus": ("multiplier", log_modulus, {**units, "long_name": "logarithm of the multiplier's modulus"}),
             "argument": ("multiplier", argument, {"units": "rad", "long_name": "argument of the multiplier"}),
@@ -103,10 +112,9 @@ def floquet_multipliers(
                 (), float(np.max(np.abs(orbit[plain, -1] - orbit[plain, 0]) / size)) if any(plain) else np.nan,
                 {**units, "long_name": "distance by which the orbit misses its start, over its size"},
             ),
-        }
+        },
+        attrs={"duration": duration, "segments": segments, "steps_per_segment": each, "algorithm": "lust2001"},
     )  # fmt: skip
-    ds.attrs = {"duration": duration, "segments": segments, "steps_per_segment": each, "algorithm": "lust2001"}
-    return ds
 
 
 def _transition(system: System, x: Array, begin: int, h: float, steps: int) -> tuple[Array, Array]:

@@ -1,11 +1,16 @@
 """Recurrence rate and determinism: how often states come back, and whether they then stay together."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -37,7 +42,7 @@ def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, 
 
 def recurrence(
     points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Recurrence rate, determinism and diagonal lines of a trajectory.
 
     Parameters
@@ -71,6 +76,13 @@ def recurrence(
     determinism tells noise from dynamics but not chaos from a torus. The radius that gives a rate is the quantile of
     the distances of at most 2000 evenly spaced points. Time grows as points squared.
     """
+    return find_recurrence(points, radius=radius, rate=rate, theiler=theiler, least=least).dataset()
+
+
+def find_recurrence(
+    points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
+) -> Findings:
+    """`recurrence` before it is a Dataset."""
     x = np.asarray(points, dtype=np.float64)
     x = np.ascontiguousarray(x[:, None] if x.ndim == 1 else x)
     if x.ndim != 2 or x.shape[0] < 50 or not np.isfinite(x).all():
@@ -93,6 +105,5 @@ def recurrence(
         "longest_line": (longest, "longest diagonal line, samples"),
         "radius": (radius, "distance within which points are recurrent"),
     }
-    ds = xr.Dataset({name: ((), v, {"units": "1", "long_name": meaning}) for name, (v, meaning) in values.items()})
-    ds.attrs = {"theiler": theiler, "least": least}
-    return ds
+    variables = {name: ((), v, {"units": "1", "long_name": meaning}) for name, (v, meaning) in values.items()}
+    return Findings(variables, attrs={"theiler": theiler, "least": least})

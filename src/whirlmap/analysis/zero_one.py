@@ -1,13 +1,16 @@
 """The 0-1 test for chaos: a signal drives a walk in a rotating frame; chaos makes it wander off, regular motion does not."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -49,7 +52,7 @@ def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: A
 
 def zero_one_test(
     series: ArrayLike, *, angles: int = 100, damping: float = 0.0, longest: float = 0.1, seed: int = 2009
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Asymptotic growth rate K of the 0-1 test: near 1 for chaos, near 0 for regular motion.
 
     Parameters
@@ -102,16 +105,16 @@ def zero_one_test(
         )
     (K_low, middle, K_high), status, reach = growth_rates(x, angles, damping, longest, seed)
     flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
-    ds = xr.Dataset(
+    found = Findings(
         {
             "K": _lane(middle, "growth rate of the 0-1 test, median over angles"),
             "K_low": _lane(K_low, "lower quartile over angles"),
             "K_high": _lane(K_high, "upper quartile over angles"),
             "status": _lane(status, "status of the 0-1 test", **flags),
-        }
+        },
+        attrs={"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed},
     )
-    ds.attrs = {"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed}
-    return ds
+    return found.dataset()
 
 
 def growth_rates(
