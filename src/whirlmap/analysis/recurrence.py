@@ -15,18 +15,21 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@compiled()
-def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, int, int, int]:
-    """Recurrent pairs, those on diagonal lines of at least ``least``, the number of such lines, the longest."""
-    n = x.shape[0]
-    square = radius * radius
+@compiled(
+    {"x": "doubles", "n": "int", "d": "int", "radius": "doubles", "theiler": "int", "least": "int", "out": "ints"}
+)
+def _diagonals(
+    x: Array, n: int, d: int, radius: Array, theiler: int, least: int, out: NDArray[np.int64]
+) -> None:
+    """Recurrent pairs of x (n, d), those on diagonal lines of at least ``least``, the number of such lines, the longest."""
+    square = radius[0] * radius[0]
     recurrent = on_lines = lines = longest = 0
     for lag in range(theiler, n):
         run = 0
         for i in range(n - lag):
             total = 0.0
-            for k in range(x.shape[1]):
-                total += (x[i, k] - x[i + lag, k]) ** 2
+            for k in range(d):
+                total += (x[i * d + k] - x[(i + lag) * d + k]) ** 2
             close = total <= square
             if close:
                 run += 1
@@ -37,7 +40,7 @@ def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, 
                     lines += 1
                 longest = max(longest, run)
                 run = 0
-    return recurrent, on_lines, lines, longest
+    out[0], out[1], out[2], out[3] = recurrent, on_lines, lines, longest
 
 
 def recurrence(
@@ -94,9 +97,12 @@ def find_recurrence(
         )
     if radius is None:
         some = x[:: max(x.shape[0] // 2000, 1)]
-        i, j = np.triu_indices(len(some), k=1)
-        radius = float(np.quantile(np.linalg.norm(some[i] - some[j], axis=1), rate))
-    recurrent, on_lines, lines, longest = _diagonals(x, radius, theiler, least)
+        apart = [np.linalg.norm(some[k] - some[k + 1 :], axis=1) for k in range(len(some) - 1)]  # each fits into cache
+        radius = float(np.quantile(np.concatenate(apart), rate))
+    counts = np.empty(4, dtype=np.int64)
+    n, d = x.shape
+    _diagonals(x=x, n=n, d=d, radius=np.array([radius], dtype=float), theiler=theiler, least=least, out=counts)
+    recurrent, on_lines, lines, longest = counts.tolist()
     m = x.shape[0] - theiler
     values = {
         "recurrence_rate": (recurrent / (m * (m + 1) / 2), "share of pairs that are recurrent"),
