@@ -76,6 +76,6 @@ def test_a_loop_that_needs_numba_to_run_is_refused(tmp_path, monkeypatch):
             room[i] = i
         out[0] = room.sum()
 
-    with pytest.raises(RuntimeError, match="the loop reserves cannot run by itself: it needs .*NRT_"):
+    with pytest.raises(RuntimeError, match=r"the loop reserves cannot run by itself: it needs .*NRT_"):
         _reserves(n=3, out=np.zeros(1))
     assert not list(tmp_path.iterdir())
