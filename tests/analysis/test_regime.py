@@ -59,7 +59,7 @@ def test_confidence_is_the_share_that_speaks():
 
 
 def test_votes_stand_beside_the_label():
-    votes = judged()[2]["vote"].values[:, 0].tolist()
+    votes = judged()[2]["vote"][:, 0].tolist()
     assert votes == [Vote.none, Vote.chaotic, Vote.chaotic, Vote.chaotic]
 
 

@@ -107,10 +107,11 @@ def test_size_and_clear_of_the_chosen_folder(tmp_path, monkeypatch):
     assert (cache.size(), cache.clear()) == (0, (0, 0))
     (tmp_path / "k").mkdir()
     (tmp_path / "k" / "kernel_0123.o").write_text("pass\n")
+    (tmp_path / "k" / "loop_it_0123.o").write_text("\n")
     (tmp_path / "k" / "lowered_0123.json").write_text("{}")
     (tmp_path / "k" / "table_0123.f8").write_text("1\n")
     (tmp_path / "k" / "mine.txt").write_text("keep")
-    assert cache.size() == 13
+    assert cache.size() == 14
     assert cache.counts() == (1, 1)
     assert cache.clear() == (1, 1)
     assert [f.name for f in (tmp_path / "k").iterdir()] == ["mine.txt"]
@@ -123,12 +124,12 @@ NOTHING = "define void @nothing() {\n  ret void\n}\n"
 def test_a_damaged_kernel_is_compiled_again_with_a_warning(tmp_path, monkeypatch):
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path))
     path = tmp_path / f"kernel_{machine.key(NOTHING)}.o"
-    machine.Code(NOTHING).function("nothing", {})()
+    machine.Code.of(NOTHING).function("nothing", {})()
     sound = path.read_bytes()
     for damage in (b"", sound[:-1], sound[:-200] + bytes(200)):
         path.write_bytes(damage)
         with pytest.warns(UserWarning, match="damaged"):
-            machine.Code(NOTHING).function("nothing", {})()
+            machine.Code.of(NOTHING).function("nothing", {})()
         assert path.read_bytes() == sound
 
 
@@ -136,7 +137,7 @@ def test_a_folder_that_cannot_be_written_is_said_plainly(tmp_path, monkeypatch):
     (tmp_path / "file").write_text("")
     monkeypatch.setenv("WHIRLMAP_CACHE", str(tmp_path / "file" / "below"))
     with pytest.raises(CacheError, match="WHIRLMAP_CACHE"):
-        machine.Code(NOTHING)
+        machine.Code.of(NOTHING)
 
 
 # --- what lowering gave ------------------------------------------------------------------------------------

@@ -17,56 +17,69 @@ _SUB = 16
 _PICK = (0, 3, 7, 11)
 _SHIFT = np.int64(48)  # 52 bits of mantissa less 4 bits for the 16 bins
 _OCTAVES = 3  # of r^2 above the mean squared distance: nothing that is fitted lies there
+_STRIP = 256  # points whose distances from one are computed together
 _FLAGS = {"contract", "reassoc", "nsz", "arcp", "afn"}
 
 
-@compiled(fastmath=_FLAGS)
+@compiled(
+    {
+        "x": "doubles", "d": "int", "points": "int", "wrap": "doubles", "cyclic": "int", "first": "ints", "row": "int",
+        "rows_end": "int", "column": "int", "columns_end": "int", "maximum": "int", "low": "int", "n_bins": "int",
+        "buffer": "doubles", "bits": "ints", "histogram": "ints",
+    },
+    fastmath=_FLAGS,
+)  # fmt: skip
 def _count_pairs(
     x: NDArray[np.float64],
+    d: int,
+    points: int,
     wrap: NDArray[np.float64],
+    cyclic: int,
     first: NDArray[np.int64],
-    rows: tuple[int, int],
-    columns: tuple[int, int],
-    maximum: bool,
+    row: int,
+    rows_end: int,
+    column: int,
+    columns_end: int,
+    maximum: int,
     low: int,
     n_bins: int,
-) -> NDArray[np.int64]:
-    """Histogram of squared distances between points ``i`` in ``rows`` and ``j >= first[i]`` in ``columns``.
+    buffer: NDArray[np.float64],
+    bits: NDArray[np.int64],
+    histogram: NDArray[np.int64],
+) -> None:
+    """Histogram of squared distances between points ``i`` from ``row`` on and ``j >= first[i]`` from ``column`` on.
 
     ``x`` has shape (coordinate, point), the cyclic coordinates last with their periods in ``wrap``. Bin 0
-    holds all distances below the lowest edge, the last one all above the highest.
+    holds all distances below the lowest edge, the last one all above the highest. ``buffer`` is room for `_STRIP`
+    numbers, and ``bits`` the same room as integers.
     """
-    d, n_plain = x.shape[0], x.shape[0] - wrap.shape[0]
-    histogram = np.zeros(n_bins + 2, np.int64)
-    buffer = np.empty(256)
-    bits = buffer.view(np.int64)
-    for i in range(rows[0], rows[1]):
-        begin = max(columns[0], first[i])
-        while begin < columns[1]:
-            width = min(256, columns[1] - begin)
+    n_plain = d - cyclic
+    for i in range(row, rows_end):
+        begin = max(column, first[i])
+        while begin < columns_end:
+            width = min(_STRIP, columns_end - begin)
             # One coordinate at a time over a strip of points: the compiler turns the inner loop into vector
             # code, which beats leaving early pair by pair even with 20 coordinates.
             for j in range(width):
                 buffer[j] = 0.0
             for k in range(d):
-                here, there = x[k, i], x[k, begin : begin + width]
+                here, there = x[k * points + i], k * points + begin
                 period = wrap[k - n_plain] if k >= n_plain else 0.0
                 if period > 0.0:
                     for j in range(width):
-                        difference = there[j] - here
+                        difference = x[there + j] - here
                         difference -= period * np.rint(difference / period)
                         square = difference * difference
                         buffer[j] = max(buffer[j], square) if maximum else buffer[j] + square
                 elif maximum:
                     for j in range(width):
-                        buffer[j] = max(buffer[j], (there[j] - here) ** 2)
+                        buffer[j] = max(buffer[j], (x[there + j] - here) ** 2)
                 else:
                     for j in range(width):
-                        buffer[j] += (there[j] - here) ** 2
+                        buffer[j] += (x[there + j] - here) ** 2
             for j in range(width):
                 histogram[min(max((bits[j] >> _SHIFT) - low + 1, 0), n_bins + 1)] += 1
             begin += width
-    return histogram
 
 
 def pair_counts(
@@ -115,8 +128,14 @@ def pair_counts(
     columns = np.ascontiguousarray(x.T)
 
     def count(task: tuple[int, int]) -> NDArray[np.int64]:
-        a, b = ((int(cuts[k]), int(cuts[k + 1])) for k in task)
-        return _count_pairs(columns, wrap, first, a, b, maximum, low_bits, bins)
+        (row, rows_end), (column, columns_end) = ((int(cuts[k]), int(cuts[k + 1])) for k in task)
+        buffer, histogram = np.empty(_STRIP), np.zeros(bins + 2, np.int64)
+        _count_pairs(
+            x=columns, d=columns.shape[0], points=columns.shape[1], wrap=wrap, cyclic=wrap.size, first=first, row=row,
+            rows_end=rows_end, column=column, columns_end=columns_end, maximum=int(maximum), low=low_bits, n_bins=bins,
+            buffer=buffer, bits=buffer.view(np.int64), histogram=histogram,
+        )  # fmt: skip
+        return histogram
 
     with ThreadPoolExecutor(workers) as pool:
         histograms = list(pool.map(count, tasks))

@@ -11,10 +11,9 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 from sympy import sympify
 
@@ -29,9 +28,13 @@ from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.results.findings import Findings
 from whirlmap.results.regime import Regime
-from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
+from whirlmap.results.schema import names_coordinate, plain_attributes, regime_variable, status_variable, validate, variable
 from whirlmap.results.status import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -56,7 +59,7 @@ def diagnose(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Measure one operating point.
 
     Parameters
@@ -81,6 +84,28 @@ def diagnose(
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
     """
+    found = find_diagnosis(
+        system, settling=settling, exponent_count=exponent_count, max_periods=max_periods, points=points, record=record,
+        steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
+    )  # fmt: skip
+    return validate(found.dataset())
+
+
+def find_diagnosis(
+    system: System,
+    *,
+    settling: Settling | None = None,
+    exponent_count: int | None = None,
+    max_periods: int = 3200,
+    points: int = 5000,
+    record: int = 512,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Findings:
+    """`diagnose` before it is a Dataset."""
     refuse_jumps(system.model, "a diagnosis, which rests on Lyapunov exponents,")
     settling = settling or Settling()
     n = system.model.dimension
@@ -140,13 +165,12 @@ def diagnose(
     data["confidence"] = variable(
         (), confidence, "1", "share of the start states, times that of the indicators asked, that speak for the label"
     )
-    ds = xr.Dataset(data, coords=coords)
     facts = {
         "indicators": json.dumps(votes), "common_multiple": ensemble.common_multiple,
         "period_T_time": float(ensemble.period[0]), "transient": settling.transient,
         "clocks": json.dumps(turns_per_T(system)),
     }  # fmt: skip
-    return with_attributes(ds, run_attributes(system, ensemble, **facts))
+    return Findings(data, coords, plain_attributes(run_attributes(system, ensemble, **facts)))
 
 
 @dataclass(frozen=True)
@@ -250,19 +274,18 @@ def _decide(
     return label, share * confidence
 
 
-def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
+def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
     """What ``diagnose --json`` prints: label, evidence and amplitudes as plain numbers, unknown ones as None."""
     votes = json.loads(ds.attrs["indicators"])
-    exponent = ds["lyapunov"].values if "lyapunov" in ds else np.zeros(0)
+    exponent, error = (
+        np.asarray(ds[name]) if name in ds else np.zeros(0) for name in ("lyapunov", "lyapunov_error")
+    )
     common_time = ds.attrs["period_T_time"] * ds.attrs["common_multiple"]
     n = int(ds["period_T"])
-    amplitude = {
-        str(q): {"peak_to_peak": number(ds["peak_to_peak"].sel(quantity=q)), "rms": number(ds["rms"].sel(quantity=q))}
-        for q in ds["quantity"].values
-    }
-    eccentricity = {
-        str(q): number(ds["maximum"].sel(quantity=q)) for q in ds["quantity"].values if str(q).startswith("eps")
-    }
+    names = [str(q) for q in np.asarray(ds["quantity"])]
+    swing, rms, largest = (map(number, np.asarray(ds[name])) for name in ("peak_to_peak", "rms", "maximum"))
+    amplitude = {q: {"peak_to_peak": a, "rms": b} for q, a, b in zip(names, swing, rms, strict=True)}
+    eccentricity = {q: e for q, e in zip(names, largest, strict=True) if q.startswith("eps")}
     dimension = votes.get("dimension", {})
     periodic = Regime(int(ds["regime"])) == Regime.periodic
     return {
@@ -272,11 +295,11 @@ def verdict_json(ds: xr.Dataset) -> dict[str, Any]:
         "period_turns": {k: abs(v) * n for k, v in json.loads(ds.attrs["clocks"]).items()} if periodic else None,
         "confidence": number(ds["confidence"]),
         "lyapunov": [number(v) for v in exponent],
-        "lyapunov_error": [number(v) for v in ds["lyapunov_error"].values] if "lyapunov" in ds else [],
+        "lyapunov_error": [number(v) for v in error],
         "lyapunov_per_common_period": [number(v * common_time) for v in exponent],
         "phase_exponent": number(ds["phase_exponent"]) if "phase_exponent" in ds else None,
         "kaplan_yorke": kaplan_yorke(exponent),
-        "kaplan_yorke_error": kaplan_yorke_error(exponent, ds["lyapunov_error"].values) if exponent.size else None,
+        "kaplan_yorke_error": kaplan_yorke_error(exponent, error) if exponent.size else None,
         "correlation_dimension": dimension.get("value"),
         "correlation_dimension_error": dimension.get("error"),
         "indicators": votes,

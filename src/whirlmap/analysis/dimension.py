@@ -6,15 +6,18 @@ the counts, and with them the dimension, do not depend on the number of threads.
 """
 
 from collections.abc import Mapping
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.correlation_sum import pair_counts
 from whirlmap.analysis.scaling_range import Curves, is_finite_set, scaling_range
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings, Variable
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Norm = Literal["euclidean", "maximum"]
 
@@ -38,7 +41,7 @@ def correlation_dimension(
     resolution: float = 1e-8,
     blocks: int = 16,
     workers: int = 1,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Correlation dimension D2, the range of radii it was read from, and one standard error.
 
     Parameters
@@ -117,6 +120,31 @@ def correlation_dimension(
     Grassberger and Procaccia, Physica D 9 (1983) 189. Theiler, Phys. Rev. A 34 (1986) 2427.
     Eckmann and Ruelle, Physica D 56 (1992) 185.
     """
+    return find_dimension(
+        points, theiler=theiler, trajectories=trajectories, scale=scale, norm=norm, cyclic=cyclic, tolerance=tolerance,
+        least_decades=least_decades, least_pairs=least_pairs, least_points=least_points, largest_sum=largest_sum,
+        resolution=resolution, blocks=blocks, workers=workers,
+    ).dataset()  # fmt: skip
+
+
+def find_dimension(
+    points: ArrayLike,
+    *,
+    theiler: int,
+    trajectories: ArrayLike | None = None,
+    scale: ArrayLike | None = None,
+    norm: Norm = "euclidean",
+    cyclic: Mapping[int, float] | None = None,
+    tolerance: float = 0.05,
+    least_decades: float = 1.0,
+    least_pairs: int = 200,
+    least_points: int = 500,
+    largest_sum: float = 0.1,
+    resolution: float = 1e-8,
+    blocks: int = 16,
+    workers: int = 1,
+) -> Findings:
+    """`correlation_dimension` before it is a Dataset."""
     x, ids = _checked(points, trajectories)
     limits = {"theiler": (theiler, 1, len(x)), "blocks": (blocks, 4, 64), "workers": (workers, 1, 1024)}
     for name, (value, least, most) in limits.items():
@@ -147,9 +175,9 @@ def correlation_dimension(
         "blocks": blocks,
     }
     if n < least_points or n_pairs < 100 * least_pairs:
-        return _dataset(answer, STATUS.index("too-few-points"), used, size)
+        return _findings(answer, STATUS.index("too-few-points"), used, size)
     if size == 0.0:
-        return _dataset(answer, STATUS.index("degenerate"), used, size)
+        return _findings(answer, STATUS.index("degenerate"), used, size)
 
     if starts.size >= blocks:  # whole trajectories, as near as can be to equal shares
         cuts = np.r_[0, ends[np.linspace(-1, starts.size - 1, blocks + 1)[1:].astype(int)]]
@@ -165,13 +193,13 @@ def correlation_dimension(
     curves = Curves(radius, total / n_pairs, without / pairs_without[:, None], total >= least_pairs)
     answer["curves"] = curves
     if is_finite_set(curves, n):
-        return _dataset(answer, STATUS.index("degenerate"), used, size)
+        return _findings(answer, STATUS.index("degenerate"), used, size)
     found = scaling_range(curves, tolerance, least_decades, largest_sum)
     if found is None:
-        return _dataset(answer, STATUS.index("no-scaling-range"), used, size)
+        return _findings(answer, STATUS.index("no-scaling-range"), used, size)
     answer |= curves.fit(*found)
     status = "too-few-points" if answer["D2"] > answer["D2_limit"] else "ok"
-    return _dataset(answer, STATUS.index(status), used, size)
+    return _findings(answer, STATUS.index(status), used, size)
 
 
 def _checked(
@@ -223,8 +251,8 @@ def _scaled(
     return centred[:, columns] / divisor[columns], wrap, used.astype(np.int64)
 
 
-def _dataset(answer: dict[str, Any], status: int, used: NDArray[np.int64], size: float) -> xr.Dataset:
-    """Put the numbers into a Dataset with units, names and CF flags."""
+def _findings(answer: dict[str, Any], status: int, used: NDArray[np.int64], size: float) -> Findings:
+    """Name the numbers, with units and CF flags."""
     names = {
         "D2": "correlation dimension",
         "D2_error": "standard error of the correlation dimension",
@@ -247,31 +275,24 @@ def _dataset(answer: dict[str, Any], status: int, used: NDArray[np.int64], size:
         "D2_limit": "largest dimension that so many points can show (Eckmann and Ruelle 1992)",
     }
     values = answer | fitted
-    result = xr.Dataset({k: ((), values[k], {"units": "1", "long_name": names[k]}) for k in names})
-    result.attrs = answer["options"] | {"algorithm": "Grassberger and Procaccia 1983, Theiler 1986"}
-    result["status"] = ((), np.int8(status), _flags("status of the correlation dimension", STATUS))
-    result["coordinate_used"] = (
-        "coordinate",
-        used.astype(np.int8),
-        _flags("coordinate varies", ("no", "yes")),
-    )
+    variables: dict[str, Variable] = {k: ((), values[k], {"units": "1", "long_name": names[k]}) for k in names}
+    variables["status"] = ((), np.int8(status), _flags("status of the correlation dimension", STATUS))
+    variables["coordinate_used"] = ("coordinate", used.astype(np.int8), _flags("coordinate varies", ("no", "yes")))
+    coordinates: dict[str, Variable] = {}
     curves: Curves | None = answer.get("curves")
     if curves is not None:
         attributes = {"units": "1", "long_name": "scaled distance"}
-        result = result.assign_coords(radius=("radius", curves.radius * size, attributes))
+        coordinates["radius"] = ("radius", curves.radius * size, attributes)
         for name, curve, long_name in (
             ("correlation_sum", curves.whole, "share of pairs closer than radius"),
             ("local_slope", curves.slope, "slope of ln C on ln r over a factor of 4 in radius"),
             ("local_slope_error", curves.error, "standard error of the local slope"),
         ):
-            result[name] = ("radius", curve, {"units": "1", "long_name": long_name})
-        meanings = ("slope-given", "too-few-pairs")
-        result["radius_status"] = (
-            "radius",
-            np.isnan(curves.slope).astype(np.int8),
-            _flags("local slope", meanings),
-        )
-    return result
+            variables[name] = ("radius", curve, {"units": "1", "long_name": long_name})
+        flags = _flags("local slope", ("slope-given", "too-few-pairs"))
+        variables["radius_status"] = ("radius", np.isnan(curves.slope).astype(np.int8), flags)
+    options = answer["options"] | {"algorithm": "Grassberger and Procaccia 1983, Theiler 1986"}
+    return Findings(variables, coordinates, options)
 
 
 def _flags(long_name: str, meanings: tuple[str, ...]) -> dict[str, Any]:

@@ -1,18 +1,23 @@
 """Floquet multipliers of a periodic orbit, down to the smallest, from the tangent dynamics of the compiled kernel."""
 
+from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.kernels.lanes import Waves, blocked, lane_kernel, unblocked
+from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
 from whirlmap.kernels.routine import LANES
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -26,7 +31,7 @@ PASSES, STILL = 60, 1e-7
 
 def floquet_multipliers(
     system: System, x: ArrayLike, duration: float, *, steps: int = STEPS
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Multipliers of small disturbances over one round of a periodic orbit.
 
     Parameters
@@ -62,6 +67,11 @@ def floquet_multipliers(
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
     """
+    return find_multipliers(system, x, duration, steps=steps).dataset()
+
+
+def find_multipliers(system: System, x: ArrayLike, duration: float, *, steps: int = STEPS) -> Findings:
+    """`floquet_multipliers` before they are a Dataset."""
     refuse_jumps(system.model, "a Floquet multiplier")
     start = np.asarray(x, dtype=np.float64)
     n = system.model.dimension
@@ -76,8 +86,9 @@ def floquet_multipliers(
     orbit[:, 0] = start
     h = duration / segments / each
     matrices = np.empty((segments, n, n))
+    run = _Segment.of(system, h, each)
     for k in range(segments):
-        orbit[:, k + 1], matrices[k] = _transition(system, orbit[:, k], k * each, h, each)
+        orbit[:, k + 1], matrices[k] = run.transition(orbit[:, k], k * each)
     log_modulus, argument = _eigenvalues_of_product(matrices)
     order = np.lexsort((-argument, -log_modulus))
     log_modulus, argument = log_modulus[order], argument[order]
@@ -87,7 +98,7 @@ def floquet_multipliers(
     plain = [s.cyclic is None for s in system.model.states]
     size = np.maximum(np.ptp(orbit[plain], axis=1), 1e-12)
     units = {"units": "1"}
-    ds = xr.Dataset(
+    return Findings(
         {
             "log_modulus": ("multiplier", log_modulus, {**units, "long_name": "logarithm of the multiplier's modulus"}),
             "argument": ("multiplier", argument, {"units": "rad", "long_name": "argument of the multiplier"}),
@@ -103,33 +114,48 @@ def floquet_multipliers(
                 (), float(np.max(np.abs(orbit[plain, -1] - orbit[plain, 0]) / size)) if any(plain) else np.nan,
                 {**units, "long_name": "distance by which the orbit misses its start, over its size"},
             ),
-        }
+        },
+        attrs={"duration": duration, "segments": segments, "steps_per_segment": each, "algorithm": "lust2001"},
     )  # fmt: skip
-    ds.attrs = {"duration": duration, "segments": segments, "steps_per_segment": each, "algorithm": "lust2001"}
-    return ds
 
 
-def _transition(system: System, x: Array, begin: int, h: float, steps: int) -> tuple[Array, Array]:
-    """End of a run of some steps, and its transition matrix; ``begin`` counts steps from phase zero."""
-    kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
-    n = x.size
-    waves = Waves.of(system.orders or (), SEGMENTS * steps, kernel.source.nodes)
-    every = np.arange(n)  # one lane for each column of the matrix
-    y = np.zeros((2 * n, n))
-    y[:n], y[n + every, every] = x[:, None], 1.0
-    run = blocked(y)
-    blocks = run.shape[0]
-    first, active, failed = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1))
-    kernel.advance(
-        blocks=blocks, count=1, y=run, h=blocked(np.full((1, n), h)), **waves.arguments(begin), steps=steps, first=first,
-        **kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(every), active=active, failed=failed,
-        save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0, growth=np.zeros(0), folded=0,
-        sums=np.zeros(0), work=kernel.work(),
-    )  # fmt: skip
-    if (failed >= 0).any():
-        raise RangeError(f"the orbit of {system.model.name} leaves the model's limits: it is no periodic orbit")
-    end = unblocked(run, n)
-    return end[:n, 0], end[n:]
+@dataclass(frozen=True)
+class _Segment:
+    """What the run of every segment needs: one lane for each column of its transition matrix."""
+
+    name: str
+    kernel: LaneKernel
+    waves: Waves
+    inputs: dict[str, Array]
+    steps: int
+
+    @classmethod
+    def of(cls, system: System, h: float, steps: int) -> "_Segment":
+        """Prepare segments of so many steps."""
+        n = system.model.dimension
+        kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
+        inputs = kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(np.arange(n))
+        waves = Waves.of(system.orders or (), SEGMENTS * steps, kernel.source.nodes)
+        return cls(system.model.name, kernel, waves, {"h": blocked(np.full((1, n), h)), **inputs}, steps)
+
+    def transition(self, x: Array, begin: int) -> tuple[Array, Array]:
+        """End of the run from a state, and its transition matrix; ``begin`` counts steps from phase zero."""
+        n, steps = x.size, self.steps
+        every = np.arange(n)
+        y = np.zeros((2 * n, n))
+        y[:n], y[n + every, every] = x[:, None], 1.0
+        run = blocked(y)
+        blocks = run.shape[0]
+        first, active, failed = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1))
+        self.kernel.advance(
+            blocks=blocks, count=1, y=run, **self.waves.arguments(begin), steps=steps, first=first, **self.inputs,
+            active=active, failed=failed, save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0,
+            growth=np.zeros(0), folded=0, sums=np.zeros(0), work=self.kernel.work(),
+        )  # fmt: skip
+        if (failed >= 0).any():
+            raise RangeError(f"the orbit of {self.name} leaves the model's limits: it is no periodic orbit")
+        end = unblocked(run, n)
+        return end[:n, 0], end[n:]
 
 
 def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:

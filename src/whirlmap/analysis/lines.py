@@ -4,12 +4,16 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from itertools import product
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 @dataclass(frozen=True)
@@ -98,14 +102,14 @@ def name_lines(
 
 
 def named_shares(
-    lines: xr.Dataset, orders: Mapping[str, Fraction | float], *, step: float, top: int = 12
+    lines: "xr.Dataset | Findings", orders: Mapping[str, Fraction | float], *, step: float, top: int = 12
 ) -> list[dict[str, object]]:
     """Strongest lines of a spectrum with their names and shares of the power.
 
     Parameters
     ----------
-    lines : xr.Dataset
-        From `spectral_lines`, of one series.
+    lines : xr.Dataset or Findings
+        From `spectral_lines` or `find_lines`, of one series.
     orders : mapping of str to number
         May be empty: then the strongest line is ``f1``, and the strongest that its multiples do not name ``f2``.
     step : float
@@ -123,7 +127,7 @@ def named_shares(
     At most two frequencies that no order explains become bases of their own, the strongest first: quasi-periodic motion
     has one besides its forcing. Fractions of one order go to 1/8 only, lest they fit by chance.
     """
-    frequency, power = lines["line_frequency"].values[:top], lines["line_power"].values
+    frequency, power = np.asarray(lines["line_frequency"])[:top], np.asarray(lines["line_power"])
     whole = float(np.nansum(power)) / max(float(lines["line_fraction"]), 1e-300)
     bases = dict(orders)
     named: list[LineName] = []

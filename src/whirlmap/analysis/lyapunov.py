@@ -1,9 +1,9 @@
 """Lyapunov exponents from the tangent dynamics, with an honest error."""
 
 from collections.abc import Callable
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.points import make_ensemble, run_attributes
@@ -13,6 +13,9 @@ from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import status_variable, variable, with_attributes
 from whirlmap.results.status import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -70,7 +73,7 @@ def lyapunov_spectrum(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Largest Lyapunov exponents of a system, one run from each of several start states.
 
     Parameters
@@ -95,6 +98,8 @@ def lyapunov_spectrum(
     A run's own block error alone is too small by up to 2.6 times on Duffing's oscillator, hence the several starts.
     An unforced system's spectrum holds the zero of its own time direction.
     """
+    import xarray as xr
+
     refuse_jumps(system.model, "a Lyapunov exponent")
     count = system.model.dimension if count is None else count
     if not 1 <= count <= system.model.dimension:

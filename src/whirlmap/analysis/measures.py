@@ -5,23 +5,23 @@ from math import ceil
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
-from whirlmap.analysis.dimension import correlation_dimension
+from whirlmap.analysis.dimension import STATUS, find_dimension
 from whirlmap.analysis.evidence import moving_coordinates
-from whirlmap.analysis.floquet import STEPS, floquet_multipliers
+from whirlmap.analysis.floquet import STEPS, find_multipliers
 from whirlmap.analysis.lines import named_shares
-from whirlmap.analysis.recurrence import recurrence
-from whirlmap.analysis.regime import INDICATORS, Vote, regime
-from whirlmap.analysis.spectral_lines import spectral_lines
-from whirlmap.analysis.spectrum import power_spectrum
+from whirlmap.analysis.recurrence import find_recurrence
+from whirlmap.analysis.regime import INDICATORS, Vote, judge
+from whirlmap.analysis.spectral_lines import find_lines
+from whirlmap.analysis.spectrum import find_spectrum
 from whirlmap.analysis.trajectory import outputs_of
 from whirlmap.analysis.winding import locking_ratio
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.results.findings import Findings
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 
@@ -64,19 +64,19 @@ def judge_section(
     some = np.flatnonzero(running)[:JUDGED]
     if not some.size:
         return Regime.undecided, 0.0, {}
-    ds = regime(
+    judged = judge(
         np.zeros(some.size, dtype=np.int8), np.zeros(some.size, dtype=np.int64), exponent=exponent[0],
         exponent_error=exponent[1], duration=duration, section=section[:, :, some], cyclic=cyclic,
     )  # fmt: skip
-    labels = ds["regime"].values
+    labels = judged["regime"]
     commonest = int(np.bincount(labels).argmax())
     agree = labels == commonest
     label = Regime(commonest) if agree.mean() >= 0.75 else Regime.undecided
-    confidence = float((ds["confidence"].values * agree).mean())
+    confidence = float((judged["confidence"] * agree).mean())
     says = {
-        name: Vote(int(np.bincount(row).argmax())).name for name, row in zip(INDICATORS, ds["vote"].values, strict=True)
+        name: Vote(int(np.bincount(row).argmax())).name for name, row in zip(INDICATORS, judged["vote"], strict=True)
     }
-    numbers = {n: _median(ds[n].values) for n in ("zero_one", "zero_one_low", "digits", "winding", "winding_error")}
+    numbers = {n: _median(judged[n]) for n in ("zero_one", "zero_one_low", "digits", "winding", "winding_error")}
     votes: Data = {
         "zero_one": {
             "vote": says["zero_one"], "value": numbers["zero_one"], "lower_quartile": numbers["zero_one_low"],
@@ -93,7 +93,7 @@ def judge_section(
             votes["birkhoff"] |= {"ratio": str(locking.ratio), "locked": locking.locked}
     columns, moves = moving_coordinates(section[-RECURRENT:, :, some[:1]], cyclic)
     if moves.any() and columns.shape[2] >= 100:
-        r = recurrence(columns[0, moves[0]].T)
+        r = find_recurrence(columns[0, moves[0]].T)
         votes["recurrence"] = {
             "vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"]),
             "radius": float(r["radius"]),
@@ -126,8 +126,8 @@ def record_series(
         series = np.sin(2 * np.pi * series / swing.cyclic)
     if np.ptp(series) <= 1e-12 * np.abs(series).max(initial=0.0):
         return None
-    spectrum = power_spectrum(series, rate=first.steps / every, unit="T")
-    lines = spectral_lines(spectrum)
+    spectrum = find_spectrum(series, rate=first.steps / every, unit="T")
+    lines = find_lines(spectrum)
     broad = float(lines["broadband_fraction"])
     step = float(spectrum["frequency_step"])
     return {
@@ -137,7 +137,7 @@ def record_series(
     }  # fmt: skip
 
 
-def _named(lines: xr.Dataset, orders: dict[str, float], step: float) -> list[Data]:
+def _named(lines: Findings, orders: dict[str, float], step: float) -> list[Data]:
     """Names of the strongest lines; without names where the record is too short to tell orders apart."""
     try:
         return named_shares(lines, orders, step=step)
@@ -169,12 +169,10 @@ def section_and_dimension(
     of = np.repeat(np.arange(good.shape[0]), good.shape[1])
     if torus is not None:
         flat, of = torus, np.zeros(len(torus), dtype=np.int64)
-    d = correlation_dimension(flat, theiler=10, trajectories=of)
-    status = str(d["status"].attrs["flag_meanings"]).split()[int(d["status"])]
-    for name, v in d.data_vars.items():
-        data[f"dimension_{name}"] = v
-    data |= {str(name): c.variable for name, c in d.coords.items() if name not in data}
-    return {"vote": status, "value": number(d["D2"]), "error": number(d["D2_error"])}
+    d = find_dimension(flat, theiler=10, trajectories=of)
+    data |= {f"dimension_{name}": v for name, v in d.variables.items()}
+    data |= {name: c for name, c in d.coordinates.items() if name not in data}
+    return {"vote": STATUS[int(d["status"])], "value": number(d["D2"]), "error": number(d["D2_error"])}
 
 
 def multipliers(system: System, part: Ensemble, multiple: int, period: int, data: Data) -> Data:
@@ -183,24 +181,22 @@ def multipliers(system: System, part: Ensemble, multiple: int, period: int, data
         return {"vote": "none", "reason": f"the orbit is longer than {LONGEST_ORBIT} T"}
     x, duration = part.x[:, 0], period * float(part.period[0])
     if not system.model.forced:
-        found = _closed_orbit(part.subset(np.array([0])), multiple)
-        if found is None:
+        closed = _closed_orbit(part.subset(np.array([0])), multiple)
+        if closed is None:
             return {"vote": "none", "reason": "the section is not crossed"}
-        x, duration = found
+        x, duration = closed
     try:
-        ds = floquet_multipliers(system, x, duration, steps=max(STEPS, int(part.point_steps[0])))
+        found = find_multipliers(system, x, duration, steps=max(STEPS, int(part.point_steps[0])))
     except RangeError as fault:
         return {"vote": "none", "reason": str(fault)}
-    for name in ("log_modulus", "argument"):
-        v = ds[name].variable
-        data[f"floquet_{name}"] = variable("multiplier", v.values, str(v.attrs["units"]), str(v.attrs["long_name"]))
-    trivial = int(ds["trivial"])
-    others = np.delete(ds["log_modulus"].values, trivial) if trivial >= 0 else ds["log_modulus"].values
+    data |= {f"floquet_{name}": found.variable(name) for name in ("log_modulus", "argument")}
+    trivial, moduli = int(found["trivial"]), found["log_modulus"]
+    others = np.delete(moduli, trivial) if trivial >= 0 else moduli
     largest = float(np.exp(others[0])) if others.size else 0.0
     return {
-        "vote": "stable" if bool(ds["stable"]) else "unstable", "largest": largest,
+        "vote": "stable" if found["stable"] else "unstable", "largest": largest,
         "smallest_log10": number(others[-1] / np.log(10)) if others.size else None,
-        "trivial_error": number(ds["trivial_error"]), "closure": number(ds["closure"]),
+        "trivial_error": number(found["trivial_error"]), "closure": number(found["closure"]),
     }  # fmt: skip
 
 

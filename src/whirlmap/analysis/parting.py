@@ -162,7 +162,13 @@ def follow(x: Array, own: NDArray[np.intp], other: NDArray[np.intp], *, dimensio
     where it is nearest, by one Gauss-Newton step per sample (four at the start): two motions that stay close in space drift
     apart in time. It stays within half of ``theiler`` of its own time, beyond which the two have nothing in common.
     """
-    return np.asarray(_follow(x, own, other, dimension, lag, steps, theiler // 2 if flow else 0, flow))
+    out = np.empty((own.size, steps + 1))
+    _follow(
+        x=np.ascontiguousarray(x), own=own.astype(np.int64), other=other.astype(np.int64), pairs=own.size,
+        dimension=dimension, lag=lag, steps=steps, reach=theiler // 2 if flow else 0, flow=int(flow),
+        offset=np.empty(dimension), velocity=np.zeros(dimension), out=out,
+    )  # fmt: skip
+    return out
 
 
 def mean_logarithms(distance: Array, blocks: int) -> Array:
@@ -177,13 +183,18 @@ def mean_logarithms(distance: Array, blocks: int) -> Array:
     return np.where(counts > 0, sums / np.maximum(counts, 1), np.nan)
 
 
-@compiled()
+@compiled(
+    {
+        "x": "doubles", "own": "ints", "other": "ints", "pairs": "int", "dimension": "int", "lag": "int", "steps": "int",
+        "reach": "int", "flow": "int", "offset": "doubles", "velocity": "doubles", "out": "doubles",
+    }
+)  # fmt: skip
 def _follow(
-    x: Array, own: NDArray[np.intp], other: NDArray[np.intp], dimension: int, lag: int, steps: int, reach: int, flow: bool
-) -> Array:
-    out = np.empty((own.size, steps + 1))
-    offset, velocity = np.empty(dimension), np.zeros(dimension)
-    for p in range(own.size):
+    x: Array, own: NDArray[np.int64], other: NDArray[np.int64], pairs: int, dimension: int, lag: int, steps: int,
+    reach: int, flow: int, offset: Array, velocity: Array, out: Array,
+) -> None:  # fmt: skip
+    """Distances of pairs; ``offset`` and ``velocity`` (zero at first) are room for one vector each."""
+    for p in range(pairs):
         shift = 0.0
         for n in range(steps + 1):
             for _ in range(4 if n == 0 and flow else 1):
@@ -208,5 +219,4 @@ def _follow(
             total = 0.0
             for c in range(dimension):
                 total += (offset[c] - ahead * velocity[c]) ** 2
-            out[p, n] = np.sqrt(total)
-    return out
+            out[p * (steps + 1) + n] = np.sqrt(total)

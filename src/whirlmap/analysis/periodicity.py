@@ -6,13 +6,16 @@ that and returns too.
 """
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -37,7 +40,7 @@ def return_multiple(
     most: int = 64,
     cyclic: Mapping[int, float] | None = None,
     floor: float = 1e-6,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Smallest number of common periods after which each lane's section points repeat.
 
     Parameters
@@ -84,6 +87,21 @@ def return_multiple(
     doubled by less than the tolerance is not told apart from the simpler one; a quasi-periodic motion whose
     beat moves it by less than the tolerance in m periods passes, which is why ``drift`` is reported.
     """
+    return find_return_multiple(
+        section, scale=scale, tolerance=tolerance, most=most, cyclic=cyclic, floor=floor
+    ).dataset()
+
+
+def find_return_multiple(
+    section: ArrayLike,
+    *,
+    scale: ArrayLike | None = None,
+    tolerance: float = 1e-6,
+    most: int = 64,
+    cyclic: Mapping[int, float] | None = None,
+    floor: float = 1e-6,
+) -> Findings:
+    """`return_multiple` before it is a Dataset."""
     x = _checked(section, "section", tolerance)
     if most < 1 or x.shape[0] < 2 * most:
         raise RangeError(
@@ -97,7 +115,7 @@ def return_multiple(
         drift[those] = _largest_within_classes(x[:, :, those], int(m), period, size[:, those])
 
     status = np.where(~finite, 2, np.where(multiple > 0, 0, 1)).astype(np.int8)
-    result = xr.Dataset(
+    return Findings(
         {
             "multiple": _lane(multiple, "common periods after which the motion repeats (0: none found)"),
             "distance": _lane(distance, "largest scaled difference between points that far apart"),
@@ -105,10 +123,9 @@ def return_multiple(
             "deciding_state": _lane(deciding, "state with the largest scaled difference (-1: none)"),
             "drift": _lane(drift, "largest scaled difference over the window at the nearest multiple"),
             "status": _lane(status, "whether the section returns", RETURN_STATUS),
-        }
+        },
+        attrs={"tolerance": tolerance, "most": most, "window": x.shape[0], "floor": floor},
     )
-    result.attrs = {"tolerance": tolerance, "most": most, "window": x.shape[0], "floor": floor}
-    return result
 
 
 def shortest_return(
@@ -254,7 +271,7 @@ def period_in_T(
     tolerance: float = 1e-6,
     cyclic: Mapping[int, float] | None = None,
     floor: float = 1e-6,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Smallest number n of periods T after which lanes that return at the common period repeat.
 
     Parameters
@@ -286,6 +303,22 @@ def period_in_T(
     n runs through the divisors of m * common_over_T upwards, because the return times of a periodic orbit are
     the multiples of the smallest. The last divisor needs no test: ``return_multiple`` has found that return.
     """
+    return find_period_in_T(
+        points, multiple, common_over_T=common_over_T, scale=scale, tolerance=tolerance, cyclic=cyclic, floor=floor
+    ).dataset()
+
+
+def find_period_in_T(
+    points: ArrayLike,
+    multiple: ArrayLike,
+    *,
+    common_over_T: int,
+    scale: ArrayLike | None = None,
+    tolerance: float = 1e-6,
+    cyclic: Mapping[int, float] | None = None,
+    floor: float = 1e-6,
+) -> Findings:
+    """`period_in_T` before it is a Dataset."""
     x = _checked(points, "points", tolerance)
     if common_over_T < 1:
         raise RangeError(f"common_over_T = {common_over_T}: the common period is at least one T.")
@@ -312,7 +345,7 @@ def period_in_T(
             left = left[~found]
             if left.size == 0:
                 break
-    result = xr.Dataset(
+    return Findings(
         {
             "period": _lane(n, "number of periods T after which the motion repeats (0: none found)"),
             "distance": _lane(distance, "largest scaled difference between points that far apart"),
@@ -320,11 +353,9 @@ def period_in_T(
                 np.isnan(distance).astype(np.int8), "distance", ("given", "not-measured")
             ),
             "status": _lane(status, "whether the motion is periodic", PERIOD_STATUS),
-        }
+        },
+        attrs={"tolerance": tolerance, "window": x.shape[0], "floor": floor, "common_over_T": common_over_T},
     )
-    result.attrs = {"tolerance": tolerance, "window": x.shape[0], "floor": floor}
-    result.attrs["common_over_T"] = common_over_T
-    return result
 
 
 def _checked(values: ArrayLike, name: str, tolerance: float) -> NDArray[np.float64]:

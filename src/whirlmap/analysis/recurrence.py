@@ -1,27 +1,35 @@
 """Recurrence rate and determinism: how often states come back, and whether they then stay together."""
 
+from typing import TYPE_CHECKING
+
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
 
-@compiled()
-def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, int, int, int]:
-    """Recurrent pairs, those on diagonal lines of at least ``least``, the number of such lines, the longest."""
-    n = x.shape[0]
-    square = radius * radius
+@compiled(
+    {"x": "doubles", "n": "int", "d": "int", "radius": "doubles", "theiler": "int", "least": "int", "out": "ints"}
+)
+def _diagonals(
+    x: Array, n: int, d: int, radius: Array, theiler: int, least: int, out: NDArray[np.int64]
+) -> None:
+    """Recurrent pairs of x (n, d), those on diagonal lines of at least ``least``, the number of such lines, the longest."""
+    square = radius[0] * radius[0]
     recurrent = on_lines = lines = longest = 0
     for lag in range(theiler, n):
         run = 0
         for i in range(n - lag):
             total = 0.0
-            for k in range(x.shape[1]):
-                total += (x[i, k] - x[i + lag, k]) ** 2
+            for k in range(d):
+                total += (x[i * d + k] - x[(i + lag) * d + k]) ** 2
             close = total <= square
             if close:
                 run += 1
@@ -32,12 +40,12 @@ def _diagonals(x: Array, radius: float, theiler: int, least: int) -> tuple[int, 
                     lines += 1
                 longest = max(longest, run)
                 run = 0
-    return recurrent, on_lines, lines, longest
+    out[0], out[1], out[2], out[3] = recurrent, on_lines, lines, longest
 
 
 def recurrence(
     points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Recurrence rate, determinism and diagonal lines of a trajectory.
 
     Parameters
@@ -71,6 +79,13 @@ def recurrence(
     determinism tells noise from dynamics but not chaos from a torus. The radius that gives a rate is the quantile of
     the distances of at most 2000 evenly spaced points. Time grows as points squared.
     """
+    return find_recurrence(points, radius=radius, rate=rate, theiler=theiler, least=least).dataset()
+
+
+def find_recurrence(
+    points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
+) -> Findings:
+    """`recurrence` before it is a Dataset."""
     x = np.asarray(points, dtype=np.float64)
     x = np.ascontiguousarray(x[:, None] if x.ndim == 1 else x)
     if x.ndim != 2 or x.shape[0] < 50 or not np.isfinite(x).all():
@@ -82,9 +97,12 @@ def recurrence(
         )
     if radius is None:
         some = x[:: max(x.shape[0] // 2000, 1)]
-        i, j = np.triu_indices(len(some), k=1)
-        radius = float(np.quantile(np.linalg.norm(some[i] - some[j], axis=1), rate))
-    recurrent, on_lines, lines, longest = _diagonals(x, radius, theiler, least)
+        apart = [np.linalg.norm(some[k] - some[k + 1 :], axis=1) for k in range(len(some) - 1)]  # each fits into cache
+        radius = float(np.quantile(np.concatenate(apart), rate))
+    counts = np.empty(4, dtype=np.int64)
+    n, d = x.shape
+    _diagonals(x=x, n=n, d=d, radius=np.array([radius], dtype=float), theiler=theiler, least=least, out=counts)
+    recurrent, on_lines, lines, longest = counts.tolist()
     m = x.shape[0] - theiler
     values = {
         "recurrence_rate": (recurrent / (m * (m + 1) / 2), "share of pairs that are recurrent"),
@@ -93,6 +111,5 @@ def recurrence(
         "longest_line": (longest, "longest diagonal line, samples"),
         "radius": (radius, "distance within which points are recurrent"),
     }
-    ds = xr.Dataset({name: ((), v, {"units": "1", "long_name": meaning}) for name, (v, meaning) in values.items()})
-    ds.attrs = {"theiler": theiler, "least": least}
-    return ds
+    variables = {name: ((), v, {"units": "1", "long_name": meaning}) for name, (v, meaning) in values.items()}
+    return Findings(variables, attrs={"theiler": theiler, "least": least})

@@ -13,16 +13,20 @@ the section points for all the rest.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
+from typing import TYPE_CHECKING
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.evidence import LEAST, SectionEvidence, section_evidence, windings_of
 from whirlmap.analysis.winding import Winding
+from whirlmap.results.findings import Findings
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import regime_variable, variable
 from whirlmap.results.status import Status, flags
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -89,7 +93,7 @@ def regime(
     duration: ArrayLike,
     section: Array | None = None,
     cyclic: Mapping[int, float] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Label operating points, with the vote of every indicator.
 
     Parameters
@@ -105,6 +109,22 @@ def regime(
     xr.Dataset
         As `decide`.
     """
+    return judge(
+        status, multiple, exponent=exponent, exponent_error=exponent_error, duration=duration, section=section, cyclic=cyclic
+    ).dataset()
+
+
+def judge(
+    status: ArrayLike,
+    multiple: ArrayLike,
+    *,
+    exponent: ArrayLike,
+    exponent_error: ArrayLike,
+    duration: ArrayLike,
+    section: Array | None = None,
+    cyclic: Mapping[int, float] | None = None,
+) -> Findings:
+    """`regime` before it is a Dataset."""
     where = np.atleast_1d(np.asarray(status, dtype=np.int8))
     returns = np.atleast_1d(np.asarray(multiple, dtype=np.int64))
     open_points = np.flatnonzero((where == Status.ok) & (returns == 0))
@@ -123,12 +143,12 @@ def regime(
     return decide(Evidence(where, returns, value, error, time, said, tuple(windings)))
 
 
-def decide(evidence: Evidence) -> xr.Dataset:
+def decide(evidence: Evidence) -> Findings:
     """Combine the votes of the indicators.
 
     Returns
     -------
-    xr.Dataset
+    Findings
         Over ``point``: ``regime``; ``confidence``, the share of the indicators asked that speak for the label (1 for
         ended runs, 0 for undecided); ``vote(indicator, point)``; the numbers ``zero_one``, ``zero_one_low``, ``digits``,
         ``winding`` and ``winding_error``.
@@ -167,7 +187,7 @@ def decide(evidence: Evidence) -> xr.Dataset:
     other = ~np.isin(evidence.status, (Status.ok, Status.contact, Status.diverged))
     label[other], confidence[other] = Regime.undecided, 0.0
     s, w = evidence.section, evidence.winding
-    return xr.Dataset(
+    return Findings(
         {
             "regime": regime_variable("point", label),
             "confidence": variable("point", confidence, "1", "share of the indicators asked that speak for the label"),
@@ -178,7 +198,7 @@ def decide(evidence: Evidence) -> xr.Dataset:
             "winding": variable("point", [v.number for v in w], "1", "rotation number of the section, turns per point"),
             "winding_error": variable("point", [v.error for v in w], "1", "its error"),
         },
-        {"indicator": list(INDICATORS)},
+        {"indicator": ("indicator", list(INDICATORS))},
     )
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
-from whirlmap.analysis.periodicity import period_in_T, return_multiple
+from whirlmap.analysis.periodicity import find_period_in_T, find_return_multiple
 from whirlmap.analysis.settling import Settled, Settling, positive, settle
 from whirlmap.integrate.accuracy import choose_steps
 from whirlmap.integrate.ensemble import Ensemble
@@ -187,11 +187,11 @@ def _settle_unforced(
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
             columns = np.flatnonzero(count == shared)
             these = left[columns]
-            found = return_multiple(
+            found = find_return_multiple(
                 points[:shared][:, :, columns], scale=positive(scale[:, these]), tolerance=settling.tolerance,
                 most=int(min(window, shared)) // 2, cyclic=cyclic,
             )  # fmt: skip
-            multiple[these], distance[these] = found["multiple"].values, found["distance"].values
+            multiple[these], distance[these] = found["multiple"], found["distance"]
         left = left[ensemble.running[left] & (multiple[left] == 0)]
         if window >= 2 * settling.most:
             break
@@ -206,11 +206,11 @@ def _periods_in_T(
     out = multiple * common
     fits = np.flatnonzero((multiple > 0) & (out <= section.shape[0]) & np.isfinite(section[-1]).all(axis=0))
     if fits.size and common > 1:
-        found = period_in_T(
+        found = find_period_in_T(
             section[:, :, fits], multiple[fits], common_over_T=common, scale=scale[:, fits],
             tolerance=10 * settling.tolerance, cyclic=cyclic,
         )  # fmt: skip
-        out[fits] = np.where(found["period"].values > 0, found["period"].values, out[fits])
+        out[fits] = np.where(found["period"] > 0, found["period"], out[fits])
     return out
 
 

@@ -1,25 +1,28 @@
 """The lines in a spectrum, told from the broadband floor under them."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.spectrum import LOBE, window_weights
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 LINE_STATUS = ("ok", "no-power")
 """Meaning of ``status`` of ``spectral_lines`` by value."""
 
 
 def spectral_lines(
-    spectrum: xr.Dataset,
+    spectrum: "xr.Dataset",
     *,
     false_alarm: float = 1e-3,
     floor_width: int | None = None,
     least: float = 1e-8,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Lines that stand above the broadband floor of a power spectrum, and the share of power in them.
 
     Parameters
@@ -68,6 +71,18 @@ def spectral_lines(
     A resonance narrower than the record can resolve looks like a line: lengthen the record until ``count``
     and ``line_fraction`` stay.
     """
+    options: dict[str, Any] = {"false_alarm": false_alarm, "floor_width": floor_width, "least": least}
+    return find_lines(Findings.of(spectrum), **options).dataset()
+
+
+def find_lines(
+    spectrum: Findings,
+    *,
+    false_alarm: float = 1e-3,
+    floor_width: int | None = None,
+    least: float = 1e-8,
+) -> Findings:
+    """`spectral_lines` before they are a Dataset, of a spectrum that is none."""
     if "density" not in spectrum or spectrum.attrs.get("window") not in LOBE:
         raise RangeError(
             "spectrum must come from power_spectrum: it needs `density` and the attribute `window`."
@@ -81,14 +96,15 @@ def spectral_lines(
             f"false_alarm = {false_alarm} and least = {least}: shares between 0 and 1 are needed."
         )
     lobe = LOBE[spectrum.attrs["window"]]
-    density = spectrum["density"].transpose("frequency", ...)
-    bins = density.sizes["frequency"]
+    dims, values, attributes = spectrum.variable("density")
+    density = np.moveaxis(values, dims.index("frequency"), 0)
+    bins = density.shape[0]
     width = max(bins // 32, 30 * lobe + 1) if floor_width is None else floor_width
     if not 4 * lobe < width <= bins // 2:
         raise RangeError(
             f"floor_width = {width} bins: from {4 * lobe + 1} to half the {bins} bins is needed."
         )
-    flat = density.values.reshape(bins, -1)
+    flat = density.reshape(bins, -1)
     step = float(spectrum["frequency_step"])
     floor = np.stack([_floor(column, width, lobe) for column in flat.T], axis=1)
     options: dict[str, Any] = {"step": step, "lobe": lobe, "leakage": _leakage(spectrum.attrs["window"])}
@@ -103,35 +119,30 @@ def spectral_lines(
     count = np.array([len(f) for f, *_ in found])
     in_lines = np.nansum(table[1], axis=0)
     share = np.divide(in_lines, total, out=np.zeros_like(total), where=total > 0)
-    rest, shape = density.dims[1:], density.shape[1:]
+    rest, shape = tuple(d for d in dims if d != "frequency"), density.shape[1:]
 
     def variable(values: NDArray[Any], long_name: str, units: str = "1", *first: str) -> tuple[Any, ...]:
         lead = values.shape[: len(first)]
         return (*first, *rest), values.reshape(lead + shape), {"units": units, "long_name": long_name}
 
-    per_unit, per_frequency = spectrum["frequency"].attrs["units"], density.attrs["units"]
-    result = xr.Dataset(
-        {
-            "count": variable(count, "number of lines"),
-            "line_frequency": variable(table[0], "frequency of the line", per_unit, "line"),
-            "line_power": variable(table[1], "power of the line", "1", "line"),
-            "line_floor": variable(table[2], "density of the floor under the line", per_frequency, "line"),
-            "line_present": variable(
-                np.isfinite(table[0]).astype(np.int8), "whether the line exists", "1", "line"
-            ),
-            "floor": variable(floor, "density of the broadband floor", per_frequency, "frequency"),
-            "line_fraction": variable(share, "share of the power in lines"),
-            "broadband_fraction": variable(
-                np.where(total > 0, 1.0 - share, 0.0), "share of the power not in lines"
-            ),
-            "status": variable((total == 0).astype(np.int8), "status of the line search"),
-        },
-        {"frequency": spectrum["frequency"]},
-    )
+    frequency = spectrum.variable("frequency")
+    per_unit, per_frequency = frequency[2]["units"], attributes["units"]
+    variables = {
+        "count": variable(count, "number of lines"),
+        "line_frequency": variable(table[0], "frequency of the line", per_unit, "line"),
+        "line_power": variable(table[1], "power of the line", "1", "line"),
+        "line_floor": variable(table[2], "density of the floor under the line", per_frequency, "line"),
+        "line_present": variable(np.isfinite(table[0]).astype(np.int8), "whether the line exists", "1", "line"),
+        "floor": variable(floor, "density of the broadband floor", per_frequency, "frequency"),
+        "line_fraction": variable(share, "share of the power in lines"),
+        "broadband_fraction": variable(np.where(total > 0, 1.0 - share, 0.0), "share of the power not in lines"),
+        "status": variable((total == 0).astype(np.int8), "status of the line search"),
+    }
     for name, meanings in (("status", " ".join(LINE_STATUS)), ("line_present", "absent present")):
-        result[name].attrs |= {"flag_values": np.array([0, 1], np.int8), "flag_meanings": meanings}
-    result.attrs = {"false_alarm": false_alarm, "floor_width": width, "least": least}
-    return result
+        variables[name][2].update(flag_values=np.array([0, 1], np.int8), flag_meanings=meanings)
+    return Findings(
+        variables, {"frequency": frequency}, {"false_alarm": false_alarm, "floor_width": width, "least": least}
+    )
 
 
 def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:

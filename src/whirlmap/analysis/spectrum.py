@@ -4,13 +4,16 @@ The spectra are single windowed periodograms over the whole record, not averages
 motion is recorded as long as is wanted, and resolution is what tells lines from a broadband spectrum.
 """
 
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Window = Literal["boxcar", "hann", "hamming", "blackman", "blackmanharris", "flattop"]
 
@@ -30,7 +33,7 @@ LOBE = {"boxcar": 1, "hann": 2, "hamming": 2, "blackman": 3, "blackmanharris": 4
 
 def power_spectrum(
     values: ArrayLike, *, rate: float, window: Window = "hann", detrend: bool = True, unit: str = "1"
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """One-sided power spectrum and power spectral density of real series.
 
     Parameters
@@ -61,6 +64,13 @@ def power_spectrum(
     RangeError
         Fewer than 8 samples, numbers that are not finite, a rate that is not positive, an unknown window.
     """
+    return find_spectrum(values, rate=rate, window=window, detrend=detrend, unit=unit).dataset()
+
+
+def find_spectrum(
+    values: ArrayLike, *, rate: float, window: Window = "hann", detrend: bool = True, unit: str = "1"
+) -> Findings:
+    """`power_spectrum` before it is a Dataset."""
     x = np.asarray(values, dtype=np.float64)
     weights = _checked(x, rate, window)
     if x.ndim > 3:
@@ -71,21 +81,20 @@ def power_spectrum(
     )  # power = density * equivalent noise bandwidth
     dims = ("frequency", *{1: (), 2: ("lane",), 3: ("state", "lane")}[x.ndim])
     per_unit = "1" if unit == "1" else f"1/{unit}"
-    result = xr.Dataset(
+    return Findings(
         {
             "power": (dims, density * bandwidth, {"units": "1", "long_name": "power of a line, a^2/2"}),
             "density": (dims, density, {"units": unit, "long_name": "power spectral density"}),
             "frequency_step": ((), rate / x.shape[0], {"units": per_unit, "long_name": "frequency step"}),
         },
         {"frequency": ("frequency", frequency, {"units": per_unit, "long_name": "frequency"})},
+        {"window": window, "rate": rate, "samples": x.shape[0], "detrend": int(detrend)},
     )
-    result.attrs = {"window": window, "rate": rate, "samples": x.shape[0], "detrend": int(detrend)}
-    return result
 
 
 def full_spectrum(
     x: ArrayLike, y: ArrayLike, *, rate: float, window: Window = "hann", detrend: bool = True, unit: str = "1"
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Two-sided amplitude spectrum of the orbit x + iy: forward and backward whirl apart.
 
     Parameters
@@ -129,7 +138,7 @@ def full_spectrum(
     forward, backward = whole[1 : turning + 1], whole[: n - turning - 1 : -1]
     rest = () if z.ndim == 1 else ("lane",)
     per_unit = "1" if unit == "1" else f"1/{unit}"
-    result = xr.Dataset(
+    found = Findings(
         {
             "amplitude": (
                 ("frequency", *rest),
@@ -160,9 +169,9 @@ def full_spectrum(
                 {"units": per_unit, "long_name": "whirl frequency"},
             ),
         },
+        {"window": window, "rate": rate, "samples": n, "detrend": int(detrend)},
     )
-    result.attrs = {"window": window, "rate": rate, "samples": n, "detrend": int(detrend)}
-    return result
+    return found.dataset()
 
 
 def window_weights(name: str, length: int) -> NDArray[np.float64]:

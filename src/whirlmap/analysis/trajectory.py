@@ -1,10 +1,9 @@
 """Time series and sections of one operating point."""
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
@@ -17,6 +16,9 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -53,7 +55,7 @@ def simulate(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Time series of a system.
 
     Parameters
@@ -71,6 +73,8 @@ def simulate(
         ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
     """
+    import xarray as xr
+
     steps, doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
     ensemble, found = _one(system, steps, None, method, workers)
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), every=(every, 1))
@@ -115,7 +119,7 @@ def section(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Poincaré section of a system.
 
     Parameters
@@ -139,6 +143,8 @@ def section(
     -----
     Crossings are located on the cubic Hermite interpolant of each step by bisection: fourth order, as the method.
     """
+    import xarray as xr
+
     if once_per not in ("T", "common"):
         raise RangeError(f"once_per is 'T' or 'common', not {once_per!r}")
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))

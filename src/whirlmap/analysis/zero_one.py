@@ -1,13 +1,16 @@
 """The 0-1 test for chaos: a signal drives a walk in a rotating frame; chaos makes it wander off, regular motion does not."""
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -23,33 +26,43 @@ OVERSAMPLED = 0.1
 LAGS = 25
 
 
-@compiled(fastmath={"contract", "reassoc", "nsz"})
-def _displacements(series: Array, angles: Array, lags: NDArray[np.int64], out: Array) -> None:
-    """Mean square displacement of the walk of each series, shape (lane, time), and angle; ``out``: (lane, angle, lag)."""
-    lanes, n = series.shape
-    p, q = np.empty(n), np.empty(n)
-    used = n - lags[-1]
+@compiled(
+    {
+        "series": "doubles", "lanes": "int", "n": "int", "angles": "doubles", "turns": "int", "lags": "ints", "count": "int",
+        "p": "doubles", "q": "doubles", "out": "doubles",
+    },
+    fastmath={"contract", "reassoc", "nsz"},
+)  # fmt: skip
+def _displacements(
+    series: Array, lanes: int, n: int, angles: Array, turns: int, lags: NDArray[np.int64], count: int, p: Array, q: Array,
+    out: Array,
+) -> None:  # fmt: skip
+    """Mean square displacement of the walk of each series, shape (lane, time), and angle; ``out``: (lane, angle, lag).
+
+    ``p`` and ``q`` are room for one walk.
+    """
+    used = n - lags[count - 1]
     for lane in range(lanes):
-        for a in range(angles.size):
+        for a in range(turns):
             turn_x, turn_y = np.cos(angles[a]), np.sin(angles[a])
             x = y = 0.0
             c, s = turn_x, turn_y
             for i in range(n):
-                x += series[lane, i] * c
-                y += series[lane, i] * s
+                x += series[lane * n + i] * c
+                y += series[lane * n + i] * s
                 p[i], q[i] = x, y
                 c, s = c * turn_x - s * turn_y, c * turn_y + s * turn_x
-            for k in range(lags.size):
+            for k in range(count):
                 lag = lags[k]
                 total = 0.0
                 for i in range(used):
                     total += (p[i + lag] - p[i]) ** 2 + (q[i + lag] - q[i]) ** 2
-                out[lane, a, k] = total / used
+                out[(lane * turns + a) * count + k] = total / used
 
 
 def zero_one_test(
     series: ArrayLike, *, angles: int = 100, damping: float = 0.0, longest: float = 0.1, seed: int = 2009
-) -> xr.Dataset:
+) -> "xr.Dataset":
     """Asymptotic growth rate K of the 0-1 test: near 1 for chaos, near 0 for regular motion.
 
     Parameters
@@ -102,16 +115,16 @@ def zero_one_test(
         )
     (K_low, middle, K_high), status, reach = growth_rates(x, angles, damping, longest, seed)
     flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
-    ds = xr.Dataset(
+    found = Findings(
         {
             "K": _lane(middle, "growth rate of the 0-1 test, median over angles"),
             "K_low": _lane(K_low, "lower quartile over angles"),
             "K_high": _lane(K_high, "upper quartile over angles"),
             "status": _lane(status, "status of the 0-1 test", **flags),
-        }
+        },
+        attrs={"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed},
     )
-    ds.attrs = {"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed}
-    return ds
+    return found.dataset()
 
 
 def growth_rates(
@@ -135,7 +148,11 @@ def growth_rates(
         walks = (series[judged] - series[judged].mean(axis=1, keepdims=True)) / deviation[judged, None]
         status[judged[np.mean(np.diff(walks) ** 2, axis=1) < OVERSAMPLED]] = STATUS.index("oversampled")
         displacement = np.empty((judged.size, angles, lags.size))
-        _displacements(walks, c, lags, displacement)
+        p, q = np.empty_like(walks[0]), np.empty_like(walks[0])
+        _displacements(
+            series=walks, lanes=judged.size, n=walks.shape[1], angles=c, turns=angles, lags=lags, count=lags.size, p=p, q=q,
+            out=displacement,
+        )  # fmt: skip
         K[judged] = _correlation(n, displacement + wobble)
     return np.percentile(K, (25, 50, 75), axis=1), status, reach
 

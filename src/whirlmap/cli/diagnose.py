@@ -105,20 +105,19 @@ def diagnose(
                          "  try: whirlmap diagnose --help")  # fmt: skip
     destination = claim(out, "diagnose", force=force)
     system = options.open_system(case, changes, start)
-    from whirlmap.analysis.diagnosis import RUNS, verdict_json
-    from whirlmap.analysis.diagnosis import diagnose as measure
+    from whirlmap.analysis.diagnosis import RUNS, find_diagnosis, verdict_json
     from whirlmap.analysis.settling import Settling
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     longest = RUNS * system.common_multiple * (transient + 4 * most + max_periods + points // RUNS)
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
-        ds = measure(
+        found = find_diagnosis(
             system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
             steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
-    report.say_doubts(ds.attrs)
-    verdict = verdict_json(ds)
-    files = destination.write(ds, lambda made: pictures.diagnosis(system, made))
+    report.say_doubts(found.attrs)
+    verdict = verdict_json(found)
+    files = destination.write(found, lambda made: pictures.diagnosis(system, made))
     if json:
         report.print_json({**verdict, "case": system.case, "files": files})
     else:

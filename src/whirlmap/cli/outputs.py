@@ -9,6 +9,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from whirlmap.results.files import Places
+    from whirlmap.results.findings import Findings
 
 #: ``draw(dataset) -> Figure``.
 Draw = Callable[["xr.Dataset"], Any]
@@ -21,12 +22,14 @@ class Destination:
     places: "Places | None"
     force: bool
 
-    def write(self, dataset: "xr.Dataset", draw: Draw) -> list[Path]:
+    def write(self, found: "xr.Dataset | Findings", draw: Draw) -> list[Path]:
         """Write the Dataset, the picture or both; returns the files written."""
         if self.places is None:
             return []
         from whirlmap.results.files import check_writable, write
+        from whirlmap.results.findings import Findings
 
+        dataset = found.dataset() if isinstance(found, Findings) else found
         written = []
         if self.places.folder is not None:
             self.places.folder.mkdir(exist_ok=True)

@@ -3,6 +3,8 @@
 Kernels are object files, one per model, method and kind. Their name is the SHA-256 of the module's assembly, of the version
 of llvmlite, and of the processor with its features (`machine.platform`). A change in any of them is another file.
 
+Loops of the analyses (`whirlmap.analysis.compiled`) are object files too, under the hash of their source.
+
 Entries (`remembered`) are what SymPy worked out before a kernel can be called: the module's text, the functions beside
 it. Their name is the hash of the question, of the source of every layer that writes the answer, and of the versions.
 Tables are the films that were solved (`tabulate`), under the hash of the source that solves them.
@@ -51,9 +53,9 @@ def counts() -> tuple[int, int]:
 
 
 def clear() -> tuple[int, int]:
-    """Delete every cached kernel, entry and table; returns how many kernels and entries there were."""
+    """Delete every cached kernel, loop, entry and table; returns how many kernels and entries there were."""
     here, deleted = folder(), counts()
-    for f in [*here.glob("kernel_*"), *here.glob("lowered_*"), *here.glob("table_*")]:
+    for f in [*here.glob("kernel_*"), *here.glob("loop_*"), *here.glob("lowered_*"), *here.glob("table_*")]:
         f.unlink(missing_ok=True)
     return deleted
 

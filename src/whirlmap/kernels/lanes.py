@@ -80,7 +80,7 @@ def slopes_for(tangents: int) -> Slopes:
 def lane_kernel(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> LaneKernel:
     """Compile, or find again, the kernel of a model."""
     source = stored_source(model, method, slopes=slopes, kind=kind)
-    return LaneKernel(model, source, Code(source.text))
+    return LaneKernel(model, source, Code.of(source.text))
 
 
 @dataclass(frozen=True)

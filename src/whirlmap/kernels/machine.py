@@ -4,7 +4,7 @@ import ctypes
 import hashlib
 import os
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
@@ -23,6 +23,9 @@ LEVELS = {
     "x86-64": ("sse2",), "x86-64-v2": ("sse4.2", "popcnt"), "x86-64-v3": ("avx2", "fma", "bmi2"),
     "x86-64-v4": ("avx2", "fma", "bmi2", "avx512f", "avx512vl", "avx512dq"),
 }  # fmt: skip
+
+#: Functions of the C library that loops may call.
+LIBRARY = {"sin", "cos", "sincos", "floor", "rint", "sqrt", "pow"}
 
 #: What arrays hold, by kind.
 HOLDS: dict[Kind, Any] = {"rows": np.float64, "doubles": np.float64, "flags": np.int64, "ints": np.int64}
@@ -99,26 +102,61 @@ def compile_assembly(text: str) -> bytes:
     return made
 
 
+def only_function(text: str, wrapper: str, name: str) -> bytes:
+    """Object code of a module that is optimised already, of which one function is wanted, under a name of its own.
+
+    Parameters
+    ----------
+    wrapper : str
+        The module's other function, which is left out with all that it alone calls.
+
+    Raises
+    ------
+    RuntimeError
+        The function needs another one, which is not in the C library: to load its code would end the program.
+    """
+    machine = _machine()
+    module = llvm.parse_assembly(text)
+    function, *more = (f for f in module.functions if not f.is_declaration and f.name != wrapper)
+    function.name = name
+    module.get_function(wrapper).linkage = "internal"
+    passes = llvm.create_new_module_pass_manager()
+    passes.add_global_dead_code_eliminate_pass()
+    passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
+    module.verify()
+    called = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")}
+    if more or not called <= LIBRARY:
+        needed = sorted({f.name for f in more} | called - LIBRARY)
+        raise RuntimeError(f"the loop {name} cannot run by itself: it needs {', '.join(needed)}")
+    made: bytes = machine.emit_object(module)
+    return made
+
+
 class Code:
     """Machine code in memory, and its functions.
 
     Parameters
     ----------
-    text : str
-        Assembly of the module; compiled where the folder of kernels does not hold it yet.
+    made : callable
+        ``made() -> bytes``: object code, from the folder of kernels or made for it; one thread at a time calls it.
     """
 
-    def __init__(self, text: str) -> None:
+    def __init__(self, made: Callable[[], bytes]) -> None:
         with _LOCK:
-            made = files.stored(f"kernel_{key(text)}.o", lambda: compile_assembly(text))
+            found = made()
             try:
                 self._engine = llvm.create_mcjit_compiler(llvm.parse_assembly(""), _machine())
-                self._engine.add_object_file(llvm.ObjectFileRef.from_data(made))
+                self._engine.add_object_file(llvm.ObjectFileRef.from_data(found))
                 self._engine.finalize_object()
             except RuntimeError as error:
                 raise CacheError(
                     f"a compiled kernel cannot be loaded: {error}\n  clear them with `whirlmap cache --clear`"
                 ) from error
+
+    @classmethod
+    def of(cls, text: str) -> "Code":
+        """Machine code of a module's assembly; compiled where the folder of kernels does not hold it yet."""
+        return cls(lambda: files.stored(f"kernel_{key(text)}.o", lambda: compile_assembly(text)))
 
     def function(self, name: str, arguments: Mapping[str, Kind]) -> "Function":
         """One of its functions."""

@@ -1,15 +1,17 @@
 """The shape of every Dataset that whirlmap returns: names of dimensions, units and meanings on every variable."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import ArrayLike
 
 from whirlmap.errors import ModelError
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status, flags
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 
 def variable(dims: str | Sequence[str], values: ArrayLike, units: str, long_name: str, **more: Any) -> tuple[Any, ...]:
@@ -32,7 +34,7 @@ def names_coordinate(dim: str, names: Sequence[str], long_name: str) -> tuple[An
     return (dim, np.array(list(names), dtype=object).astype(str), {"long_name": long_name})
 
 
-def validate(ds: xr.Dataset) -> xr.Dataset:
+def validate(ds: "xr.Dataset") -> "xr.Dataset":
     """Return the Dataset where every variable says its unit and meaning, else raise `ModelError`."""
     for name, values in ds.data_vars.items():
         missing = [key for key in ("units", "long_name") if key not in values.attrs]
@@ -41,7 +43,12 @@ def validate(ds: xr.Dataset) -> xr.Dataset:
     return ds
 
 
-def with_attributes(ds: xr.Dataset, attributes: Mapping[str, Any]) -> xr.Dataset:
-    """Return the Dataset, validated, with attributes that NetCDF can hold; None is left out."""
+def plain_attributes(attributes: Mapping[str, Any]) -> dict[str, Any]:
+    """Attributes as NetCDF can hold them; None is left out."""
     kept = {k: v for k, v in attributes.items() if v is not None}
-    return validate(ds).assign_attrs({k: int(v) if isinstance(v, bool) else v for k, v in kept.items()})
+    return {k: int(v) if isinstance(v, bool) else v for k, v in kept.items()}
+
+
+def with_attributes(ds: "xr.Dataset", attributes: Mapping[str, Any]) -> "xr.Dataset":
+    """Return the Dataset, validated, with attributes that NetCDF can hold."""
+    return validate(ds).assign_attrs(plain_attributes(attributes))
