@@ -8,8 +8,9 @@ import pytest
 from test_claim_scores import drawn
 
 import whirlmap
+from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.errors import OutputError
-from whirlmap.studies.gear_psfd.answer import Answer, best_of, exclusions, pinned, pooled, shares, together
+from whirlmap.studies.gear_psfd.answer import Answer, best_of, edition_share, exclusions, pinned, pooled, shares, together
 from whirlmap.studies.gear_psfd.answer_pages import BEGIN, END, case_text, fill, page, write_answer
 from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, judge_all
 from whirlmap.studies.gear_psfd.evidence import edition_of
@@ -33,8 +34,7 @@ def answered() -> Answer:
     settings = Settings()
     names = ("literal-printed-clock-no-wall", "literal-printed-shaft", "intended-porous-fixed-shaft")
     parts = tuple(judged(name, seed) for seed, name in enumerate(names, 1))
-    best = {j.variant.edition: best_of(j, None, settings) for j in parts}
-    return Answer(settings, parts, best)
+    return Answer(settings, parts, tuple(best_of(j, None, settings) for j in parts))
 
 
 def test_shares_are_of_the_sets(answered):
@@ -43,6 +43,36 @@ def test_shares_are_of_the_sets(answered):
         share, low, high = shares(j, claim)
         assert share == (j.word[list(JUDGES).index(claim)] == HOLDS).mean()
         assert low <= share <= high
+
+
+def test_variants_that_agree_are_worth_no_more_than_one(answered):
+    first = answered.judged[0]
+    twice = replace(answered, judged=(first, replace(first, variant=answered.judged[1].variant)))
+    for claim in answered.claims:
+        share, low, high = edition_share(twice, "literal", claim)
+        alone = shares(first, claim)
+        assert share == pytest.approx(alone[0])
+        assert [low, high] == pytest.approx(alone[1:], abs=0.002)  # the spread is over N - 1
+
+
+def test_the_interval_over_variants_covers_the_truth(answered):
+    """Verdicts of two variants on the same sets, half of them the same: 95 of 100 intervals hold the true share."""
+    random, claim = np.random.default_rng(7), answered.claims[0]
+    row, covered, widths = answered.judged[0].claims.index(claim), 0, []
+    for _ in range(400):
+        common, own = random.uniform(size=N) < 0.5, random.uniform(size=(2, N)) < 0.3
+        other = random.uniform(size=N) < 0.3
+        parts = []
+        for j, mine in zip(answered.judged[:2], own, strict=True):
+            word = np.zeros_like(j.word)
+            word[row] = np.where(np.where(common, other, mine), HOLDS, 0)
+            parts.append(replace(j, word=word))
+        _, low, high = edition_share(replace(answered, judged=tuple(parts)), "literal", claim)
+        covered += low <= 0.3 <= high
+        widths.append(high - low)
+    assert 0.92 <= covered / 400 <= 0.98
+    alone = np.subtract(*wilson_interval(np.array([0.3 * N]), N)[::-1])[0]
+    assert 0.7 * alone < np.mean(widths) < 0.95 * alone  # of N and of 2 N independent verdicts: between these
 
 
 def test_claims_that_exclude_each_other_are_found(answered):

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import whirlmap
 from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import OutputError, RangeError
@@ -219,3 +220,21 @@ def test_labels_of_a_block_are_the_codes_of_regimes():
     assert set(np.unique(ds["regime"])) <= {int(r) for r in Regime}
     assert ds.attrs["variant"] == QUICK.name
     assert ds.attrs["common_period"] == pytest.approx(16 * np.pi)
+
+
+@pytest.mark.parametrize(
+    ("case", "wanted"),
+    [
+        ("gear-psfd/intended",
+         {"fig2-amplitude-grows", "fig3-low-8T", "fig3-mid-8T", "permeability-regularises", "safe-speeds"}),
+        ("gear-psfd/intended-shaft-best",
+         {"fig3-low-8T", "fig3-large-amplitude", "permeability-regularises", "permeability-suppresses-amplitude",
+          "safe-speeds"}),
+    ],
+)  # fmt: skip
+def test_cases_that_the_search_chose_make_the_claims_true_that_they_were_chosen_for(case, wanted):
+    (variant,), settings = chosen((), ("intended-porous-fixed-shaft",)), Settings()
+    system = whirlmap.load(case)
+    values = np.array([[float(system.values.get(r.name, 1.0))] for r in settings.ranges])
+    judged = judge_sets(variant, diagrams(variant, values, settings), settings)
+    assert wanted <= {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}

@@ -9,15 +9,15 @@ Array = NDArray[np.float64]
 Z = 1.959964
 
 
-def wilson_interval(count: ArrayLike, n: int) -> tuple[Array, Array]:
+def wilson_interval(count: ArrayLike, n: float) -> tuple[Array, Array]:
     """Wilson's 95 % interval of a share ``count / n`` (Wilson 1927, J. Am. Stat. Assoc. 22, 209).
 
     Parameters
     ----------
-    count : array of int
+    count : array
         How often, from 0 to ``n``.
-    n : int
-        Out of how many, at least one.
+    n : float
+        Out of how many, at least one. No whole number where it is what draws that are not independent are worth.
 
     Returns
     -------

@@ -226,17 +226,19 @@ def _write(
 
 
 def _print(found: "Answer") -> None:
-    from whirlmap.studies.gear_psfd.answer import exclusions, regimes, shares
+    from whirlmap.studies.gear_psfd.answer import edition_share, exclusions, regimes, shares
 
     for edition in found.editions:
         judged = found.of(edition)
         names = [j.variant.name.removeprefix(f"{edition}-") for j in judged]
         rows = [
-            [c, *(f"{100 * s:.3g} ({100 * a:.2g}-{100 * b:.2g})" for s, a, b in (shares(j, c) for j in judged))]
+            [c, *(f"{100 * s:.3g} ({100 * a:.2g}-{100 * b:.2g})"
+                  for s, a, b in (edition_share(found, edition, c), *(shares(j, c) for j in judged)))]
             for c in found.claims
         ]
         sets = ", ".join(str(j.values.shape[1]) for j in judged)
-        report.show(report.table(f"{edition}: claims, in percent of sets ({sets} sets), 95 %", ("claim", *names), rows))
+        title = f"{edition}: claims, in percent of sets ({sets} sets), 95 %"
+        report.show(report.table(title, ("claim", "all", *names), rows))
         kinds: dict[str, Any] = {name: [f"{100 * regimes(j)[name]:.3g}" for j in judged] for name in regimes(judged[0])}
         points = [[name, *cells] for name, cells in kinds.items()]
         report.show(report.table(f"{edition}: operating points, in percent", ("kind", *names), points))

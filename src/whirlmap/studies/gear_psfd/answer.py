@@ -24,7 +24,7 @@ ENOUGH = 30
 
 @dataclass(frozen=True)
 class Best:
-    """The best set of an edition, from design and refinement."""
+    """The best set of a variant, from design and refinement."""
 
     variant: Variant
     values: dict[str, float]
@@ -52,12 +52,21 @@ class Answer:
     settings : Settings
     judged : tuple of Judged
         The design's sets of every variant that has any.
-    best : mapping of edition to Best
+    bests : tuple of Best
+        Of every variant, in the order of ``judged``.
     """
 
     settings: Settings
     judged: tuple[Judged, ...]
-    best: dict[str, Best]
+    bests: tuple[Best, ...]
+
+    @property
+    def best(self) -> dict[str, Best]:
+        """The best set of each edition."""
+        return {
+            e: max((b for b in self.bests if b.variant.edition == e), key=lambda b: (len(b.met), b.score))
+            for e in self.editions
+        }
 
     @property
     def claims(self) -> tuple[str, ...]:
@@ -85,6 +94,10 @@ class Answer:
                 }
                 for j in self.judged
             },
+            "editions": {
+                e: {c: dict(zip(("share", "low", "high"), edition_share(self, e, c), strict=True)) for c in self.claims}
+                for e in self.editions
+            },
             "excluded": {e: exclusions(self, e) for e in self.editions},
             "best": {
                 e: {"variant": b.variant.name, "score": b.score, "holds": b.met, "missed": b.missed, "values": b.values,
@@ -99,12 +112,7 @@ def answer(variants: tuple[Variant, ...], settings: Settings, blocks: Blocks) ->
     judged = tuple(j for v in variants if (j := judged_so_far(blocks, v, settings)) is not None)
     if not judged:
         return None
-    best = {}
-    for edition in SPINS:
-        found = [best_of(j, refined(j.variant, settings, blocks), settings) for j in judged if j.variant.edition == edition]
-        if found:
-            best[edition] = max(found, key=lambda b: (len(b.met), b.score))
-    return Answer(settings, judged, best)
+    return Answer(settings, judged, tuple(best_of(j, refined(j.variant, settings, blocks), settings) for j in judged))
 
 
 def best_of(design: Judged, refinement: Judged | None, settings: Settings) -> Best:
@@ -122,6 +130,23 @@ def shares(judged: Judged, claim: str) -> tuple[float, float, float]:
     holds = judged.holds[judged.claims.index(claim)]
     low, high = wilson_interval(np.array([holds.sum()]), holds.size)
     return float(holds.mean()), float(low[0]), float(high[0])
+
+
+def edition_share(answer: Answer, edition: str, claim: str) -> tuple[float, float, float]:
+    """Share of an edition's sets under which a claim holds, every variant counted alike, with its 95 % interval.
+
+    All variants share their sets, so that their verdicts are not independent: the spread of the mean over variants from set
+    to set says how many independent verdicts they are worth, and Wilson's interval is taken with that
+    number (after Korn and Graubard 1998, Survey Methodology 24, 193). Where no verdict differs, they are worth as many as
+    there are sets.
+    """
+    found = answer.of(edition)
+    sets = min(j.values.shape[1] for j in found)
+    each = np.mean([j.holds[j.claims.index(claim), :sets] for j in found], axis=0)
+    share, spread = float(each.mean()), float(each.var(ddof=1)) if sets > 1 else 0.0
+    worth = sets * share * (1 - share) / spread if spread > 0 else float(sets)
+    low, high = wilson_interval(np.array([share * worth]), worth)
+    return share, float(low[0]), float(high[0])
 
 
 def regimes(judged: Judged) -> dict[str, float]:

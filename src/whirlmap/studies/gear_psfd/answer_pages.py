@@ -16,6 +16,7 @@ from whirlmap.studies.gear_psfd.answer import (
     Answer,
     Best,
     contact_by_psi,
+    edition_share,
     exclusions,
     pinned,
     pooled,
@@ -40,7 +41,7 @@ def page(answer: Answer, pictures: Mapping[str, str]) -> str:
     for edition in answer.editions:
         parts += [f"### Edition {edition}", _shares(answer, edition), _exclusions(answer, edition)]
         parts += [f"![{alt}]({pictures[name]})" for name, alt in picture_names(edition).items() if name in pictures]
-    parts += ["### Best sets", *(_best(edition, b) for edition, b in answer.best.items())]
+    parts += ["### Best sets", *(_best(edition, b) for edition, b in answer.best.items()), _bests(answer)]
     return "\n\n".join(parts) + "\n"
 
 
@@ -85,13 +86,16 @@ def _shares(answer: Answer, edition: str) -> str:
     found = answer.of(edition)
     rows = []
     for claim in answer.claims:
-        cells = []
-        for j in found:
-            share, low, high = shares(j, claim)
-            cells.append(f"{_percent(share)} ({_percent(low)}–{_percent(high)})")
+        cells = [
+            f"{_percent(share)} ({_percent(low)}–{_percent(high)})"
+            for share, low, high in (edition_share(answer, edition, claim), *(shares(j, claim) for j in found))
+        ]
         rows.append((f"`{claim}`", *cells))
     names = tuple(j.variant.name.removeprefix(f"{edition}-") for j in found)
-    return "Sets under which a claim holds, in percent, with the 95 % interval:\n\n" + _table(("claim", *names), rows)
+    return (
+        "Sets under which a claim holds, in percent, with the 95 % interval; *all* counts every reading alike:\n\n"
+        + _table(("claim", "all", *names), rows)
+    )
 
 
 def _exclusions(answer: Answer, edition: str) -> str:
@@ -114,6 +118,15 @@ def _best(edition: str, best: Best) -> str:
     )
 
 
+def _bests(answer: Answer) -> str:
+    rows: list[tuple[str, ...]] = [
+        (f"`{b.variant.name}`", f"{len(b.met)} of {len(b.words)}", f"{b.score:.3f}", "refined" if b.refined else "design",
+         ", ".join(f"`{c}`" for c in b.met))
+        for b in answer.bests
+    ]  # fmt: skip
+    return "The best set of each reading:\n\n" + _table(("variant", "claims", "mean score", "from", "which"), rows)
+
+
 def fill(page_path: Path, text: str) -> None:
     """Put the tables between the two marks of a page.
 
@@ -134,12 +147,15 @@ def draw_shares(answer: Answer, edition: str) -> Figure:
     found, claims = answer.of(edition), answer.claims
     figure = Figure(figsize=(9, 0.32 * len(claims) * max(len(found) / 3, 1) + 1.6 + 0.12 * len(found)), layout="constrained")
     axes = figure.subplots()
-    for k, j in enumerate(found):
-        each = np.array([shares(j, c) for c in claims])
-        y = np.arange(len(claims)) + (k - (len(found) - 1) / 2) * 0.8 / len(found)
+    rows = {f"{j.variant.name.removeprefix(f'{edition}-')} ({j.values.shape[1]} sets)": [shares(j, c) for c in claims]
+            for j in found}  # fmt: skip
+    rows["all readings, counted alike"] = [edition_share(answer, edition, c) for c in claims]
+    for k, (label, triples) in enumerate(rows.items()):
+        each = np.array(triples)
+        y = np.arange(len(claims)) + (k - (len(rows) - 1) / 2) * 0.8 / len(rows)
         error = np.abs(each[:, 1:].T - each[:, 0])
-        axes.errorbar(each[:, 0], y, xerr=error, fmt="o", ms=3.5, lw=1.2, color=f"C{k}",
-                      label=f"{j.variant.name.removeprefix(f'{edition}-')} ({j.values.shape[1]} sets)")  # fmt: skip
+        axes.errorbar(each[:, 0], y, xerr=error, fmt="o", ms=3.5, lw=1.2, color=f"C{k}" if k < len(found) else "black",
+                      label=label)  # fmt: skip
     for y in np.arange(len(claims) + 1) - 0.5:
         axes.axhline(y, color="0.9", lw=0.8, zorder=0)
     axes.set(xlim=(-0.02, 1.02), ylim=(len(claims) - 0.5, -0.5), xlabel="share of sets under which the claim holds")

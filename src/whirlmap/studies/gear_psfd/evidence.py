@@ -69,7 +69,7 @@ class Quality:
     settling : Settling
         Of the diagrams.
     exponent_periods : int
-        Common periods of the exponent of each point that does not return.
+        Common periods of the exponent of each point that does not return: fewer than 256 give no label.
     orbit_settling : Settling
         Of the operating point at s = 3.27.
     points : int
@@ -87,8 +87,8 @@ class Quality:
 
 
 QUALITIES = {
-    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 32, Settling(transient=30, most=16), 4000, 100),
-    "full": Quality(600, Settling(transient=80, most=16, keep=64), 64, Settling(transient=200, most=64), 20480, 1600),
+    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 256, Settling(transient=30, most=16), 4000, 100),
+    "full": Quality(600, Settling(transient=80, most=16, keep=64), 256, Settling(transient=200, most=64), 20480, 1600),
 }
 
 
