@@ -97,7 +97,10 @@ def _entries(table: Table, parameter: float) -> Array:
     centres = [(e[1:] + e[:-1]) / 2 for e in edges]
     scales = [(np.diff(e) / 2)[:, None] ** -np.arange(table.degree + 1.0) for e in edges]  # (cell, power)
     panel = table.panel(parameter) if table.panel else None
-    local = _between(table, panel, parameter) if panel else fitted(table, parameter)
+    if panel:
+        local = _between(table, panel, parameter)
+    else:
+        local = _alone(table, parameter) if table.panel else fitted(table, parameter)
     if len(edges) == 1:
         coefficients = local * scales[0][:, None, :]
     else:
@@ -144,26 +147,40 @@ def _between(table: Table, panel: tuple[float, float], parameter: float) -> Arra
 
 
 def _panel(table: Table, panel: tuple[float, float]) -> Array:
-    """`fitted` at the Chebyshev points of a panel, shape (node, cell..., output, term).
-
-    Tables of this package are kept on disk under the hash of its source; the source of others is not known well enough.
-    """
+    """`fitted` at the Chebyshev points of a panel, shape (node, cell..., output, term)."""
     low, high = np.log(panel)
     nodes = np.exp(low + 0.5 * (high - low) * (1.0 + chebyshev.chebpts1(NODES)))
-    outputs = len(table.outputs)
-    shape = (NODES, *(e.size - 1 for e in table.edges(float(nodes[0]))), outputs, table.terms // outputs)
+    shape = (NODES, *_shape(table, float(nodes[0])))
 
     def solve() -> Array:
         return np.stack([fitted(table, float(p)) for p in nodes])
 
-    def read() -> Array:
-        question = f"{source_of(SOLVERS)}\n{table.name} {panel}"
-        name = f"table_{hashlib.sha256(question.encode()).hexdigest()[:32]}.f8"
-        size = 8 * int(np.prod(shape))
-        data = stored(name, lambda: solve().astype("<f8").tobytes(), lambda found: len(found) == size)
-        return np.frombuffer(data, dtype="<f8").reshape(shape)
+    return _PANELS.get((table, panel), lambda: _on_disk(table, f"{panel}", shape, solve))
 
-    return _PANELS.get((table, panel), read if table.samples.__module__.startswith("whirlmap.") else solve)
+
+def _alone(table: Table, parameter: float) -> Array:
+    """`fitted` of a table that is dear to fit, at a value of the parameter that lies in no panel."""
+    return _on_disk(table, f"{parameter!r}", _shape(table, parameter), lambda: fitted(table, parameter))
+
+
+def _shape(table: Table, parameter: float) -> tuple[int, ...]:
+    """Shape of `fitted`."""
+    outputs = len(table.outputs)
+    return (*(e.size - 1 for e in table.edges(parameter)), outputs, table.terms // outputs)
+
+
+def _on_disk(table: Table, what: str, shape: tuple[int, ...], solve: Callable[[], Array]) -> Array:
+    """Solve, or read what was solved before.
+
+    Tables of this package are kept on disk under the hash of its source; the source of others is not known well enough.
+    """
+    if not table.samples.__module__.startswith("whirlmap."):
+        return solve()
+    question = f"{source_of(SOLVERS)}\n{table.name} {what}"
+    name = f"table_{hashlib.sha256(question.encode()).hexdigest()[:32]}.f8"
+    size = 8 * int(np.prod(shape))
+    data = stored(name, lambda: solve().astype("<f8").tobytes(), lambda found: len(found) == size)
+    return np.frombuffer(data, dtype="<f8").reshape(shape)
 
 
 def reading(table: Table, parameter: float, *coordinates: Array) -> tuple[Array, ...]:

@@ -8,15 +8,17 @@ import json
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from math import inf, isfinite, nan, sqrt, tanh
-from typing import Any
+from typing import TYPE_CHECKING, Any, Union
 
 import numpy as np
-import xarray as xr
 
 from whirlmap.cases import Settled
 from whirlmap.errors import CaseError
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 OIL_DENSITY = 870.0  # kg/m^3; assumed where a case does not give it
 SHORT = 0.25  # length over diameter
@@ -64,7 +66,7 @@ class _Facts:
         return self.s * self.quantities["omega_0"] if "omega_0" in self.quantities else None
 
 
-Results = xr.Dataset | Mapping[Any, xr.Dataset] | Iterable[xr.Dataset] | None
+Results = Union["xr.Dataset", Mapping[Any, "xr.Dataset"], Iterable["xr.Dataset"], None]
 
 
 def strained(system: System, diagrams: Results = None) -> list[Strain]:
@@ -107,13 +109,17 @@ def strained(system: System, diagrams: Results = None) -> list[Strain]:
     return [*found, unknown] if unknown else found
 
 
-def _runs(diagrams: Results) -> list[xr.Dataset]:
+def _runs(diagrams: Results) -> "list[xr.Dataset]":
+    if diagrams is None:
+        return []
+    import xarray as xr
+
     if isinstance(diagrams, xr.Dataset):
         return [diagrams]
     return list(diagrams.values() if isinstance(diagrams, Mapping) else diagrams or ())
 
 
-def _facts(system: System, runs: list[xr.Dataset]) -> _Facts:
+def _facts(system: System, runs: "list[xr.Dataset]") -> _Facts:
     settled = system.details if isinstance(system.details, Settled) else None
     values = {name: float(value) for name, value in system.values.items()}
     speeds = [float(run["s"].max()) for run in runs if "s" in run.coords]
@@ -137,7 +143,7 @@ def _slenderness(facts: _Facts) -> Iterator[Strain]:
             )  # fmt: skip
 
 
-def _eccentricity(runs: list[xr.Dataset]) -> Iterator[Strain]:
+def _eccentricity(runs: "list[xr.Dataset]") -> Iterator[Strain]:
     for i in (1, 2):
         value, place = _largest(runs, f"eps_{i}")
         if value > DEEP:
@@ -161,7 +167,7 @@ def _at_rest(system: System) -> Iterator[Strain]:
             )  # fmt: skip
 
 
-def _largest(runs: list[xr.Dataset], output: str) -> tuple[float, str]:
+def _largest(runs: "list[xr.Dataset]", output: str) -> tuple[float, str]:
     """Largest finite value of an output, and where along the diagrams it was found."""
     best, place = -inf, ""
     for run in runs:
@@ -175,7 +181,7 @@ def _largest(runs: list[xr.Dataset], output: str) -> tuple[float, str]:
     return best, place
 
 
-def _place(run: xr.Dataset, index: Mapping[Any, Any]) -> str:
+def _place(run: "xr.Dataset", index: Mapping[Any, Any]) -> str:
     """Name one point of a diagram: ``" at s = 1.3, up, psi = 0.001"``."""
     along = {str(dim): run[dim].values[k] for dim, k in index.items() if dim in run.coords}
     fixed = json.loads(run.attrs.get("parameters", "{}")).get("psi")
@@ -329,7 +335,7 @@ def _clocks(facts: _Facts) -> Iterator[Strain]:
         )  # fmt: skip
 
 
-def _equilibrium(system: System, runs: list[xr.Dataset]) -> Iterator[Strain]:
+def _equilibrium(system: System, runs: "list[xr.Dataset]") -> Iterator[Strain]:
     """Static equilibria of the operating points that were run, or of the system itself."""
     flags = [np.ravel(run["start_found"].values) for run in runs if "start_found" in run]
     if not flags:
@@ -344,7 +350,7 @@ def _equilibrium(system: System, runs: list[xr.Dataset]) -> Iterator[Strain]:
         )  # fmt: skip
 
 
-def _unknown(facts: _Facts, runs: list[xr.Dataset]) -> Strain | None:
+def _unknown(facts: _Facts, runs: "list[xr.Dataset]") -> Strain | None:
     known, plain = facts.quantities, facts.values["psi"] == 0.0
     parts = []
     lacking = [
