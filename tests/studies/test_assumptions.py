@@ -13,7 +13,7 @@ from whirlmap.errors import CaseError
 from whirlmap.integrate.system import System
 from whirlmap.studies.gear_psfd.assumptions import Strain, strained
 
-MACHINE, INTENDED, LITERAL = "gear-psfd/machine", "gear-psfd/reference", "gear-psfd/literal"
+MACHINE, INTENDED, LITERAL = "gear-psfd/machine", "gear-psfd/intended", "gear-psfd/literal"
 
 
 @lru_cache

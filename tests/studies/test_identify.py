@@ -222,19 +222,12 @@ def test_labels_of_a_block_are_the_codes_of_regimes():
     assert ds.attrs["common_period"] == pytest.approx(16 * np.pi)
 
 
-@pytest.mark.parametrize(
-    ("case", "wanted"),
-    [
-        ("gear-psfd/intended",
-         {"fig2-amplitude-grows", "fig3-low-8T", "fig3-mid-8T", "permeability-regularises", "safe-speeds"}),
-        ("gear-psfd/intended-shaft-best",
-         {"fig3-low-8T", "fig3-large-amplitude", "permeability-regularises", "permeability-suppresses-amplitude",
-          "safe-speeds"}),
-    ],
-)  # fmt: skip
-def test_cases_that_the_search_chose_make_the_claims_true_that_they_were_chosen_for(case, wanted):
+def test_the_best_set_of_turning_journals_makes_both_claims_about_permeability_true():
     (variant,), settings = chosen((), ("intended-porous-fixed-shaft",)), Settings()
-    system = whirlmap.load(case)
+    system = whirlmap.load("gear-psfd/intended-shaft-best")
     values = np.array([[float(system.values.get(r.name, 1.0))] for r in settings.ranges])
     judged = judge_sets(variant, diagrams(variant, values, settings), settings)
-    assert wanted <= {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}
+    held = {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}
+    assert {"permeability-regularises", "permeability-suppresses-amplitude", "fig3-low-8T", "fig3-large-amplitude"} <= held
+    lost = judged.labelled.regime[0] != Regime.periodic
+    assert lost[1].sum() > 4 and lost[3].sum() < lost[1].sum()  # not one slow point: whole windows stop returning
