@@ -26,11 +26,11 @@ from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.store import Store
 
 #: The sweep that is timed: half of it below the onset of whirl, half of it above.
-CASE, VARIED, FIRST, LAST, POINTS, CHUNK = "gear-psfd/machine", "s", 2.0, 4.0, 1024, 64
+CASE, VARIED, FIRST, LAST, POINTS, CHUNK = "gear-psfd/machine", "s", 2.0, 4.0, 2048, 64
 #: Lanes, periods and steps of the small benchmark that gives the time of one step of one lane.
 LANES, PERIODS, STEPS = 256, 40, 16
 #: How often each sweep is timed; the shortest counts, for other work on the machine only adds.
-TIMES = 3
+TIMES = 2
 #: Marks in the page.
 BEGIN, END = "<!-- begin measured -->", "<!-- end measured -->"
 
