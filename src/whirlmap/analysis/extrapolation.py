@@ -190,8 +190,8 @@ class Limit:
 @compiled(
     {
         "points": "doubles", "lanes": "int", "states": "int", "scale": "doubles", "period": "doubles",
-        "tolerance": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles", "room": "doubles", "x": "doubles", "error": "doubles",
-        "leading": "doubles",
+        "tolerance": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles", "room": "doubles", "x": "doubles",
+        "error": "doubles", "leading": "doubles",
     },
     parts=PARTS,
 )  # fmt: skip

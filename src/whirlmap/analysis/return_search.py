@@ -1,8 +1,8 @@
 """The search for a return among the section points of one lane, as loops: `periodicity` and `settling` both use it.
 
 A section is a stretch of a row of numbers: point i of ``count`` stands at place ``begin`` + i of a ring of ``ring`` places
-that begins at ``base``, its ``states`` numbers side by side. ``period`` holds the period of each state, infinite where it is not
-cyclic; ``size``, room for one number of each state, what its differences are divided by.
+that begins at ``base``, its ``states`` numbers side by side. ``period`` holds the period of each state, infinite where it is
+not cyclic; ``size``, room for one number of each state, what its differences are divided by.
 """
 
 import numpy as np
@@ -62,7 +62,7 @@ def sized(
     x: Array, base: int, ring: int, begin: int, count: int, stride: int, states: int, period: Array, scale: Array,
     size: Array, room: Array,
 ) -> bool:  # fmt: skip
-    """Set the size of each state to its scale with the floors over every ``stride``-th point; returns whether all are finite."""
+    """Set sizes to the scales, with the floors over every ``stride``-th point; returns whether these are finite."""
     finite = True
     for k in range(states):
         room[k] = 0.0

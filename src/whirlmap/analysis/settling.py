@@ -168,7 +168,8 @@ def settle(
 @compiled(
     {
         "active": "ints", "chosen": "int", "ended": "ints", "slot": "ints", "saved": "doubles", "rows": "int",
-        "states": "int", "low": "doubles", "high": "doubles", "least": "doubles", "most": "doubles", "history": "doubles", "ring": "int",
+        "states": "int", "low": "doubles", "high": "doubles", "least": "doubles", "most": "doubles", "history": "doubles",
+        "ring": "int",
         "ran": "ints", "look_at": "ints", "waited": "ints", "trial": "ints", "needed": "ints", "trial_points": "doubles",
         "trial_rows": "int", "trial_ran": "ints", "due": "ints",
     },
