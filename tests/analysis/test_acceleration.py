@@ -157,13 +157,13 @@ def test_gear_pair_where_it_settles_slowly():
 
 def test_a_failed_trial_leaves_no_trace(monkeypatch):
     """Where every short cut leads astray, labels and bits are those of plain settling; the time is not."""
-    right = acceleration.limit
+    right = acceleration.ends_of_approaches
 
-    def astray(points, scale, period, tolerance):
-        found = right(points, scale, period, tolerance)
-        return type(found)(found.x + 1e-3 * scale, found.error, found.leading)
+    def astray(due, *others):
+        multiple, x, leading = right(due, *others)
+        return multiple, x + 1e-3 * others[-2][:, due].T, leading
 
-    monkeypatch.setattr(acceleration, "limit", astray)
+    monkeypatch.setattr(acceleration, "ends_of_approaches", astray)
     plain, fast = settled(load("duffing").replace(delta=0.03), {"gamma": np.linspace(0.1, 0.2, 10)}, transient=600)
     assert (fast[0].waited > plain[0].waited).any() and not fast[0].accelerated.any()
     np.testing.assert_array_equal(fast[0].multiple, plain[0].multiple)

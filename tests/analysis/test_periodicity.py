@@ -8,10 +8,8 @@ from hypothesis import strategies as st
 from whirlmap.analysis.periodicity import (
     PERIOD_STATUS,
     RETURN_STATUS,
-    nearest_return,
     period_in_T,
     return_multiple,
-    shortest_return,
 )
 from whirlmap.errors import RangeError
 
@@ -203,23 +201,3 @@ def test_wrong_input_is_refused():
         period_in_T(x, np.array([1, 1]), common_over_T=8)
     with pytest.raises(RangeError, match="common_over_T"):
         period_in_T(x, np.array([1]), common_over_T=0)
-
-
-def test_the_quick_search_finds_what_the_whole_one_finds():
-    """Cycles of 1 to 9, a drift that the last point hides, a state that stands still, noise, and what is no number."""
-    rng, k = np.random.default_rng(3), np.arange(64)
-    lanes = [np.stack([np.cos(2 * np.pi * k / n), np.sin(2 * np.pi * k / n)], axis=1) for n in range(1, 10)]
-    late = lanes[3].copy()
-    late[:8] += 1e-3
-    lanes += [late, rng.normal(size=(64, 2)), lanes[4] + np.nan, lanes[5] * [1.0, 0.0] + [0.0, 1e8 / 3]]
-    x = np.stack(lanes, axis=2)
-    scale = np.where(np.ptp(x, axis=0) > 0, np.ptp(x, axis=0), 1.0)
-    scale[~np.isfinite(scale)] = 1.0
-    whole = return_multiple(x, scale=scale, most=32)
-    options = {"scale": scale, "tolerance": 1e-6, "most": 32}
-    multiple, distance = shortest_return(x, **options)
-    assert multiple.tolist() == [*range(1, 10), 0, 0, 0, 6] == whole.multiple.values.tolist()
-    returned = multiple > 0
-    np.testing.assert_array_equal(distance[returned], whole.distance.values[returned])
-    assert np.isnan(distance[~returned]).all()
-    np.testing.assert_array_equal(nearest_return(x, **options), whole.distance.values)

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from whirlmap.analysis import settling as module
-from whirlmap.analysis.periodicity import distance_to_limit, return_multiple
+from whirlmap.analysis.periodicity import return_multiple
 from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.return_search import to_limit
 from whirlmap.analysis.settling import Settling, settle
 from whirlmap.integrate.loading import load
 
@@ -64,25 +65,28 @@ def test_bits_do_not_depend_on_when_a_point_entered_the_pool(monkeypatch, size):
     np.testing.assert_array_equal(e.x, expected.x)
 
 
+def distance_to_limit(x, m):
+    """Of a series of one state with scale one."""
+    return to_limit(x, 0, x.size, 0, x.size, m, 1, np.array([np.inf]), np.ones(1))
+
+
 def test_distance_to_the_limit_of_a_geometric_approach():
     """x_k = 1 + r^k: what is left after k is r^k, whatever the rate, and several common periods per return."""
     for ratio in (0.1, 0.9, 0.999):
         for m in (1, 3):
             k = np.arange(40) // m
-            x = (1 + 1e-3 * ratio ** k.astype(float))[:, None, None]
-            left = distance_to_limit(x, np.array([m]), scale=np.ones((1, 1)))
+            left = distance_to_limit(1 + 1e-3 * ratio ** k.astype(float), m)
             expected = 1e-3 * ratio ** k[-1].astype(float)
-            assert left[0] == pytest.approx(expected, rel=1e-6) or left[0] < 1e-9
-    growing = (1.01 ** np.arange(20.0))[:, None, None]
-    assert np.isinf(distance_to_limit(growing, np.array([1]), scale=np.ones((1, 1)))[0])
+            assert left == pytest.approx(expected, rel=1e-6) or left < 1e-9
+    assert np.isinf(distance_to_limit(1.01 ** np.arange(20.0), 1))
 
 
 def test_a_slow_approach_is_not_taken_for_a_return():
     """Differences below the tolerance that add up to more than it: not settled yet."""
-    x = (1 + 0.5e-6 * 0.99 ** np.arange(16.0) / 0.01)[:, None, None]
-    found = return_multiple(x, scale=np.ones((1, 1)), most=8)
+    x = 1 + 0.5e-6 * 0.99 ** np.arange(16.0) / 0.01
+    found = return_multiple(x[:, None, None], scale=np.ones((1, 1)), most=8)
     assert found["multiple"].values[0] == 1
-    assert distance_to_limit(x, np.array([1]), scale=np.ones((1, 1)))[0] > 1e-5
+    assert distance_to_limit(x, 1) > 1e-5
 
 
 def test_a_spiral_that_closes_in_is_not_a_doubled_orbit():

@@ -17,33 +17,27 @@ The multipliers cost as much as 13 to 17 common periods for the twenty states of
 all points together that have passed the rest (`Trials.refuse_unproved`).
 """
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.extrapolation import DIFFERENCES, FOLLOWS, limit, wrapped
+from whirlmap.analysis.approach import LONGEST_RETURN, ends_of_approaches, room_for_approaches
+from whirlmap.analysis.compiled import compiled
+from whirlmap.analysis.extrapolation import DIFFERENCES, FOLLOWS
 from whirlmap.analysis.monodromy import largest_multipliers
-from whirlmap.analysis.periodicity import period_of, scales
+from whirlmap.analysis.return_search import PARTS, across, place, sized, step
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 
 #: Returns that the plain run from an accepted point stays within the tolerance.
 STAYS = 5
-#: Largest return, in common periods, that is extrapolated.
-LONGEST_RETURN = 4
-#: A short cut is tried where plain settling is expected to take this many times what the trial costs.
-WORTH = 1.5
 #: After a trial that failed, plain periods until the next one, over those run so far.
 PAUSE = 0.15
-#: Points whose approach is looked at together: the fit of all their multiples takes 50 kB for each.
-LOOKED_AT = 512
-#: Above this scaled size differences are not those of a linear approach.
-LINEAR = 0.1
 
 
 @dataclass(frozen=True)
@@ -54,6 +48,46 @@ class _Passed:
     multiple: NDArray[np.int64]
     change: Array
     before: Array
+
+
+@compiled(
+    {
+        "members": "ints", "chosen": "int", "slot": "ints", "points": "doubles", "rows": "int", "states": "int", "n": "int",
+        "needed": "ints", "multiple": "ints", "leading": "doubles", "period": "doubles", "tolerance": "doubles",
+        "scale": "doubles", "own": "doubles", "size": "doubles", "room": "doubles", "distance": "doubles",
+        "change": "doubles",
+    },
+    parts=PARTS,
+)  # fmt: skip
+def _distances(
+    members: Integers, chosen: int, slot: Integers, points: Array, rows: int, states: int, n: int, needed: Integers,
+    multiple: Integers, leading: Array, period: Array, tolerance: Array, scale: Array, own: Array, size: Array, room: Array,
+    distance: Array, change: Array,
+) -> None:  # fmt: skip
+    """Largest scaled distance of runs from their first return, infinite where a condition fails; their last change.
+
+    ``points`` has shape (slot, row, state), ``scale`` (state, n).
+    """
+    for j in range(chosen):
+        p = members[j]
+        m, base, count = multiple[p], slot[p] * rows * states, needed[multiple[p]] + 1
+        for k in range(states):
+            own[k] = scale[k * n + p]
+        distance[j] = np.inf
+        if not sized(points, base, rows, 0, count, 1, states, period, own, size, room):
+            continue
+        last = place(base, 0, count - 1, rows, states)
+        change[j] = step(points, last, last - m * states, states, period, size)
+        good = change[j] * leading[p] / (1 - leading[p]) <= tolerance[0]
+        for d in range(1, m):
+            enough = 10 * tolerance[0]
+            if m % d == 0 and across(points, base, rows, 0, count, d, states, period, size, enough) < enough:
+                good = False
+        if good:
+            distance[j] = 0.0
+            for i in range(m, count):
+                at, first = base + i * states, base + i % m * states
+                distance[j] = max(distance[j], step(points, at, first, states, period, size))
 
 
 class Trials:
@@ -70,28 +104,36 @@ class Trials:
     every : int
         Common periods between two looks at a point.
     tolerance : float
-    cyclic : mapping of state index to period
-        States that are angles.
+    period : array, shape (state,)
+        Of cyclic states; infinite for the others.
 
     Attributes
     ----------
     multiple : array of int, shape (point,)
         Return of each point that is on trial, in common periods; 0 of the others.
+    ran : array of int, shape (point,)
+        Common periods of its trial.
+    needed : array of int
+        Common periods that a trial of each multiple takes.
+    points : array, shape (place, row, state)
+        Section points of the trials, the first one where it began.
     """
 
     def __init__(
-        self, ensemble: Ensemble, slot: Points, size: int, *, every: int, tolerance: float, cyclic: dict[int, float]
+        self, ensemble: Ensemble, slot: Points, size: int, *, every: int, tolerance: float, period: Array
     ) -> None:
         n, states = ensemble.points, ensemble.model.dimension
-        self.ensemble, self.slot, self.every, self.tolerance = ensemble, slot, every, tolerance
-        self.period = period_of(cyclic, states)
+        self.ensemble, self.slot, self.every, self.period = ensemble, slot, every, period
+        self.tolerance = np.array([tolerance])
         self.multiple = np.zeros(n, dtype=np.int64)
         self._next = np.full(n, DIFFERENCES + 1, dtype=np.int64)  # plain periods at which a point may try (again)
-        self._ran, self._turns = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
+        self.ran, self._turns = np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.int64)
         self._leading = np.full(n, np.nan)
         self._before = np.full((states, size), np.nan)
-        self._needed = np.array([0, *map(self.needs, range(1, LONGEST_RETURN + 1))])
-        self._points = np.full((self.needs(LONGEST_RETURN) + 1, states, size), np.nan)
+        self.needed = np.array([0, *map(self.needs, range(1, LONGEST_RETURN + 1))])
+        self.points = np.full((size, self.needs(LONGEST_RETURN) + 1, states), np.nan)
+        self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(states)
+        self._fit = room_for_approaches(states)
         self._passed: list[_Passed] = []
 
     def needs(self, multiple: int) -> int:
@@ -100,9 +142,9 @@ class Trials:
 
     def left(self, points: Points) -> NDArray[np.int64]:
         """Common periods until the trials of points end."""
-        return np.asarray(self._needed[self.multiple[points]] - self._ran[points])
+        return np.asarray(self.needed[self.multiple[points]] - self.ran[points])
 
-    def begin(self, members: Points, ran: NDArray[np.int64], last: Callable[[Points, int], Array], size: Array) -> None:
+    def begin(self, members: Points, ran: Integers, history: Array, size: Array) -> None:
         """Put the points on trial for which it is worth it.
 
         Parameters
@@ -111,55 +153,29 @@ class Trials:
             Points that run and have not returned.
         ran : array of int, shape (all points,)
             Plain common periods.
-        last : callable
-            ``last(points, count)``: their last section points, shape (count, state, point).
+        history : array, shape (place, ring, state)
+            Their last section points.
         size : array, shape (state, all points)
             Range of each state.
         """
         due = members[ran[members] >= self._next[members]]
-        for first in range(0, due.size, LOOKED_AT):
-            self._begin(due[first : first + LOOKED_AT], ran, last, size)
-
-    def _begin(self, due: Points, ran: NDArray[np.int64], last: Callable[[Points, int], Array], size: Array) -> None:
-        # Every return that may be tried of every point, side by side: NumPy's calls cost more than their numbers.
-        multiples = range(1, LONGEST_RETURN + 1)
-        long_enough = [due[ran[due] >= m * DIFFERENCES + 1] for m in multiples]
-        points = np.concatenate(long_enough)
-        if not points.size:
+        if not due.size:
             return
-        multiple = np.repeat(multiples, [p.size for p in long_enough])
-        x = np.concatenate(
-            [last(p, m * DIFFERENCES + 1)[::m] for m, p in zip(multiples, long_enough, strict=True)], axis=2
-        )  # fmt: skip
-        scale = scales(x, size[:, points], self.period)
-        change = np.abs(wrapped(np.diff(x, axis=0), self.period) / scale).max(axis=1)
-        first, end = change[:4].max(axis=0), change[-4:].max(axis=0)
-        slow = (end < LINEAR) & (end < first) & (end > self.tolerance)
-        rate = np.log(np.where(slow, first / np.where(slow, end, 1.0), np.exp(1))) / (DIFFERENCES - 4)
-        left = multiple * np.log(np.where(slow, end / self.tolerance, 1.0)) / rate + 8
-        slow &= left > WORTH * self._needed[multiple]
-        at = np.flatnonzero(slow)
-        if not at.size:
-            return
-        found = limit(x[:, :, at], scale[:, at], self.period, self.tolerance / 4)
-        good = np.flatnonzero(np.isfinite(found.error))
-        chosen, shortest = np.unique(points[at[good]], return_index=True)  # multiples ascend: the first is the shortest
-        good = good[shortest]
-        self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
-        self._start(chosen, multiple[at[good]], found.x[:, good], found.leading[good])
+        multiple, x, leading = ends_of_approaches(
+            due, self.slot, history, ran, self.needed, self.period, self.tolerance, size, self._fit
+        )
+        found = np.flatnonzero(multiple)
+        if found.size:
+            chosen = due[found]
+            self._next[chosen] = (ran[chosen] * (1 + PAUSE)).astype(np.int64)
+            self._start(chosen, multiple[found], x[found].T, leading[found])
 
     def _start(self, points: Points, multiple: NDArray[np.int64], x: Array, leading: Array) -> None:
         e, slot = self.ensemble, self.slot[points]
         self._before[:, slot], self._turns[points] = e.x[:, points], e.turns[points]
-        self._points[0, :, slot], self._ran[points] = x.T, 0
+        self.points[slot, 0], self.ran[points] = x.T, 0
         self.multiple[points], self._leading[points] = multiple, leading
         e.x[:, points] = x
-
-    def record(self, members: Points, saved: Array) -> None:
-        """Take over section points of points on trial, shape (period, state, member)."""
-        rows = self._ran[members] + 1 + np.arange(len(saved))[:, None]
-        self._points[rows, :, self.slot[members]] = saved.transpose(0, 2, 1)
-        self._ran[members] += len(saved)
 
     def look(self, members: Points, size: Array) -> tuple[Points, NDArray[np.int64], Array]:
         """Judge points whose trial is over, or whose run has ended; return those that have settled, multiples and distances.
@@ -168,12 +184,16 @@ class Trials:
         """
         distance, change = np.full(members.size, np.inf), np.full(members.size, np.inf)
         multiple = self.multiple[members]
-        alive = self.ensemble.running[members]
-        for m in np.unique(multiple):
-            at = np.flatnonzero(alive & (multiple == m))
-            x = self._points[: self.needs(m) + 1, :, self.slot[members[at]]]
-            distance[at], change[at] = self._distance(x, int(m), size[:, members[at]], self._leading[members[at]])
-        passed = distance <= self.tolerance
+        alive = np.flatnonzero(self.ensemble.running[members])
+        found = np.empty(alive.size), np.empty(alive.size)
+        _distances(
+            members=members[alive], chosen=alive.size, slot=self.slot, points=self.points, rows=self.points.shape[1],
+            states=self.period.size, n=self.slot.size, needed=self.needed, multiple=self.multiple, leading=self._leading,
+            period=self.period, tolerance=self.tolerance, scale=size, own=self._own, size=self._size, room=self._room,
+            distance=found[0], change=found[1],
+        )  # fmt: skip
+        distance[alive], change[alive] = found
+        passed = distance <= self.tolerance[0]
         lost, proved = members[~passed], members[passed]
         self._take_back(lost, self._before[:, self.slot[lost]])
         if proved.size:
@@ -193,26 +213,9 @@ class Trials:
         largest = largest_multipliers(self.ensemble, points, multiple)
         stable = largest < 1
         left = change * largest / np.where(stable, 1 - largest, 1.0)
-        bad = ~stable | (left > self.tolerance) | (self._leading[points] > (1 + FOLLOWS) * largest)
+        bad = ~stable | (left > self.tolerance[0]) | (self._leading[points] > (1 + FOLLOWS) * largest)
         self._take_back(points[bad], before[:, bad])
         return points[bad]
-
-    def _distance(self, x: Array, m: int, size: Array, leading: Array) -> tuple[Array, Array]:
-        """Largest scaled distance of a run from its first return, infinite where a condition fails; its last change."""
-        if not x.shape[2]:
-            return np.zeros(0), np.zeros(0)
-        scale = scales(x, size, self.period)
-
-        def apart(a: Array, b: Array) -> Array:
-            largest: Array = np.abs(wrapped(a - b, self.period) / scale).max(axis=(0, 1))
-            return largest
-
-        change = apart(x[-1:], x[-1 - m : -m])
-        bad = change * leading / (1 - leading) > self.tolerance
-        for d in range(1, m):
-            if m % d == 0:
-                bad |= apart(x[d:], x[:-d]) < 10 * self.tolerance
-        return np.where(bad, np.inf, apart(x, x[np.arange(x.shape[0]) % m])), change
 
     def _take_back(self, points: Points, before: Array) -> None:
         e = self.ensemble

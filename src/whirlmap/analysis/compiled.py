@@ -4,9 +4,10 @@ Importing Numba takes longer than most of what is asked for.
 """
 
 import hashlib
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, wraps
 from pathlib import Path
+from types import FunctionType
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,9 @@ from whirlmap.results.provenance import package_version
 _NOTHING = np.empty(1)
 
 
-def compiled(arguments: Mapping[str, Kind], **options: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def compiled(
+    arguments: Mapping[str, Kind], *, parts: Sequence[Callable[..., Any]] = (), **options: Any
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Compile a loop of numbers and arrays at its first call; it is called with all arguments by name.
 
     Parameters
@@ -28,6 +31,8 @@ def compiled(arguments: Mapping[str, Kind], **options: Any) -> Callable[[Callabl
     arguments : mapping of str to kind
         Of the loop, in their order. An array is one row of numbers in it, whatever its shape. The loop returns nothing,
         raises nothing, reserves no memory and calls nothing but mathematical functions.
+    parts : sequence of callables, optional
+        Functions that the loop calls, written as loops are but that they return numbers; each may call those before it.
     **options
         Of `numba.cfunc`.
     """
@@ -37,7 +42,8 @@ def compiled(arguments: Mapping[str, Kind], **options: Any) -> Callable[[Callabl
 
         @cache
         def made() -> Function:
-            code = Code(lambda: stored(f"loop_{name}_{_key(loop)}.o", lambda: _object_code(loop, name, arguments, options)))
+            file = f"loop_{name}_{_key(loop, parts)}.o"
+            code = Code(lambda: stored(file, lambda: _object_code(loop, name, arguments, parts, options)))
             return code.function(name, {"returned": "doubles", "raised": "doubles", **arguments})
 
         @wraps(loop)
@@ -49,17 +55,29 @@ def compiled(arguments: Mapping[str, Kind], **options: Any) -> Callable[[Callabl
     return decorate
 
 
-def _key(loop: Callable[..., None]) -> str:
-    """Hash of all that the machine code of a loop depends on: its file with its constants, and what compiles it."""
-    sources = [Path(file).read_text(encoding="utf-8") for file in (loop.__code__.co_filename, __file__)]
-    parts = [*sources, f"numba {package_version('numba')}", platform()]
-    return hashlib.sha256("\n".join(parts).encode()).hexdigest()[:32]
+def _key(loop: Callable[..., None], parts: Sequence[Callable[..., Any]] = ()) -> str:
+    """Hash of all that the machine code of a loop depends on: its files with their constants, and what compiles them."""
+    files = dict.fromkeys([*(f.__code__.co_filename for f in (loop, *parts)), __file__])
+    sources = [Path(file).read_text(encoding="utf-8") for file in files]
+    depends = [*sources, f"numba {package_version('numba')}", platform()]
+    return hashlib.sha256("\n".join(depends).encode()).hexdigest()[:32]
 
 
-def _object_code(loop: Callable[..., None], name: str, arguments: Mapping[str, Kind], options: Mapping[str, Any]) -> bytes:
-    from numba import cfunc, types
+def _object_code(
+    loop: Callable[..., None], name: str, arguments: Mapping[str, Kind], parts: Sequence[Callable[..., Any]],
+    options: Mapping[str, Any],
+) -> bytes:  # fmt: skip
+    from numba import cfunc, njit, types
 
+    known: dict[str, Any] = {}
+
+    def seeing(function: Callable[..., Any]) -> FunctionType:
+        """The function, which finds the parts under their names, compiled."""
+        return FunctionType(function.__code__, {**function.__globals__, **known}, function.__name__, function.__defaults__)
+
+    for part in parts:
+        known[part.__name__] = njit(inline="always", error_model="numpy")(seeing(part))
     kinds = {"doubles": types.CPointer(types.float64), "ints": types.CPointer(types.int64), "int": types.int64}
     signature = types.void(*(kinds[kind] for kind in arguments.values()))
-    made = cfunc(signature, error_model="numpy", **options)(loop)
+    made = cfunc(signature, error_model="numpy", **options)(seeing(loop))
     return only_function(made.inspect_llvm(), made.native_name, name)

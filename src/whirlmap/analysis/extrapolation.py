@@ -5,12 +5,18 @@ still to be seen make a linear recurrence d_(j+q) = c_0 d_j + ... + c_(q-1) d_(j
 states, are fitted by least squares; the roots of p(z) = z^q - c_(q-1) z^(q-1) - ... - c_0 are the multipliers, and the limit
 is p(S) x / p(1), S the shift (minimal polynomial extrapolation, Smith, Ford and Sidi 1987, SIAM Review 29, 199; here with
 more equations than unknowns, so that the last differences also test the fit).
+
+The loops work on one lane: its differences (DIFFERENCES, state), scaled, oldest first, and the largest of each over the
+states.
 """
 
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+
+from whirlmap.analysis.compiled import compiled
+from whirlmap.analysis.return_search import wrapped
 
 Array = NDArray[np.float64]
 
@@ -22,6 +28,145 @@ DIFFERENCES = 12
 FOLLOWS = 0.05
 #: Largest modulus of a multiplier: closer to one its distance from one is no longer sure.
 STABLE = 0.999
+#: A column that is less than this fraction of another when the columns before are taken off it determines no coefficient.
+DETERMINED = 1e-9
+#: Halvings of the bracket of the largest modulus.
+HALVINGS = 48
+
+
+def room_for_fit(states: int) -> Array:
+    """Room that the loops need beside the differences."""
+    return np.empty((MODES + 1) * DIFFERENCES * states + MODES * (MODES + 2))
+
+
+# --- parts of loops -----------------------------------------------------------------------------------------
+
+
+def recurrence(d: Array, largest: Array, states: int, modes: int, c: int, room: Array) -> bool:
+    """Coefficients by least squares, into ``room`` from ``c`` on; returns whether they are determined.
+
+    Every equation is divided by the largest of its differences. Gram and Schmidt's method takes each column off those after
+    it, the right-hand side as the last.
+    """
+    rows, r = (DIFFERENCES - modes) * states, c + MODES
+    for j in range(DIFFERENCES - modes):
+        by = 0.0
+        for i in range(modes + 1):
+            by = max(by, largest[j + i])
+        for i in range(modes + 1):
+            for k in range(states):
+                room[i * rows + j * states + k] = d[(j + i) * states + k] / by
+    shortest, longest = np.inf, 0.0
+    for a in range(modes):
+        square = 0.0
+        for i in range(rows):
+            square += room[a * rows + i] ** 2
+        length = np.sqrt(square)
+        shortest, longest = min(shortest, length), max(longest, length)
+        if not shortest > DETERMINED * longest:
+            return False
+        room[r + a * (MODES + 1) + a] = length
+        for b in range(a + 1, modes + 1):
+            dot = 0.0
+            for i in range(rows):
+                dot += room[a * rows + i] * room[b * rows + i]
+            room[r + a * (MODES + 1) + b] = dot / length
+            for i in range(rows):
+                room[b * rows + i] -= dot / square * room[a * rows + i]
+    for a in range(modes - 1, -1, -1):
+        value = room[r + a * (MODES + 1) + modes]
+        for b in range(a + 1, modes):
+            value -= room[r + a * (MODES + 1) + b] * room[c + b]
+        room[c + a] = value / room[r + a * (MODES + 1) + a]
+    return True
+
+
+def inside(modes: int, c: int, radius: float, a: int, room: Array) -> bool:
+    """Whether all roots of z^q - c_(q-1) z^(q-1) - ... - c_0 have a modulus below a radius (Schur and Cohn's recursion).
+
+    ``room`` holds the coefficients from ``c`` on, and has room for q + 1 numbers from ``a`` on.
+    """
+    power = 1.0
+    for i in range(modes):
+        room[a + i] = -room[c + i] * power
+        power *= radius
+    room[a + modes] = power
+    for degree in range(modes, 0, -1):
+        k = room[a] / room[a + degree]
+        if not abs(k) < 1:
+            return False
+        # a_i - k a_(degree - i), and one degree less: two at a time, for each needs the other
+        for i in range((degree + 2) // 2):
+            low, high = room[a + i], room[a + degree - i]
+            room[a + i], room[a + degree - i] = low - k * high, high - k * low
+        for i in range(degree):
+            room[a + i] = room[a + i + 1]
+    return True
+
+
+def modulus(modes: int, c: int, a: int, room: Array) -> float:
+    """Largest modulus of the roots of `inside`, infinite from `STABLE` on; its bracket is halved."""
+    if not inside(modes, c, STABLE, a, room):
+        return np.inf
+    low, high = 0.0, STABLE
+    for _ in range(HALVINGS):
+        middle = (low + high) / 2
+        if inside(modes, c, middle, a, room):
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def step_to_limit(
+    d: Array, largest: Array, states: int, tolerance: float, step: Array, room: Array
+) -> tuple[float, float]:
+    """Set the scaled step from the last point to the limit; returns its error, infinite where none is, and the modulus.
+
+    With as few multipliers as meet the tolerance; only where the last three differences follow the recurrence and all
+    multipliers lie inside the unit circle.
+    """
+    c = (MODES + 1) * DIFFERENCES * states
+    for j in range(DIFFERENCES):
+        if not largest[j] > 0:
+            return np.inf, np.nan
+    for modes in range(1, min(MODES, states) + 1):
+        if not recurrence(d, largest, states, modes, c, room):
+            break
+        follows, missed = True, 0.0
+        for j in range(DIFFERENCES - 3, DIFFERENCES):
+            off = 0.0
+            for k in range(states):
+                rest = d[j * states + k]
+                for i in range(modes):
+                    rest -= room[c + i] * d[(j - modes + i) * states + k]
+                off = max(off, abs(rest))
+            follows = follows and off <= FOLLOWS * largest[j]
+            missed = max(missed, off)
+        at_one = 1.0
+        for i in range(modes):
+            at_one -= room[c + i]
+        error = missed / abs(at_one)
+        if not (follows and error <= tolerance):
+            continue
+        leading = modulus(modes, c, c + MODES, room)
+        if leading < STABLE:
+            for k in range(states):
+                step[k] = 0.0
+                for i in range(modes):
+                    total = 0.0
+                    for j in range(DIFFERENCES - modes + i, DIFFERENCES):
+                        total += d[j * states + k]
+                    step[k] += room[c + i] / at_one * total
+            return error, leading
+    return np.inf, np.nan
+
+
+#: These, in the order in which they call each other.
+PARTS = (wrapped, recurrence, inside, modulus, step_to_limit)
+
+
+# --- many lanes ---------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)
@@ -42,6 +187,32 @@ class Limit:
     leading: Array
 
 
+@compiled(
+    {
+        "points": "doubles", "lanes": "int", "states": "int", "scale": "doubles", "period": "doubles",
+        "tolerance": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles", "room": "doubles", "x": "doubles",
+        "error": "doubles", "leading": "doubles",
+    },
+    parts=PARTS,
+)  # fmt: skip
+def _limits(
+    points: Array, lanes: int, states: int, scale: Array, period: Array, tolerance: Array, d: Array, largest: Array,
+    step: Array, room: Array, x: Array, error: Array, leading: Array,
+) -> None:  # fmt: skip
+    for lane in range(lanes):
+        at = lane * (DIFFERENCES + 1) * states
+        for j in range(DIFFERENCES):
+            largest[j] = 0.0
+            for k in range(states):
+                now = at + (j + 1) * states + k
+                d[j * states + k] = wrapped(points[now], points[now - states], period[k]) / scale[lane * states + k]
+                largest[j] = max(largest[j], abs(d[j * states + k]))
+        error[lane], leading[lane] = step_to_limit(d, largest, states, tolerance[0], step, room)
+        for k in range(states):
+            last = points[at + DIFFERENCES * states + k]
+            x[lane * states + k] = last + step[k] * scale[lane * states + k] if error[lane] < np.inf else last
+
+
 def limit(points: Array, scale: Array, period: Array, tolerance: float) -> Limit:
     """Extrapolate sequences of points, with as few multipliers as meet the tolerance.
 
@@ -59,63 +230,14 @@ def limit(points: Array, scale: Array, period: Array, tolerance: float) -> Limit
     Returns
     -------
     Limit
-        Only where the last three differences follow the recurrence, all multipliers lie inside the unit circle, and the
-        error is below the tolerance; elsewhere the error is infinite. What is returned for a lane depends on nothing else.
+        As `step_to_limit` says. What is returned for a lane depends on nothing else.
     """
-    lanes = points.shape[2]
-    x, error, leading = points[-1].copy(), np.full(lanes, np.inf), np.full(lanes, np.nan)
-    d = wrapped(np.diff(points, axis=0), period) / scale
-    size = np.abs(d).max(axis=1)
-    left = np.flatnonzero((size > 0).all(axis=0))
-    for modes in range(1, min(MODES, points.shape[1]) + 1):
-        if not left.size:
-            break
-        c, sound = _recurrence(d[:, :, left], size[:, left], modes)
-        left, c = left[sound], c[sound]
-        if not left.size:
-            break
-        missed = d[-3:, :, left].copy()
-        for i in range(modes):
-            missed -= c[:, i] * d[DIFFERENCES - 3 - modes + i : DIFFERENCES - modes + i, :, left]
-        missed_size = np.abs(missed).max(axis=1)
-        companion = np.zeros((left.size, modes, modes))
-        companion[:, np.arange(1, modes), np.arange(modes - 1)] = 1.0
-        companion[:, :, -1] = c
-        modulus = np.abs(np.linalg.eigvals(companion)).max(axis=1)
-        at_one = np.ones(left.size)
-        for i in range(modes):
-            at_one = at_one - c[:, i]
-        with np.errstate(divide="ignore"):
-            off = missed_size.max(axis=0) / np.abs(at_one)
-        good = (missed_size <= FOLLOWS * size[-3:, left]).all(axis=0) & (modulus < STABLE) & (off <= tolerance)
-        these = left[good]
-        step = np.zeros((points.shape[1], these.size))
-        for i in range(modes):
-            step += c[good, i] / at_one[good] * d[DIFFERENCES - modes + i :, :, these].sum(axis=0)
-        x[:, these] += step * scale[:, these]
-        error[these], leading[these] = off[good], modulus[good]
-        left = left[~good]
-    return Limit(x, error, leading)
-
-
-def wrapped(differences: Array, period: Array) -> Array:
-    """Differences (..., state, lane), of cyclic states the shorter way round."""
-    out = differences.copy()
-    for k in np.flatnonzero(np.isfinite(period)):
-        out[..., k, :] -= period[k] * np.rint(out[..., k, :] / period[k])
-    return out
-
-
-def _recurrence(d: Array, size: Array, modes: int) -> tuple[Array, NDArray[np.bool_]]:
-    """Coefficients (lane, mode) by least squares, every equation over the size of its differences; which are determined."""
-    equations = DIFFERENCES - modes
-    windows = np.stack([d[i : i + equations] for i in range(modes + 1)])  # (column, equation, state, lane)
-    largest = np.stack([size[i : i + equations] for i in range(modes + 1)]).max(axis=0)
-    rows = np.ascontiguousarray((windows / largest[:, None]).transpose(3, 1, 2, 0).reshape(d.shape[2], -1, modes + 1))
-    r: Array = np.asarray(np.linalg.qr(rows, mode="r"))  # its last column holds Q'b
-    diagonal = np.abs(np.diagonal(r, axis1=1, axis2=2))[:, :modes]
-    sound = diagonal.min(axis=1) > 1e-9 * diagonal.max(axis=1)
-    c: Array = np.zeros((d.shape[2], modes))
-    if sound.any():
-        c[sound] = np.linalg.solve(r[sound, :modes, :modes], r[sound, :modes, modes:])[:, :, 0]
-    return c, sound
+    _, states, lanes = points.shape
+    x, error, leading = np.empty((lanes, states)), np.empty(lanes), np.empty(lanes)
+    _limits(
+        points=np.ascontiguousarray(points.transpose(2, 0, 1)), lanes=lanes, states=states,
+        scale=np.ascontiguousarray(scale.T), period=period, tolerance=np.array([tolerance]),
+        d=np.empty((DIFFERENCES, states)), largest=np.empty(DIFFERENCES), step=np.empty(states), room=room_for_fit(states),
+        x=x, error=error, leading=leading,
+    )  # fmt: skip
+    return Limit(x.T, error, leading)

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.return_search import FLOOR, nearest_returns, with_floors
 from whirlmap.errors import RangeError
 from whirlmap.results.findings import Findings
 
@@ -25,13 +26,6 @@ PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
 """Meaning of ``status`` of ``period_in_T`` by value."""
 
 
-#: Differences smaller than this fraction of the one a whole orbit before have shrunk.
-SHRINKS = 0.99
-#: Differences over fewer periods that are smaller than `SMALL` must repeat to this part of themselves to be an orbit's own:
-#: those of a spiral that closes in do not.
-SMALL, STEADY = 1e-4, 0.03
-
-
 def return_multiple(
     section: ArrayLike,
     *,
@@ -39,7 +33,7 @@ def return_multiple(
     tolerance: float = 1e-6,
     most: int = 64,
     cyclic: Mapping[int, float] | None = None,
-    floor: float = 1e-6,
+    floor: float = FLOOR,
 ) -> "xr.Dataset":
     """Smallest number of common periods after which each lane's section points repeat.
 
@@ -99,7 +93,7 @@ def find_return_multiple(
     tolerance: float = 1e-6,
     most: int = 64,
     cyclic: Mapping[int, float] | None = None,
-    floor: float = 1e-6,
+    floor: float = FLOOR,
 ) -> Findings:
     """`return_multiple` before it is a Dataset."""
     x = _checked(section, "section", tolerance)
@@ -108,7 +102,10 @@ def find_return_multiple(
             f"section holds {x.shape[0]} points: multiples up to {most} need at least {2 * max(most, 1)}. "
             f"Record more, or ask for most={x.shape[0] // 2}."
         )
-    multiple, distance, nearest, deciding, finite, size, period = _search(x, scale, tolerance, most, cyclic, floor)
+    period = _periods(cyclic, x.shape[1])
+    finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
+    size = _scales(x, scale, period, floor, finite)
+    multiple, distance, nearest, deciding = nearest_returns(x, size, period, tolerance, most)
     drift = np.full(x.shape[2], np.nan)
     for m in np.unique(nearest[finite]):
         those = np.flatnonzero(finite & (nearest == m))
@@ -128,140 +125,6 @@ def find_return_multiple(
     )
 
 
-def shortest_return(
-    section: Array, *, scale: Array, tolerance: float, most: int, cyclic: Mapping[int, float] | None = None
-) -> tuple[NDArray[np.int64], Array]:
-    """Multiple of `return_multiple` and its distance (NaN where nothing returns), shape (lane,), for inner loops.
-
-    The last point alone rules out nearly all multiples, so that few of them are held against the window.
-    """
-    period = _periods(cyclic, section.shape[1])
-    finite = np.asarray(np.isfinite(section).all(axis=(0, 1)))
-    size = _scales(section, scale, period, 1e-6, finite)
-    multiple, distance = np.zeros(section.shape[2], np.int64), np.full(section.shape[2], np.nan)
-    last = _difference(section[-1] - section[-2 : -2 - most : -1], period)
-    near = ((last / size).max(axis=1) < tolerance) & finite
-    for m in np.flatnonzero(near.any(axis=1)) + 1:
-        left = np.flatnonzero(near[m - 1] & (multiple == 0))
-        largest = _window_difference(section, int(m), left, period, size).max(axis=0)
-        returned = largest < tolerance
-        multiple[left[returned]], distance[left[returned]] = m, largest[returned]
-    return multiple, distance
-
-
-def nearest_return(
-    section: Array, *, scale: Array, tolerance: float, most: int, cyclic: Mapping[int, float] | None = None
-) -> Array:
-    """Distance of `return_multiple`, the smallest of any multiple where nothing returns, shape (lane,)."""
-    found: Array = _search(section, scale, tolerance, most, cyclic, 1e-6)[1]
-    return found
-
-
-def _window_difference(section: Array, m: int, lanes: NDArray[np.intp], period: Array, size: Array) -> Array:
-    """Largest scaled difference of points m apart, shape (state, lane)."""
-    out: Array = _difference(section[m:, :, lanes] - section[:-m, :, lanes], period).max(axis=0) / size[:, lanes]
-    return out
-
-
-def _search(
-    x: Array, scale: ArrayLike | None, tolerance: float, most: int, cyclic: Mapping[int, float] | None, floor: float
-) -> tuple[Any, ...]:
-    """Multiple, distance, nearest multiple and deciding state of every lane; which are finite, their scales, the periods."""
-    period = _periods(cyclic, x.shape[1])
-    lanes = x.shape[2]
-    finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
-    multiple, nearest = np.zeros(lanes, np.int64), np.zeros(lanes, np.int64)
-    deciding = np.full(lanes, -1, np.int64)
-    distance = np.full(lanes, np.nan)
-    distance[finite] = np.inf
-    size = _scales(x, scale, period, floor, finite)
-    left = np.flatnonzero(finite)
-    for m in range(1, most + 1):
-        if left.size == 0:
-            break
-        per_state = _window_difference(x, m, left, period, size)
-        largest = per_state.max(axis=0)
-        closer = largest < distance[left]
-        where = left[closer]
-        distance[where], nearest[where] = largest[closer], m
-        deciding[where] = per_state.argmax(axis=0)[closer]
-        multiple[left[largest < tolerance]] = m
-        left = left[largest >= tolerance]
-    return multiple, distance, nearest, deciding, finite, size, period
-
-
-def distance_to_limit(
-    section: Array,
-    multiple: NDArray[np.int64],
-    *,
-    scale: ArrayLike | None = None,
-    cyclic: Mapping[int, float] | None = None,
-    floor: float = 1e-6,
-) -> Array:
-    """Scaled distance of the last section point from the limit of its geometric approach, shape (lane,).
-
-    Parameters are those of `return_multiple`, and its ``multiple``; every lane returns.
-
-    Notes
-    -----
-    From the last difference over one return, d, and the one before it, d / r, the distance is d r / (1 - r). Differences
-    that do not shrink have no limit: infinity, but for those below 1e-9, where rounding hides the ratio: they count as
-    they are.
-    A window too short for two differences has r = 0.
-    """
-    period = _periods(cyclic, section.shape[1])
-    size = _scales(section, scale, period, floor, np.ones(section.shape[2], dtype=bool))
-    lanes, last = np.arange(section.shape[2]), section.shape[0] - 1
-
-    def apart(now: NDArray[np.int64]) -> Array:
-        change = section[now, :, lanes] - section[np.maximum(now - multiple, 0), :, lanes]
-        out: Array = (_difference(change.T[None], period)[0] / size).max(axis=0, initial=0.0)
-        return out
-
-    late, early = apart(np.full_like(multiple, last)), apart(last - multiple)
-    known = (last - 2 * multiple >= 0) & (early > 0)
-    ratio = np.where(known, late / np.where(early > 0, early, 1.0), 0.0)
-    left = np.where(ratio < 1, late * ratio / np.where(ratio < 1, 1 - ratio, 1.0), np.inf)
-    return np.where(late <= 1e-9, late, left)
-
-
-def shrinking(
-    section: Array,
-    multiple: NDArray[np.int64],
-    *,
-    scale: ArrayLike | None = None,
-    cyclic: Mapping[int, float] | None = None,
-    floor: float = 1e-6,
-) -> NDArray[np.bool_]:
-    """Whether a shorter return is still on its way, shape (lane,): then the multiple found is not yet the smallest.
-
-    A transient that alternates about a fixed point (multiplier near -1) returns after two common periods before it returns
-    after one, and a spiral that turns by nearly a third of a round returns after three. On an orbit of m common periods
-    differences over fewer repeat after m: the largest of the last m is compared with the largest of m a whole number of
-    returns earlier, as many as the window holds; and small ones must repeat all over the window, for a spiral may stand
-    still at its end.
-    Parameters are those of `distance_to_limit`; the window holds at least 2 m points.
-    """
-    period = _periods(cyclic, section.shape[1])
-    size = _scales(section, scale, period, floor, np.ones(section.shape[2], dtype=bool))
-    out = np.zeros(section.shape[2], dtype=bool)
-    for m in np.unique(multiple):
-        lanes = np.flatnonzero(multiple == m)
-        x, s = section[:, :, lanes], size[:, lanes]
-
-        for d in range(1, int(m)):
-            if m % d == 0:
-                change = (_difference(x[d:] - x[:-d], period) / s).max(axis=1)
-                phases = range(max(min(int(m), x.shape[0] - int(m) - d), 1))
-                returns = (x.shape[0] - d - len(phases)) // int(m)
-                late, early = (np.max([change[-1 - p - b * int(m)] for p in phases], axis=0) for b in (0, returns))
-                out[lanes] |= late < SHRINKS * early
-                largest = change.max(axis=0)
-                varies = np.abs(change[m:] - change[:-m]).max(axis=0, initial=0.0)
-                out[lanes] |= (largest < SMALL) & (varies > STEADY * largest)
-    return out
-
-
 def period_in_T(
     points: ArrayLike,
     multiple: ArrayLike,
@@ -270,7 +133,7 @@ def period_in_T(
     scale: ArrayLike | None = None,
     tolerance: float = 1e-6,
     cyclic: Mapping[int, float] | None = None,
-    floor: float = 1e-6,
+    floor: float = FLOOR,
 ) -> "xr.Dataset":
     """Smallest number n of periods T after which lanes that return at the common period repeat.
 
@@ -316,7 +179,7 @@ def find_period_in_T(
     scale: ArrayLike | None = None,
     tolerance: float = 1e-6,
     cyclic: Mapping[int, float] | None = None,
-    floor: float = 1e-6,
+    floor: float = FLOOR,
 ) -> Findings:
     """`period_in_T` before it is a Dataset."""
     x = _checked(points, "points", tolerance)
@@ -416,15 +279,8 @@ def _scales(
         own = np.broadcast_to(given, (states, lanes))[:, finite]
         if not (np.isfinite(own) & (own >= 0)).all():
             raise RangeError("scale holds numbers that are negative or not finite.")
-    own = np.maximum(own, floor * magnitude)
-    own = np.maximum(own, floor * own.max(axis=0, keepdims=True))
-    size[:, finite] = np.where(own > 0, own, 1.0)  # all zero: the differences are zero too
+    size[:, finite] = with_floors(own, magnitude, period, floor)
     return size
-
-
-def scales(section: Array, scale: Array, period: Array, floor: float = 1e-6) -> Array:
-    """By what `return_multiple` divides differences: the given scale with its floors, shape (state, lane)."""
-    return _scales(section, scale, period, floor, np.asarray(np.isfinite(section).all(axis=(0, 1))))
 
 
 def period_of(cyclic: Mapping[int, float] | None, states: int) -> Array:

@@ -19,14 +19,16 @@ Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.acceleration import LONGEST_RETURN, Trials
+from whirlmap.analysis.acceleration import Trials
+from whirlmap.analysis.approach import LONGEST_RETURN
+from whirlmap.analysis.compiled import compiled
 from whirlmap.analysis.extrapolation import DIFFERENCES
-from whirlmap.analysis.periodicity import distance_to_limit, nearest_return, shortest_return, shrinking
+from whirlmap.analysis.periodicity import period_of
+from whirlmap.analysis.return_search import search_windows
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.routine import LANES
@@ -146,7 +148,7 @@ def settle(
     """
     common = ensemble.common_multiple
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
-    pool = _Pool(ensemble, settling, longest, cyclic or {})
+    pool = _Pool(ensemble, settling, longest, period_of(cyclic, ensemble.model.dimension))
     while pool.active.size:
         segment = ensemble.advance(
             pool.stretch() * common, members=pool.active, save_periods=common, extremes=True, progress=progress
@@ -163,19 +165,62 @@ def settle(
     return pool.settled
 
 
+@compiled(
+    {
+        "active": "ints", "chosen": "int", "ended": "ints", "slot": "ints", "saved": "doubles", "rows": "int",
+        "states": "int", "low": "doubles", "high": "doubles", "least": "doubles", "most": "doubles", "history": "doubles",
+        "ring": "int",
+        "ran": "ints", "look_at": "ints", "waited": "ints", "trial": "ints", "needed": "ints", "trial_points": "doubles",
+        "trial_rows": "int", "trial_ran": "ints", "due": "ints",
+    },
+)  # fmt: skip
+def _take_over(
+    active: Integers, chosen: int, ended: Integers, slot: Integers, saved: Array, rows: int, states: int, low: Array,
+    high: Array, least: Array, most: Array, history: Array, ring: int, ran: Integers, look_at: Integers, waited: Integers,
+    trial: Integers, needed: Integers, trial_points: Array, trial_rows: int, trial_ran: Integers, due: Integers,
+) -> None:  # fmt: skip
+    """Take over the section points of the active points, shape (row, state, active), and the extremes (state, active).
+
+    Points on trial have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be looked at.
+    """
+    for j in range(chosen):
+        p = active[j]
+        at = slot[p]
+        waited[p] += rows
+        for k in range(states):
+            if low[k * chosen + j] < least[at * states + k]:
+                least[at * states + k] = low[k * chosen + j]
+            if high[k * chosen + j] > most[at * states + k]:
+                most[at * states + k] = high[k * chosen + j]
+        for r in range(rows):
+            for k in range(states):
+                x = saved[(r * states + k) * chosen + j]
+                if trial[p] > 0:
+                    trial_points[(at * trial_rows + trial_ran[p] + 1 + r) * states + k] = x
+                else:
+                    history[(at * ring + (ran[p] + r) % ring) * states + k] = x
+        if trial[p] > 0:
+            trial_ran[p] += rows
+            over = trial_ran[p] >= needed[trial[p]]
+        else:
+            ran[p] += rows
+            over = ran[p] >= look_at[p]
+        due[j] = 1 if over or ended[j] > 0 else 0
+
+
 class _Pool:
     """Points that run now, with their last section points, and the queue of those that wait."""
 
-    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float]) -> None:
+    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, period: Array) -> None:
         n, states = ensemble.points, ensemble.model.dimension
-        self.ensemble, self.settling, self.longest, self.cyclic = ensemble, settling, longest, cyclic
+        self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
         self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
         self.waiting = 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
         kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
-        self.history = np.full((-(-kept // ROUND) * ROUND, states, self.size), np.nan)
-        self.low, self.high = np.empty((states, self.size)), np.empty((states, self.size))  # since the last look
+        self.history = np.full((self.size, -(-kept // ROUND) * ROUND, states), np.nan)
+        self.low, self.high = np.empty((self.size, states)), np.empty((self.size, states))  # since the last look
         self.slot = np.full(n, -1, dtype=np.intp)
         self.free = list(range(self.size))
         self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
@@ -184,9 +229,10 @@ class _Pool:
             np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64),
             np.zeros(n, dtype=np.bool_),
         )  # fmt: skip
-        self.trials = Trials(
-            ensemble, self.slot, self.size, every=ROUND, tolerance=settling.tolerance, cyclic=self.cyclic
-        )  # fmt: skip
+        self.windows = np.array(windows(settling))
+        self.tolerance = np.array([settling.tolerance])
+        self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(max(self.history.shape[1], states))
+        self.trials = Trials(ensemble, self.slot, self.size, every=ROUND, tolerance=settling.tolerance, period=period)
         self.fill()
 
     def fill(self) -> None:
@@ -203,7 +249,7 @@ class _Pool:
 
     def forget(self, points: NDArray[np.intp]) -> None:
         """Begin the ranges of points anew."""
-        self.low[:, self.slot[points]], self.high[:, self.slot[points]] = np.inf, -np.inf
+        self.low[self.slot[points]], self.high[self.slot[points]] = np.inf, -np.inf
 
     def stretch(self) -> int:
         """Common periods until the first of the points is due for a look."""
@@ -213,89 +259,61 @@ class _Pool:
 
     def take(self, saved: Array, low: Array, high: Array) -> None:
         """Take over the section points and extremes of a stretch, and look at the points that are due."""
-        at, slot = self.active, self.slot[self.active]
-        states = saved.shape[1]
-        self.settled.waited[at] += len(saved)
-        self.low[:, slot] = np.minimum(self.low[:, slot], low[:states])
-        self.high[:, slot] = np.maximum(self.high[:, slot], high[:states])
-        trying = self.trials.multiple[at] > 0
-        self.trials.record(at[trying], saved[:, :, trying])
-        plain = at[~trying]
-        rows = (self.ran[plain] + np.arange(len(saved))[:, None]) % self.history.shape[0]
-        self.history[rows, :, self.slot[plain]] = saved[:, :, ~trying].transpose(0, 2, 1)
-        self.ran[plain] += len(saved)
-        due = np.where(trying, self.trials.left(at) <= 0, self.ran[at] >= self.next[at]) | ~self.ensemble.running[at]
-        done = np.zeros(at.size, dtype=np.bool_)
-        done[due] = self.look(at[due], trying[due])
-        self.free += slot[done].tolist()
-        self.active = at[~done]
-        self.fill()
+        at, trials = self.active, self.trials
+        running = self.ensemble.running[at]
+        due = np.empty(at.size, dtype=np.int64)
+        _take_over(
+            active=at, chosen=at.size, ended=(~running).astype(np.int64), slot=self.slot, saved=saved, rows=len(saved),
+            states=self.period.size, low=low, high=high, least=self.low, most=self.high, history=self.history,
+            ring=self.history.shape[1], ran=self.ran, look_at=self.next, waited=self.settled.waited, trial=trials.multiple,
+            needed=trials.needed, trial_points=trials.points, trial_rows=trials.points.shape[1], trial_ran=trials.ran,
+            due=due,
+        )  # fmt: skip
+        which = np.flatnonzero(due)
+        if not which.size:
+            return
+        done = self.look(at[which], running[which])
+        if done.any():
+            gone = which[done]
+            self.free += self.slot[at[gone]].tolist()
+            self.active = np.delete(at, gone)
+            self.fill()
 
-    def look(self, at: NDArray[np.intp], trying: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Look at points that are due; returns which of them are done."""
-        s, slot = self.settled, self.slot[at]
-        s.scale[:, at] = positive(self.high[:, slot] - self.low[:, slot])
+        s, slot, trying = self.settled, self.slot[at], self.trials.multiple[at] > 0
+        s.scale[:, at] = np.where(running[:, None], positive(self.high[slot] - self.low[slot]), 1.0).T
         self.forget(at)
-        passed, multiple, distance = self.trials.look(at[trying], s.scale)
-        s.multiple[passed], s.distance[passed], s.accelerated[passed] = multiple, distance, True
-        plain, running = at[~trying], self.ensemble.running[at]
-        self.search_windows(plain[running[~trying]])
+        plain = at
+        if trying.any():
+            passed, multiple, distance = self.trials.look(at[trying], s.scale)
+            s.multiple[passed], s.distance[passed], s.accelerated[passed] = multiple, distance, True
+            plain = at[~trying]
+        self.search(plain if running.all() else at[~trying & running])
         self.looked[plain] = self.ran[plain]
         self.next[plain] = looks(self.ran[plain], self.longest[plain])
         done: NDArray[np.bool_] = ~running | (s.multiple[at] > 0) | (self.ran[at] >= self.longest[at])
         if self.accelerate:
-            self.trials.begin(at[~done & ~trying], self.ran, self.last, s.scale)
+            self.trials.begin(at[~done & ~trying], self.ran, self.history, s.scale)
         return done
 
-    def search_windows(self, points: NDArray[np.intp]) -> None:
-        """Search the windows that are due: the first at every look, others where they have filled anew, or at the end."""
-        ran, looked = self.ran[points], self.looked[points]
-        for k, window in enumerate(self.windows):
-            due = (ran // window > looked // window) | (k == 0) | (ran >= self.longest[points])
-            these = points[due & (ran >= window) & (self.settled.multiple[points] == 0)]
-            if these.size:
-                self.search(these, window)
+    def search(self, points: NDArray[np.intp]) -> None:
+        """Search the windows of points that are due."""
+        s = self.settled
+        search_windows(
+            points=points, chosen=points.size, slot=self.slot, history=self.history, ring=self.history.shape[1],
+            states=self.period.size, n=self.slot.size, windows=self.windows, lengths=self.windows.size, ran=self.ran,
+            looked=self.looked, longest=self.longest, period=self.period, tolerance=self.tolerance, scale=s.scale,
+            own=self._own, size=self._size, room=self._room, multiple=s.multiple, distance=s.distance,
+        )  # fmt: skip
 
-    def last(self, points: NDArray[np.intp], count: int) -> Array:
-        """Last section points of plain running, shape (count, state, point)."""
-        rows = (self.ran[points] - count + np.arange(count)[:, None]) % self.history.shape[0]
-        return self.history[rows, :, self.slot[points]].transpose(0, 2, 1)
 
-    @cached_property
-    def windows(self) -> list[int]:
-        """Lengths of the windows, each twice the one before."""
-        out = [min(self.settling.first_window, 2 * self.settling.most)]
-        while out[-1] < 2 * self.settling.most:
-            out.append(min(2 * out[-1], 2 * self.settling.most))
-        return out
-
-    def search(self, points: NDArray[np.intp], window: int) -> None:
-        """Look for a return in the last ``window`` section points."""
-        s, tolerance = self.settled, self.settling.tolerance
-        x = self.last(points, window)
-        scale = s.scale[:, points]
-        multiple, s.distance[points] = shortest_return(
-            x, scale=scale, tolerance=tolerance, most=max(window // 2, 1), cyclic=self.cyclic
-        )
-        given_up = (multiple == 0) & (self.ran[points] >= self.longest[points])
-        if window == self.windows[-1] and given_up.any():
-            s.distance[points[given_up]] = nearest_return(
-                x[:, :, given_up], scale=scale[:, given_up], tolerance=tolerance, most=max(window // 2, 1),
-                cyclic=self.cyclic,
-            )  # fmt: skip
-        returned = np.flatnonzero(multiple > 0)
-        if not returned.size:
-            return
-        multiple, scale, returned = multiple[returned], scale[:, returned], points[returned]
-        near = distance_to_limit(self.last(returned, window), multiple, scale=scale, cyclic=self.cyclic) <= tolerance
-        # a spiral of nearly m to the round looks like an orbit of m in one window, and not in two
-        longer = (self.ran[returned] >= 2 * window) & (2 * window <= self.history.shape[0])
-        for length in (window, 2 * window):
-            at = np.flatnonzero(near & (longer == (length > window)))
-            if at.size:
-                x = self.last(returned[at], length)
-                near[at] = ~shrinking(x, multiple[at], scale=scale[:, at], cyclic=self.cyclic)
-        s.multiple[returned[near]] = multiple[near]
+def windows(settling: Settling) -> list[int]:
+    """Lengths of the windows, each twice the one before."""
+    out = [min(settling.first_window, 2 * settling.most)]
+    while out[-1] < 2 * settling.most:
+        out.append(min(2 * out[-1], 2 * settling.most))
+    return out
 
 
 def positive(size: Array) -> Array:

@@ -233,7 +233,7 @@ class Ensemble:
         if save_every and save_periods:
             raise RangeError("save_every and save_periods exclude each other")
         save = save_periods if save_periods else Fraction(save_every, self.steps) if save_every else Fraction(0)
-        if any((save * int(count)) % 1 for count in np.unique(self.point_steps[members])):
+        if isinstance(save, Fraction) and any((save * int(n)) % 1 for n in np.unique(self.point_steps[members])):
             raise RangeError(f"states every {save} T are not a whole number of steps apart")
         rows = self.model.dimension + len(self.model.outputs)
         segment = Record(
@@ -244,7 +244,8 @@ class Ensemble:
         place = np.full(self.points, -1, dtype=np.intp)
         place[members] = np.arange(members.size)
         running = self.running
-        if np.unique(self.turns[members][running[members]] % self.common_multiple).size > 1:
+        phases = self.turns[members[running[members]]] % self.common_multiple
+        if phases.size and phases.min() < phases.max():
             raise RangeError("points that run together must stand at the same phase of their common period")
         tasks = [
             (group, local)
@@ -270,10 +271,9 @@ class Ensemble:
                     pass
             finally:
                 pool.shutdown(cancel_futures=True)  # an interrupt waits for the blocks that run, not for the queue
-        still = members[self.running[members]]
-        self.turns[still] += n_periods
-        total = n_periods * self.point_steps[members]
-        statistics = _statistics(segment.sums, total, self.running[members]) if extremes else None
+        still = self.running[members]
+        self.turns[members[still]] += n_periods
+        statistics = _statistics(segment.sums, n_periods * self.point_steps[members], still) if extremes else None
         return Segment(segment.saved, segment.growth, statistics)
 
 
@@ -315,4 +315,6 @@ def _statistics(sums: Array, steps: Integers, running: NDArray[np.bool_]) -> dic
     mean = total / steps
     variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
     out = {"minimum": low, "maximum": high, "mean": reference + mean, "rms": np.sqrt(variance)}
+    if running.all():
+        return out
     return {name: np.where(running, values, np.nan) for name, values in out.items()}

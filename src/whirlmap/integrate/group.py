@@ -47,6 +47,7 @@ class Group:
         self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members])
         self.h = ensemble.period[members] / steps
         self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)
+        self._packed: tuple[Points, dict[str, Any]] = np.zeros(0, dtype=np.intp), {}  # of the last call
         self.rescue = Rescue(model, ensemble.method, ensemble.tangents, ensemble.values[:, members], redo=ensemble.redo)
 
     def advance(self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points) -> None:
@@ -62,9 +63,10 @@ class Group:
         while everything.size:
             run.call(everything, int(e.turns[at[0]]) * self.steps)
             lost = np.flatnonzero(run.failed.reshape(-1)[: at.size] >= 0)
+            if not lost.size:
+                break
             run.active[:] = 0
-            if lost.size:
-                self._mend(local, lost, run)
+            self._mend(local, lost, run)
             run.failed[:] = -1
             everything = np.flatnonzero(run.active.any(axis=(1, 2)))
         to = place[at]
@@ -74,6 +76,14 @@ class Group:
             if into.size:
                 flat = blocks.reshape(run.blocks, into.shape[0] * into.shape[1], LANES)
                 into[:, :, to] = unblocked(flat, at.size).reshape(*into.shape[:2], at.size)
+
+    def packed(self, local: Points) -> dict[str, Any]:
+        """Steps and inputs of some points in blocks; they are often those of the call before."""
+        last, blocks = self._packed
+        if not (blocks and np.array_equal(last, local)):
+            blocks = {"h": blocked(self.h[None, local]), **self.inputs.blocks(local)}
+            self._packed = local, blocks  # at once: another thread may have other points
+        return blocks
 
     def _mend(self, local: Points, lost: Points, run: _Run) -> None:
         """Redo the failed steps of lost points, given by their positions in a run; those that get through go on."""
@@ -120,8 +130,7 @@ class _Run:
         self.count, self.n = e.tangents, e.model.dimension
         self.y = blocked(e._y[:, group.members[local]])
         self.blocks = self.y.shape[0]
-        self.h = blocked(group.h[None, local])
-        self.inputs = group.inputs.blocks(local)
+        self.inputs = group.packed(local)
         self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
         self.growth = np.zeros((self.blocks, record.growth.shape[0], self.count, LANES))
@@ -137,7 +146,7 @@ class _Run:
         names = ("y", "first", "active", "failed", "saved", "growth", "sums")
         whole = chosen.size == self.blocks
         arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
-        steady = {"h": self.h, "p": self.inputs["p"], "offsets": self.inputs["offsets"]}
+        steady = {name: self.inputs[name] for name in ("h", "p", "offsets")}
         if not whole:
             arrays = {name: np.ascontiguousarray(a[chosen]) for name, a in arrays.items()}
             steady = {name: np.ascontiguousarray(a[chosen]) for name, a in steady.items()}

@@ -28,7 +28,9 @@ LEVELS = {
 LIBRARY = {"sin", "cos", "sincos", "floor", "rint", "sqrt", "pow"}
 
 #: What arrays hold, by kind.
-HOLDS: dict[Kind, Any] = {"rows": np.float64, "doubles": np.float64, "flags": np.int64, "ints": np.int64}
+HOLDS: dict[Kind, np.dtype[Any]] = {
+    "rows": np.dtype(np.float64), "doubles": np.dtype(np.float64), "flags": np.dtype(np.int64), "ints": np.dtype(np.int64),
+}  # fmt: skip
 
 
 def processor() -> tuple[str, str]:
@@ -172,22 +174,33 @@ class Function:
         self.code, self.name, self.arguments = code, name, arguments  # the code stays in memory as long as its functions
         kinds = [ctypes.c_int64 if kind == "int" else ctypes.c_void_p for kind in arguments.values()]
         self._call = ctypes.CFUNCTYPE(None, *kinds)(address)
+        self._holds = [(name, HOLDS.get(kind)) for name, kind in arguments.items()]
 
     def __call__(self, **values: Any) -> None:
         """Call it; every argument by name, arrays C-contiguous and of the kind's type."""
         assert values.keys() == self.arguments.keys(), values.keys() ^ self.arguments.keys()
         passed = []
-        for name, kind in self.arguments.items():
+        for name, held in self._holds:
             value = values[name]
-            if kind != "int":
-                assert value.dtype == HOLDS[kind] and value.flags.c_contiguous, name
-                value = value.ctypes.data
-            passed.append(int(value))
+            if held is None:
+                passed.append(int(value))
+            else:
+                assert value.dtype == held, name
+                passed.append(begin(value, name))
         self._call(*passed)
+
+
+def begin(array: Any, name: str = "") -> int:
+    """Address of an array's first number; NumPy's own way to it takes three times as long. It must be C-contiguous."""
+    try:
+        return ctypes.addressof(ctypes.c_char.from_buffer(array))
+    except (TypeError, ValueError):  # not contiguous, read-only, or empty
+        assert array.flags.c_contiguous, name
+        return int(array.ctypes.data)
 
 
 def aligned(rows: int) -> NDArray[np.float64]:
     """Uninitialised rows of lanes that begin at a multiple of 64 bytes: a vector is then read from one line of cache."""
     raw = np.empty(rows * LANES + 8)
-    skip = (-raw.ctypes.data % 64) // 8
+    skip = (-begin(raw) % 64) // 8
     return raw[skip : skip + rows * LANES]
