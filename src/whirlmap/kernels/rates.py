@@ -50,11 +50,14 @@ class ModelRoutines:
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
 
-    def rates(self, lines: Straight, *, along: bool = False, unwanted: Collection[int] = ()) -> Routine:
+    def rates(
+        self, lines: Straight, rows: Sequence[int] = (), *, along: bool = False, unwanted: Collection[int] = ()
+    ) -> Routine:
         """Write ``rates``: the results of straight-line code, those of the states, then ``more``.
 
         These are the Jacobian's moving entries, or with ``along`` the derivatives along the vector ``v``, but for those of
-        the ``unwanted`` states.
+        the ``unwanted`` states; ``rows`` says of which state each of them is. What is of one state is written together, and
+        all that it needs not before: LLVM keeps the order, and finds registers for half of what went to the stack.
         """
         n = self.model.dimension
         kinds: dict[str, Kind] = {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags"}
@@ -72,13 +75,26 @@ class ModelRoutines:
             place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
         if reads:
             code.names |= self._inputs(r, lines.names())
-        for read in reads:
-            code.names |= self.places.of(read).polynomials(r, read)
-        for symbol, e in after:
-            code.names[symbol.name] = code.value(e)
-        for i, result in enumerate(lines.results):
+        pending: dict[Symbol, Expr | Read] = {output[2]: read for read in reads for output in read.outputs}
+        pending |= dict(after)
+
+        def value(e: Expr) -> Value:
+            for symbol in sorted(e.free_symbols & pending.keys(), key=str):
+                if symbol in pending:  # else it came with another output of its table
+                    source = pending.pop(symbol)
+                    if isinstance(source, Read):
+                        code.names |= self.places.of(source).polynomials(r, source)
+                        for output in source.outputs:
+                            pending.pop(output[2], None)
+                    else:
+                        code.names[symbol.name] = value(source)
+            return code.value(e)
+
+        for symbol in [] if rows else list(pending):
+            value(symbol)
+        for i in sorted(range(len(lines.results)), key=lambda i: (*range(n), *rows)[i]):
             if not (along and i - n in unwanted):
-                r.store(code.value(result), r.at["dy"] if i < n else r.at["more"], i if i < n else i - n)
+                r.store(value(lines.results[i]), r.at["dy"] if i < n else r.at["more"], i if i < n else i - n)
         r.done()
         return r
 

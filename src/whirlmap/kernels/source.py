@@ -125,6 +125,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         rates = along_code(rates, names, [Symbol(direction_name(s), real=True) for s in model.states], hoisted)
     moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
     slots = {at: i for i, at in enumerate(moving)}
+    rows = range(model.dimension) if slopes == "along" else [row for row, _ in moving]
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
     gaps = straight(model, [stop.gap for stop in model.stops.values()], hoisted)
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
@@ -132,7 +133,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
     routines = ModelRoutines(module, model, hoisted, kind, Roots(estimates()), Sines(module, fuses()))
-    of_rates = routines.rates(rates, along=slopes == "along", unwanted=positions)
+    of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
     sizes = Sizes(
