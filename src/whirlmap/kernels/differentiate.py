@@ -6,13 +6,17 @@ by *seeds*: the states, and every assignment that is a linear form of states wit
 deflection), so that the parts of a linear form are not differentiated one by one. An assignment that depends on several
 seeds and serves several others (the square of the eccentricity) is a seed on the way: what depends on it is differentiated
 by it alone, and the chain rule is applied once at the end. Along a single direction there is one seed, the direction itself.
+
+Two habits of calculation by hand spare a tenth of a film's derivatives. A sum inside of a product is differentiated as one
+thing. And a product of roots and reciprocals stands in its own derivative, times the sum of its factors' *rates*: each
+factor's derivative over the factor itself.
 """
 
 from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sympy import DiracDelta, Expr, Integer, Symbol, sympify
+from sympy import Add, DiracDelta, Expr, Integer, Mul, Symbol, sympify
 
 from whirlmap.kernels.lower import Hoisted, Read, Straight, inverse, root, split_powers
 
@@ -48,7 +52,7 @@ def jacobian_code(
     forms : Forms
         The seeds among them that are no states.
     """
-    writer = _Forward({v: {v: Integer(1)} for v in variables}, hoisted, uses=_uses(lines))
+    writer = _Forward({v: {v: Integer(1)} for v in variables}, hoisted, _roots(lines), uses=_uses(lines))
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
     entries: Entries = {}
@@ -79,7 +83,7 @@ def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol]
         Jacobian and its product with the direction; for two, the Jacobian is cheaper.
     """
     seeds: dict[Symbol, Slopes] = {v: {DIRECTION: d} for v, d in zip(variables, direction, strict=True)}
-    writer = _Forward(seeds, hoisted)
+    writer = _Forward(seeds, hoisted, _roots(lines))
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
     slopes = [writer.slopes(result).get(DIRECTION, Integer(0)) for result in lines.results]
@@ -90,14 +94,15 @@ class _Forward:
     """Derivatives of assignments by seeds, each put into an assignment of its own unless it is trivial."""
 
     def __init__(
-        self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, *, uses: Mapping[Symbol, int] | None = None
+        self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, roots: set[Expr], *, uses: Counter[Symbol] | None = None
     ) -> None:
-        self.hoisted = hoisted
+        self.hoisted, self.roots = hoisted, roots
         self.steps: list[tuple[Symbol, Expr] | Read] = []
         self.variables = set(by_seed)
         self.by_seed = by_seed
         self.linear: dict[Symbol, Slopes] = {}
         self.on_the_way: dict[Symbol, Slopes] = {}
+        self.rates: dict[Symbol, Slopes] = {}
         self.uses = uses
         self.count = 0
 
@@ -110,7 +115,12 @@ class _Forward:
             if len(e.free_symbols & set(self.by_seed)) > 1:  # else it is a multiple of a seed that there is
                 self.by_seed[symbol] = {symbol: Integer(1)}
                 return
-        slopes = {seed: self._name(slope) for seed, slope in self.slopes(e).items()}
+        rates = self._rates(e)
+        if rates:
+            self.rates[symbol] = {seed: self._name(rate) for seed, rate in rates.items()}
+            slopes = {seed: self._name(symbol * rate) for seed, rate in self.rates[symbol].items()}
+        else:
+            slopes = {seed: self._name(slope) for seed, slope in self.slopes(self._parted(e)).items()}
         if self.uses is not None and len(slopes) > 1 and self.uses[symbol] > 1:
             self.on_the_way[symbol], slopes = slopes, {symbol: Integer(1)}
         if slopes:
@@ -146,7 +156,7 @@ class _Forward:
 
     def by_last_seeds(self, e: Expr) -> Slopes:
         """Derivatives of an expression by the states and linear forms, through the seeds on the way to them."""
-        out = self.slopes(e)
+        out = self.slopes(self._parted(e))
         for seed, inner in reversed(self.on_the_way.items()):
             if seed in out:
                 slope = self._name(out.pop(seed))
@@ -166,6 +176,60 @@ class _Forward:
                 out[variable] = out.get(variable, Integer(0)) + weight * inner
         return out
 
+    def _parted(self, e: Expr) -> Expr:
+        """An expression in whose products the sums, and what has rates, are assignments of their own."""
+        if isinstance(e, Add):
+            return e.func(*[self._parted(term) for term in e.args])
+        if not isinstance(e, Mul):
+            return e
+        with_rates = [f for f in e.args if f.free_symbols and self._rate(f.as_base_exp()[0]) is not None]
+        product = Mul(*with_rates)
+        others = [f for f in e.args if f not in with_rates]
+        sums = [f for f in others if isinstance(f, Add) and not self._linear_form(f)]
+        named = [self._part(f) if f in sums else f for f in others]
+        return Mul(self._part(product) if self._rates(product) else product, *named)
+
+    def _part(self, e: Expr) -> Expr:
+        """The name of a part of an expression, differentiated."""
+        if e.is_Symbol:
+            return e
+        symbol = self._new()
+        if self.uses is not None:
+            self.uses[symbol] = 2  # a seed on the way, if it depends on several
+        self.assign(symbol, e)
+        return symbol
+
+    def _rates(self, e: Expr) -> Slopes:
+        """Rates of a product by seed; empty where no factor is a root or a reciprocal, or where one has none."""
+        factors = [f.as_base_exp() for f in Mul.make_args(e)]
+        if not any(isinstance(base, root | inverse) or base in self.rates for base, _ in factors):
+            return {}
+        out: Slopes = {}
+        for base, exponent in factors:
+            rate = self._rate(base)
+            if rate is None:
+                return {}
+            for seed, value in rate.items():
+                out[seed] = out.get(seed, Integer(0)) + exponent * value
+        return out
+
+    def _rate(self, e: Expr) -> Slopes | None:
+        """Derivatives of a factor over the factor, by seed; nothing where that would take a division of its own."""
+        if e in self.rates or not e.free_symbols & set(self.by_seed):
+            return self.rates.get(e, {})
+        inner = e.args[0] if isinstance(e, root | inverse) else e
+        if isinstance(e, inverse) and not isinstance(inner, root):
+            scale = -e
+        elif isinstance(e, inverse):
+            inner, scale = inner.args[0], -(e**2) / 2
+        elif isinstance(e, root):
+            scale = inverse(e) ** 2 / 2
+        elif e in self.roots:
+            scale = inverse(root(e)) ** 2
+        else:
+            return None
+        return {seed: scale * slope for seed, slope in self.slopes(inner).items()}
+
     def hoist(self, e: Expr) -> Expr:
         """The kernel input that an expression of inputs alone becomes; any other expression as it is."""
         inputs = dict(zip(self.hoisted.symbols, self.hoisted.expressions, strict=True))
@@ -178,10 +242,19 @@ class _Forward:
         e = self.hoist(e)
         if e.is_Symbol:
             return e
-        symbol = Symbol(f"v{self.count}", real=True)
-        self.count += 1
+        symbol = self._new()
         self.steps.append((symbol, e))
         return symbol
+
+    def _new(self) -> Symbol:
+        self.count += 1
+        return Symbol(f"v{self.count - 1}", real=True)
+
+
+def _roots(lines: Straight) -> set[Expr]:
+    """What the code takes square roots of, and so their reciprocals too."""
+    expressions = [*(step[1] for step in lines.steps if isinstance(step, tuple)), *lines.results]
+    return {call.args[0] for e in expressions for call in e.atoms(root)}
 
 
 def _uses(lines: Straight) -> Counter[Symbol]:

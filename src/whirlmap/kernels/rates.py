@@ -1,6 +1,6 @@
 """The parts of a kernel that a model decides: rates with their Jacobian, outputs, the test of a step's end, harmonics."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from functools import reduce
 from typing import Literal
 
@@ -50,10 +50,14 @@ class ModelRoutines:
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
 
-    def rates(self, lines: Straight, *, along: bool = False) -> Routine:
+    def rates(
+        self, lines: Straight, rows: Sequence[int] = (), *, along: bool = False, unwanted: Collection[int] = ()
+    ) -> Routine:
         """Write ``rates``: the results of straight-line code, those of the states, then ``more``.
 
-        These are the Jacobian's moving entries, or with ``along`` the derivatives along the vector ``v``.
+        These are the Jacobian's moving entries, or with ``along`` the derivatives along the vector ``v``, but for those of
+        the ``unwanted`` states; ``rows`` says of which state each of them is. What is of one state is written together, and
+        all that it needs not before: LLVM keeps the order, and finds registers for half of what went to the stack.
         """
         n = self.model.dimension
         kinds: dict[str, Kind] = {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags"}
@@ -71,17 +75,35 @@ class ModelRoutines:
             place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
         if reads:
             code.names |= self._inputs(r, lines.names())
-        for read in reads:
-            code.names |= self.places.of(read).polynomials(r, read)
-        for symbol, e in after:
-            code.names[symbol.name] = code.value(e)
-        for i, result in enumerate(lines.results):
-            r.store(code.value(result), r.at["dy"] if i < n else r.at["more"], i if i < n else i - n)
+        pending: dict[Symbol, Expr | Read] = {output[2]: read for read in reads for output in read.outputs}
+        pending |= dict(after)
+
+        def value(e: Expr) -> Value:
+            for symbol in sorted(e.free_symbols & pending.keys(), key=str):
+                if symbol in pending:  # else it came with another output of its table
+                    source = pending.pop(symbol)
+                    if isinstance(source, Read):
+                        code.names |= self.places.of(source).polynomials(r, source)
+                        for output in source.outputs:
+                            pending.pop(output[2], None)
+                    else:
+                        code.names[symbol.name] = value(source)
+            return code.value(e)
+
+        for symbol in [] if rows else list(pending):
+            value(symbol)
+        for i in sorted(range(len(lines.results)), key=lambda i: (*range(n), *rows)[i]):
+            if not (along and i - n in unwanted):
+                r.store(value(lines.results[i]), r.at["dy"] if i < n else r.at["more"], i if i < n else i - n)
         r.done()
         return r
 
-    def tangent(self, entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms) -> Routine:
-        """Write ``tangent``: the Jacobian times one vector; entries without a slot are inputs or numbers.
+    def tangent(
+        self, entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms, unwanted: Collection[int]
+    ) -> Routine:
+        """Write ``tangent``: the Jacobian but for ``unwanted`` rows, times one vector.
+
+        Entries without a slot are inputs or numbers.
 
         It is copied into the steps, where the next stage takes the slopes from registers.
         """
@@ -96,7 +118,7 @@ class ModelRoutines:
 
         for seed, weights in forms.items():
             vector[seed] = weighted((number(float(weights[name])), vector[name]) for name in names if name in weights)
-        for i in range(self.model.dimension):
+        for i in set(range(self.model.dimension)) - set(unwanted):
             terms = []
             for (row, seed), e in entries.items():
                 if row == i:

@@ -21,7 +21,7 @@ from whirlmap.kernels.advancing import advance
 from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import Entries, Forms, along_code, jacobian_code
 from whirlmap.kernels.formulas import HoistedFunction
-from whirlmap.kernels.lower import Hoisted, local_name, straight
+from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
 from whirlmap.kernels.machine import estimates, fuses
 from whirlmap.kernels.marching import evaluate, march
 from whirlmap.kernels.methods import Method
@@ -29,7 +29,7 @@ from whirlmap.kernels.rates import ModelRoutines, Slopes, Time, direction_name
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import FAST_MATH, LANES
 from whirlmap.kernels.sines import Sines
-from whirlmap.kernels.stepping import Sizes
+from whirlmap.kernels.stepping import Run, Sizes
 
 #: Of every function. LLVM would split vectors of 512 bits on processors that have them, and keep those that find no register
 #: on a stack that is aligned for 16 bytes: nearly each would then lie across two lines of cache.
@@ -91,7 +91,7 @@ class KernelSource:
         """Read what `as_data` wrote."""
         entries = tuple(Entry(*entry) for entry in data["entries"])
         hoisted = HoistedFunction(data["inputs"], data["hoisted"])
-        sizes = Sizes(**data["sizes"])
+        sizes = Sizes(**{**data["sizes"], "runs": tuple(Run(*run) for run in data["sizes"]["runs"])})
         return cls(data["text"], sizes, hoisted, entries, dict(data["tables"]), tuple(data["nodes"]))
 
 
@@ -115,6 +115,8 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     hoisted = Hoisted(model.parameters)
     rates = straight(model, [model.equations[s] for s in model.states], hoisted)
     names = [Symbol(local_name(s), real=True) for s in model.states]
+    runs = () if slopes == "none" else _runs(rates, names)
+    positions = {run.position + i for run in runs for i in range(run.rows)}
     entries: Entries = {}
     forms: Forms = {}
     if slopes == "jacobian":
@@ -123,6 +125,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         rates = along_code(rates, names, [Symbol(direction_name(s), real=True) for s in model.states], hoisted)
     moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
     slots = {at: i for i, at in enumerate(moving)}
+    rows = range(model.dimension) if slopes == "along" else [row for row, _ in moving]
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
     gaps = straight(model, [stop.gap for stop in model.stops.values()], hoisted)
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
@@ -130,13 +133,13 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
     routines = ModelRoutines(module, model, hoisted, kind, Roots(estimates()), Sines(module, fuses()))
-    of_rates = routines.rates(rates, along=slopes == "along")
-    of_tangent = routines.tangent(entries, slots, forms) if slopes == "jacobian" else None
+    of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
+    of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols), tables=len(model.tables),
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
-        homes=1 + max(method.homes), along=slopes == "along",
+        homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs,
     )  # fmt: skip
     if kind == "locked":
         advance(module, sizes, method, nodes, of_rates, of_tangent, of_outputs, of_end)
@@ -153,6 +156,23 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         tables=_table_parameters(model),
         nodes=nodes,
     )
+
+
+def _runs(rates: Straight, names: list[Symbol]) -> tuple[Run, ...]:
+    """States whose rates are other states, with those; a velocity serves one of them and is no position itself."""
+    pairs = [(i, names.index(rate)) for i, rate in enumerate(rates.results) if rate in names]
+    positions = {i for i, _ in pairs}
+    velocities: set[int] = set()
+    runs: list[Run] = []
+    for i, j in pairs:
+        if j in positions | velocities:
+            continue
+        velocities.add(j)
+        if runs and (i, j) == (runs[-1].position + runs[-1].rows, runs[-1].velocity + runs[-1].rows):
+            runs[-1] = runs[-1]._replace(rows=runs[-1].rows + 1)
+        else:
+            runs.append(Run(i, j, 1))
+    return tuple(runs)
 
 
 def _text(module: ir.Module, model: Model) -> str:

@@ -9,6 +9,14 @@ from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import Routine, Value, integer, number
 
 
+class Run(NamedTuple):
+    """Consecutive states that are integrals of others: positions, and their velocities in the same order."""
+
+    position: int
+    velocity: int
+    rows: int
+
+
 @dataclass(frozen=True)
 class Sizes:
     """Rows of a kernel's arrays.
@@ -25,6 +33,8 @@ class Sizes:
         Of the method, and places for their slopes.
     along : bool
         Whether the slopes of the one tangent vector are computed with those of the state.
+    runs : tuple of Run
+        Positions whose rows of a tangent vector follow from its velocities' slopes; none where there are no vectors.
     """
 
     states: int
@@ -37,6 +47,14 @@ class Sizes:
     stages: int
     homes: int
     along: bool
+    runs: tuple[Run, ...]
+
+    @property
+    def others(self) -> list[range]:
+        """States in no run, those that follow one another together."""
+        taken = {row + i for run in self.runs for row in (run.position, run.velocity) for i in range(run.rows)}
+        edges = [i for i in range(self.states + 1) if (i in taken or i == self.states) != (i - 1 in taken or i == 0)]
+        return [range(*pair) for pair in zip(edges[::2], edges[1::2], strict=True)]
 
     @property
     def work(self) -> int:
@@ -60,6 +78,9 @@ class Stepper:
     state goes first and leaves the stages' Jacobians; each vector then goes through them with slopes of one vector's size,
     and to its end in place, so that all stays in the first level of cache whatever the number of vectors.
 
+    A vector's positions need no slopes of their own: those are its velocities at the stages, which are sums of the
+    velocities' slopes. So the velocities' slopes are read once and serve both, and the positions' are never written.
+
     Combining slopes waits for loads as much as for products. So the slopes that two successive stages share are read once:
     with the place of each odd stage, all of the next one is written but the share of the slope that is yet to come.
     """
@@ -68,6 +89,7 @@ class Stepper:
         self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value
     ) -> None:
         self.r, self.sizes, self.method, self.rates, self.tangent = r, sizes, method, rates, tangent
+        self.homes = method.homes(twice=bool(sizes.runs))
         at = 0
 
         def take(rows: int) -> Value:
@@ -104,13 +126,13 @@ class Stepper:
             point = self._place(stage, y, self.track, h)
             where: dict[str, Value] = {"more": self._jacobian(stage)}
             if self.sizes.along:
-                direction = self._place(stage, along, self.track_along, h)
+                direction = self._place_along(stage, along, self.track_along, h)
                 where = {"v": direction, "more": self._slopes(self.track_along, stage)}
             slopes = self._slopes(self.track, stage)
             r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=slopes, **where, **inputs)
         self._place(end, y, self.track, h, self.x)
         if self.sizes.along:
-            self._place(end, along, self.track_along, h, r.row(self.x, n))
+            self._place_along(end, along, self.track_along, h, r.row(self.x, n))
         return self.x
 
     def vectors(self, y: Value, h: Value, p: Value, count: Value, runs: Value | None = None) -> None:
@@ -121,9 +143,9 @@ class Stepper:
         with r.loop(count) as v:
             vector = r.row(y, r.b.mul(r.b.add(v, integer(1)), integer(n)))
             for stage in range(self.method.stages):
-                point, slopes = self._place(stage, vector, self.track, h), self._slopes(self.track, stage)
+                point, slopes = self._place_along(stage, vector, self.track, h), self._slopes(self.track, stage)
                 r.call(self.tangent, y=point, jac=self._jacobian(stage), p=p, dy=slopes)
-            end = self._place(self.method.stages, vector, self.track, h)
+            end = self._place_along(self.method.stages, vector, self.track, h)
             self.replace(vector, end, n, runs)
 
     def replace(self, old: Value, new: Value, rows: int, runs: Value | None) -> None:
@@ -134,32 +156,39 @@ class Stepper:
             r.store(value if runs is None else r.b.select(runs, value, r.load(old, i)), old, i)
 
     def _slopes(self, track: Track, stage: int) -> Value:
-        return self.r.row(track.k, self.method.homes[stage] * self.sizes.states)
+        return self.r.row(track.k, self.homes[stage] * self.sizes.states)
 
     def _jacobian(self, stage: int) -> Value:
         return self.r.row(self.jac, stage * self.sizes.slots)
 
     def _place(self, stage: int, y: Value, track: Track, h: Value, out: Value | None = None) -> Value:
         """Write the place of a stage, or of the step's end behind the last one, to ``out`` (absent: the track's own)."""
-        rows = (*self.method.a, self.method.b)
         out = track.z if out is None else out
         if stage == 0:
             return y
-        if stage % 2 == 0:
-            self._combine(track.ahead, track, [({stage - 1: rows[stage][stage - 1]}, out)], h)
-            return out
-        sums = [(dict(enumerate(rows[stage])), out)]
-        if stage + 1 < len(rows):
-            sums.append((dict(enumerate(rows[stage + 1][:stage])), track.ahead))
-        self._combine(y, track, sums, h)
+        self._combine(stage, y, track, h, out, range(self.sizes.states))
         return out
 
-    def _combine(
-        self, y: Value, track: Track, sums: Sequence[tuple[dict[int, float | Fraction], Value]], h: Value
-    ) -> None:
-        """Write ``y + h (weighted slopes)`` for each of the sums, to its own array; two rows at once wait less."""
-        r, n = self.r, self.sizes.states
-        scaled = [({j: r.mul(h, number(float(w))) for j, w in weights.items() if w != 0}, out) for weights, out in sums]
+    def _place_along(self, stage: int, vector: Value, track: Track, h: Value, out: Value | None = None) -> Value:
+        """Write the place of a tangent vector, as `_place` does that of the state."""
+        out = track.z if out is None else out
+        if stage == 0:
+            return vector
+        for rows in self.sizes.others:
+            self._combine(stage, vector, track, h, out, rows)
+        for run in self.sizes.runs:
+            self._integrate(stage, vector, track, h, out, run)
+        return out
+
+    def _combine(self, stage: int, y: Value, track: Track, h: Value, out: Value, rows: range) -> None:
+        """Write ``y + h (weighted slopes)`` in some rows; with the place of an odd stage, a part of the next one too."""
+        r, tables = self.r, (*self.method.a, self.method.b)
+        sums = [(tables[stage], out)]
+        if stage % 2 == 0:
+            y, sums = track.ahead, [((0,) * (stage - 1) + tables[stage][stage - 1 :], out)]
+        elif stage + 1 < len(tables):
+            sums.append((tables[stage + 1][:stage], track.ahead))
+        scaled = [(self._scaled(h, weights), out) for weights, out in sums]
         used = sorted({j for weights, _ in scaled for j in weights})
 
         def write(rows: Sequence[Value]) -> None:
@@ -173,8 +202,41 @@ class Stepper:
             for (i, s), total in totals.items():
                 r.store(total, scaled[s][1], rows[i])
 
-        with r.loop(n // 2) as pair:
-            first = r.b.mul(pair, integer(2))
+        self._by_two(rows, write)
+
+    def _integrate(self, stage: int, y: Value, track: Track, h: Value, out: Value, run: Run) -> None:
+        """Write the velocities of a run, and its positions as integrals of them."""
+        r, weights = self.r, (*self.method.a, self.method.b)[stage]
+        once, twice = self._scaled(h, weights), self._scaled(r.mul(h, h), self.method.twice[stage])
+        time = r.mul(h, number(float(sum(weights))))
+
+        def write(rows: Sequence[Value]) -> None:
+            places = [(row, r.b.add(row, integer(run.position - run.velocity))) for row in rows]
+            totals = []
+            for velocity, position in places:
+                begin = r.load(y, velocity)
+                totals.append([begin, r.increased(r.load(y, position), time, begin)])
+            for j in sorted({*once, *twice}):
+                for total, row in zip(totals, rows, strict=True):
+                    slope = r.load(self._slopes(track, j), row)
+                    for i, part in enumerate((once, twice)):
+                        if j in part:
+                            total[i] = r.increased(total[i], part[j], slope)
+            for total, place in zip(totals, places, strict=True):
+                for value, row in zip(total, place, strict=True):
+                    r.store(value, out, row)
+
+        self._by_two(range(run.velocity, run.velocity + run.rows), write)
+
+    def _scaled(self, factor: Value, weights: Sequence[float | Fraction]) -> dict[int, Value]:
+        """Weights other than zero times a factor, by the stage."""
+        return {j: self.r.mul(factor, number(float(w))) for j, w in enumerate(weights) if w != 0}
+
+    def _by_two(self, rows: range, write: Callable[[Sequence[Value]], None]) -> None:
+        """Write something for rows, for two of them at once: they wait less for their slopes."""
+        r = self.r
+        with r.loop(len(rows) // 2) as pair:
+            first = r.b.add(r.b.mul(pair, integer(2)), integer(rows.start))
             write([first, r.b.add(first, integer(1))])
-        if n % 2:
-            write([integer(n - 1)])
+        if len(rows) % 2:
+            write([integer(rows[-1])])

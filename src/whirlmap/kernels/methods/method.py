@@ -31,10 +31,30 @@ class Method:
         return len(self.b)
 
     @property
-    def homes(self) -> tuple[int, ...]:
-        """Place of each stage's slopes: a place is free again once no later stage needs what lies there."""
-        last = [max([i for i in range(j + 1, self.stages) if self.a[i][j]], default=j) for j in range(self.stages)]
-        last = [self.stages if self.b[j] else last[j] for j in range(self.stages)]
+    def twice(self) -> tuple[tuple[Fraction, ...], ...]:
+        """Coefficients of what is integrated twice: the weights of the slopes' own slopes, at every stage and at the end.
+
+        Order conditions make some of them zero; what rounded coefficients leave of those is dropped.
+        """
+        found = []
+        for row in (*self.a, self.b):
+            sums = [Fraction(0)] * len(row)
+            for weight, inner in zip(row, self.a, strict=False):
+                for j, coefficient in enumerate(inner):
+                    sums[j] += Fraction(weight) * Fraction(coefficient)
+            found.append(tuple(s if abs(s) > 1e-12 else Fraction(0) for s in sums))
+        return tuple(found)
+
+    def homes(self, *, twice: bool) -> tuple[int, ...]:
+        """Place of each stage's slopes: a place is free again once no later stage needs what lies there.
+
+        ``twice`` says whether something is integrated twice.
+        """
+        tables = ((*self.a, self.b), self.twice) if twice else ((*self.a, self.b),)
+        last = list(range(self.stages))
+        for table in tables:
+            for i, row in enumerate(table):
+                last = [max(end, i) if j < len(row) and row[j] else end for j, end in enumerate(last)]
         homes: list[int] = []
         for i in range(self.stages):
             taken = {homes[j] for j in range(i) if last[j] >= i}
