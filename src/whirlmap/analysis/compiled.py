@@ -11,6 +11,7 @@ from types import FunctionType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from whirlmap.kernels.cache import stored
 from whirlmap.kernels.machine import Code, Function, only_function, platform
@@ -19,6 +20,8 @@ from whirlmap.results.provenance import package_version
 
 #: Where Numba's functions put what they return and raise, which loops do not.
 _NOTHING = np.empty(1)
+#: Parts that were compiled in this process.
+_PARTS: dict[Callable[..., Any], Any] = {}
 
 
 def compiled(
@@ -33,6 +36,7 @@ def compiled(
         raises nothing, reserves no memory and calls nothing but mathematical functions.
     parts : sequence of callables, optional
         Functions that the loop calls, written as loops are but that they return numbers; each may call those before it.
+        Their annotations say what they take: int, float, and arrays of either.
     **options
         Of `numba.cfunc`.
     """
@@ -69,6 +73,7 @@ def _object_code(
 ) -> bytes:  # fmt: skip
     from numba import cfunc, njit, types
 
+    doubles, ints = types.CPointer(types.float64), types.CPointer(types.int64)
     known: dict[str, Any] = {}
 
     def seeing(function: Callable[..., Any]) -> FunctionType:
@@ -76,8 +81,11 @@ def _object_code(
         return FunctionType(function.__code__, {**function.__globals__, **known}, function.__name__, function.__defaults__)
 
     for part in parts:
-        known[part.__name__] = njit(inline="always", error_model="numpy")(seeing(part))
-    kinds = {"doubles": types.CPointer(types.float64), "ints": types.CPointer(types.int64), "int": types.int64}
-    signature = types.void(*(kinds[kind] for kind in arguments.values()))
-    made = cfunc(signature, error_model="numpy", **options)(seeing(loop))
+        if part not in _PARTS:  # for types that are said it is compiled once, not anew for every literal it is called with
+            taken = {int: types.int64, float: types.float64, NDArray[np.float64]: doubles, NDArray[np.int64]: ints}
+            signature = tuple(taken[kind] for name, kind in part.__annotations__.items() if name != "return")
+            _PARTS[part] = njit(signature, error_model="numpy")(seeing(part))
+        known[part.__name__] = _PARTS[part]
+    kinds = {"doubles": doubles, "ints": ints, "int": types.int64}
+    made = cfunc(types.void(*map(kinds.__getitem__, arguments.values())), error_model="numpy", **options)(seeing(loop))
     return only_function(made.inspect_llvm(), made.native_name, name)

@@ -110,26 +110,28 @@ def only_function(text: str, wrapper: str, name: str) -> bytes:
     Parameters
     ----------
     wrapper : str
-        The module's other function, which is left out with all that it alone calls.
+        The module's other function that can be called from without; it is left out with all that it alone calls.
 
     Raises
     ------
     RuntimeError
-        The function needs another one, which is not in the C library: to load its code would end the program.
+        The function needs one of another module, which is not in the C library: to load its code would end the program.
     """
     machine = _machine()
     module = llvm.parse_assembly(text)
-    function, *more = (f for f in module.functions if not f.is_declaration and f.name != wrapper)
+    defined = [f for f in module.functions if not f.is_declaration]
+    (function,) = (f for f in defined if f.linkage == llvm.Linkage.external and f.name != wrapper)
     function.name = name
-    module.get_function(wrapper).linkage = "internal"
+    for other in defined:
+        if other.name != name:
+            other.linkage = "internal"
     passes = llvm.create_new_module_pass_manager()
     passes.add_global_dead_code_eliminate_pass()
     passes.run(module, llvm.create_pass_builder(machine, llvm.create_pipeline_tuning_options()))
     module.verify()
     called = {f.name for f in module.functions if f.is_declaration and not f.name.startswith("llvm.")}
-    if more or not called <= LIBRARY:
-        needed = sorted({f.name for f in more} | called - LIBRARY)
-        raise RuntimeError(f"the loop {name} cannot run by itself: it needs {', '.join(needed)}")
+    if not called <= LIBRARY:
+        raise RuntimeError(f"the loop {name} cannot run by itself: it needs {', '.join(sorted(called - LIBRARY))}")
     made: bytes = machine.emit_object(module)
     return made
 
