@@ -8,6 +8,9 @@ import sys
 import numpy as np
 import pytest
 import xarray as xr
+from typer.testing import CliRunner
+
+from whirlmap.cli.main import app
 
 #: The program with progress lines that come often, and Ctrl-C as a terminal gives it.
 PROGRAM = """
@@ -80,3 +83,16 @@ def test_an_interrupted_comparison_keeps_the_designs_that_were_finished(tmp_path
     assert ds.attrs["incomplete"] == f"interrupted in the values given, after {ds.sizes['design']} designs"
     assert json.loads(stdout)["incomplete"] == ds.attrs["incomplete"]
     assert {f.suffix for f in place.iterdir()} == {".nc", ".png"}
+
+
+def test_what_was_written_before_an_interrupt_is_said(tmp_path, monkeypatch):
+    def interrupted(_files):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr("whirlmap.cli.report.print_written", interrupted)
+    place = tmp_path / "there.nc"
+    done = CliRunner().invoke(app, ["simulate", "duffing", "--periods", "2", "--quiet", "--out", str(place)])
+    assert done.exit_code == 130 and place.is_file()
+    assert f"interrupted after writing {place}" in done.stderr.replace("\n", "")
+    again = CliRunner().invoke(app, ["simulate", "duffing", "--periods", "2", "--quiet"])
+    assert again.exit_code == 130 and "nothing was written" in again.stderr

@@ -32,6 +32,7 @@ from whirlmap.cli import (
 )
 from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
 from whirlmap.errors import WhirlmapError
+from whirlmap.results.files import WRITTEN
 
 
 class Program(TyperGroup):
@@ -66,10 +67,12 @@ class Program(TyperGroup):
 
     def invoke(self, ctx: Any) -> Any:
         """Invoke the command; Ctrl-C that it did not answer itself ends it."""
+        WRITTEN.clear()
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
-            say("interrupted: nothing was finished, so nothing was written")
+            files = " ".join(str(file) for file in WRITTEN)
+            say(f"interrupted after writing {files}" if files else "interrupted: nothing was finished, so nothing was written")
             raise typer.Exit(130) from None
 
 

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 DATASETS = (".nc",)
 PICTURES = (".png", ".svg", ".pdf")
 TEXTS = (".md", ".json", ".toml", ".csv")
+#: Files that this process has written, for whoever must say what there is when it is interrupted.
+WRITTEN: list[Path] = []
 
 
 @dataclass(frozen=True)
@@ -134,6 +136,7 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
         raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
     finally:
         trial.unlink(missing_ok=True)
+    WRITTEN.append(path)
     return path
 
 
