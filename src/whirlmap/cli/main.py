@@ -72,7 +72,8 @@ class Program(TyperGroup):
             return super().invoke(ctx)
         except KeyboardInterrupt:
             files = " ".join(str(file) for file in WRITTEN)
-            say(f"interrupted after writing {files}" if files else "interrupted: nothing was finished, so nothing was written")
+            nothing = "interrupted: nothing was finished, so nothing was written"
+            say(f"interrupted after writing {files}" if files else nothing)
             raise typer.Exit(130) from None
 
 
