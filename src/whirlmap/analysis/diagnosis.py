@@ -28,9 +28,9 @@ from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.results.findings import Findings
+from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
-from whirlmap.results.schema import names_coordinate, plain_attributes, regime_variable, status_variable, validate, variable
+from whirlmap.results.schema import names_coordinate, plain_attributes, regime_variable, status_variable, variable
 from whirlmap.results.status import Status
 
 if TYPE_CHECKING:
@@ -46,6 +46,7 @@ SECTION = 2048
 SHRINK, LONGEST = 1e-9, 50_000
 
 
+@gives_dataset
 def diagnose(
     system: System,
     *,
@@ -59,7 +60,7 @@ def diagnose(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-) -> "xr.Dataset":
+) -> Findings:
     """Measure one operating point.
 
     Parameters
@@ -84,28 +85,6 @@ def diagnose(
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
     """
-    found = find_diagnosis(
-        system, settling=settling, exponent_count=exponent_count, max_periods=max_periods, points=points, record=record,
-        steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
-    )  # fmt: skip
-    return validate(found.dataset())
-
-
-def find_diagnosis(
-    system: System,
-    *,
-    settling: Settling | None = None,
-    exponent_count: int | None = None,
-    max_periods: int = 3200,
-    points: int = 5000,
-    record: int = 512,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
-) -> Findings:
-    """`diagnose` before it is a Dataset."""
     refuse_jumps(system.model, "a diagnosis, which rests on Lyapunov exponents,")
     settling = settling or Settling()
     n = system.model.dimension

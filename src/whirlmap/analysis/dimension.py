@@ -6,7 +6,7 @@ the counts, and with them the dimension, do not depend on the number of threads.
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,10 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.correlation_sum import pair_counts
 from whirlmap.analysis.scaling_range import Curves, is_finite_set, scaling_range
 from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings, Variable
-
-if TYPE_CHECKING:
-    import xarray as xr
+from whirlmap.results.findings import Findings, Variable, gives_dataset
 
 Norm = Literal["euclidean", "maximum"]
 
@@ -25,6 +22,7 @@ STATUS = ("ok", "no-scaling-range", "too-few-points", "degenerate")
 """Meaning of ``status`` by value."""
 
 
+@gives_dataset
 def correlation_dimension(
     points: ArrayLike,
     *,
@@ -41,7 +39,7 @@ def correlation_dimension(
     resolution: float = 1e-8,
     blocks: int = 16,
     workers: int = 1,
-) -> "xr.Dataset":
+) -> Findings:
     """Correlation dimension D2, the range of radii it was read from, and one standard error.
 
     Parameters
@@ -120,31 +118,6 @@ def correlation_dimension(
     Grassberger and Procaccia, Physica D 9 (1983) 189. Theiler, Phys. Rev. A 34 (1986) 2427.
     Eckmann and Ruelle, Physica D 56 (1992) 185.
     """
-    return find_dimension(
-        points, theiler=theiler, trajectories=trajectories, scale=scale, norm=norm, cyclic=cyclic, tolerance=tolerance,
-        least_decades=least_decades, least_pairs=least_pairs, least_points=least_points, largest_sum=largest_sum,
-        resolution=resolution, blocks=blocks, workers=workers,
-    ).dataset()  # fmt: skip
-
-
-def find_dimension(
-    points: ArrayLike,
-    *,
-    theiler: int,
-    trajectories: ArrayLike | None = None,
-    scale: ArrayLike | None = None,
-    norm: Norm = "euclidean",
-    cyclic: Mapping[int, float] | None = None,
-    tolerance: float = 0.05,
-    least_decades: float = 1.0,
-    least_pairs: int = 200,
-    least_points: int = 500,
-    largest_sum: float = 0.1,
-    resolution: float = 1e-8,
-    blocks: int = 16,
-    workers: int = 1,
-) -> Findings:
-    """`correlation_dimension` before it is a Dataset."""
     x, ids = _checked(points, trajectories)
     limits = {"theiler": (theiler, 1, len(x)), "blocks": (blocks, 4, 64), "workers": (workers, 1, 1024)}
     for name, (value, least, most) in limits.items():

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -14,10 +13,7 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
 from whirlmap.kernels.routine import LANES
-from whirlmap.results.findings import Findings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
 
@@ -29,9 +25,10 @@ STEPS = 64
 PASSES, STILL = 60, 1e-7
 
 
+@gives_dataset
 def floquet_multipliers(
     system: System, x: ArrayLike, duration: float, *, steps: int = STEPS
-) -> "xr.Dataset":
+) -> Findings:
     """Multipliers of small disturbances over one round of a periodic orbit.
 
     Parameters
@@ -67,11 +64,6 @@ def floquet_multipliers(
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
     """
-    return find_multipliers(system, x, duration, steps=steps).dataset()
-
-
-def find_multipliers(system: System, x: ArrayLike, duration: float, *, steps: int = STEPS) -> Findings:
-    """`floquet_multipliers` before they are a Dataset."""
     refuse_jumps(system.model, "a Floquet multiplier")
     start = np.asarray(x, dtype=np.float64)
     n = system.model.dimension

@@ -109,7 +109,7 @@ def named_shares(
     Parameters
     ----------
     lines : xr.Dataset or Findings
-        From `spectral_lines` or `find_lines`, of one series.
+        From `spectral_lines`, of one series.
     orders : mapping of str to number
         May be empty: then the strongest line is ``f1``, and the strongest that its multiples do not name ``f2``.
     step : float

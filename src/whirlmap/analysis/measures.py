@@ -8,14 +8,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
-from whirlmap.analysis.dimension import STATUS, find_dimension
+from whirlmap.analysis.dimension import STATUS, correlation_dimension
 from whirlmap.analysis.evidence import moving_coordinates
-from whirlmap.analysis.floquet import STEPS, find_multipliers
+from whirlmap.analysis.floquet import STEPS, floquet_multipliers
 from whirlmap.analysis.lines import named_shares
-from whirlmap.analysis.recurrence import find_recurrence
-from whirlmap.analysis.regime import INDICATORS, Vote, judge
-from whirlmap.analysis.spectral_lines import find_lines
-from whirlmap.analysis.spectrum import find_spectrum
+from whirlmap.analysis.recurrence import recurrence
+from whirlmap.analysis.regime import INDICATORS, Vote, regime
+from whirlmap.analysis.spectral_lines import spectral_lines
+from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.trajectory import outputs_of
 from whirlmap.analysis.winding import locking_ratio
 from whirlmap.errors import RangeError
@@ -64,7 +64,7 @@ def judge_section(
     some = np.flatnonzero(running)[:JUDGED]
     if not some.size:
         return Regime.undecided, 0.0, {}
-    judged = judge(
+    judged = regime.find(
         np.zeros(some.size, dtype=np.int8), np.zeros(some.size, dtype=np.int64), exponent=exponent[0],
         exponent_error=exponent[1], duration=duration, section=section[:, :, some], cyclic=cyclic,
     )  # fmt: skip
@@ -93,7 +93,7 @@ def judge_section(
             votes["birkhoff"] |= {"ratio": str(locking.ratio), "locked": locking.locked}
     columns, moves = moving_coordinates(section[-RECURRENT:, :, some[:1]], cyclic)
     if moves.any() and columns.shape[2] >= 100:
-        r = find_recurrence(columns[0, moves[0]].T)
+        r = recurrence.find(columns[0, moves[0]].T)
         votes["recurrence"] = {
             "vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"]),
             "radius": float(r["radius"]),
@@ -126,8 +126,8 @@ def record_series(
         series = np.sin(2 * np.pi * series / swing.cyclic)
     if np.ptp(series) <= 1e-12 * np.abs(series).max(initial=0.0):
         return None
-    spectrum = find_spectrum(series, rate=first.steps / every, unit="T")
-    lines = find_lines(spectrum)
+    spectrum = power_spectrum.find(series, rate=first.steps / every, unit="T")
+    lines = spectral_lines.find(spectrum)
     broad = float(lines["broadband_fraction"])
     step = float(spectrum["frequency_step"])
     return {
@@ -169,7 +169,7 @@ def section_and_dimension(
     of = np.repeat(np.arange(good.shape[0]), good.shape[1])
     if torus is not None:
         flat, of = torus, np.zeros(len(torus), dtype=np.int64)
-    d = find_dimension(flat, theiler=10, trajectories=of)
+    d = correlation_dimension.find(flat, theiler=10, trajectories=of)
     data |= {f"dimension_{name}": v for name, v in d.variables.items()}
     data |= {name: c for name, c in d.coordinates.items() if name not in data}
     return {"vote": STATUS[int(d["status"])], "value": number(d["D2"]), "error": number(d["D2_error"])}
@@ -186,7 +186,7 @@ def multipliers(system: System, part: Ensemble, multiple: int, period: int, data
             return {"vote": "none", "reason": "the section is not crossed"}
         x, duration = closed
     try:
-        found = find_multipliers(system, x, duration, steps=max(STEPS, int(part.point_steps[0])))
+        found = floquet_multipliers.find(system, x, duration, steps=max(STEPS, int(part.point_steps[0])))
     except RangeError as fault:
         return {"vote": "none", "reason": str(fault)}
     data |= {f"floquet_{name}": found.variable(name) for name in ("log_modulus", "argument")}

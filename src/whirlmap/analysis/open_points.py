@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import mean_and_error
-from whirlmap.analysis.regime import contracts, judge
+from whirlmap.analysis.regime import contracts, regime
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.regime import Regime
@@ -135,7 +135,7 @@ def _vote(
     for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
         these = np.flatnonzero(count == rows)
         lanes = unsure[these]
-        judged = judge(
+        judged = regime.find(
             run.status[lanes], np.zeros(lanes.size, dtype=np.int64), exponent=found.exponent[at[lanes]],
             exponent_error=found.error[at[lanes]], duration=duration[lanes],
             section=np.stack([sections[k] for k in these], axis=2), cyclic=cyclic,

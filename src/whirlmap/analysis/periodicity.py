@@ -6,17 +6,14 @@ that and returns too.
 """
 
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.return_search import FLOOR, nearest_returns, with_floors
 from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
 
@@ -26,6 +23,7 @@ PERIOD_STATUS = ("periodic", "no-return", "not-finite", "window-too-short")
 """Meaning of ``status`` of ``period_in_T`` by value."""
 
 
+@gives_dataset
 def return_multiple(
     section: ArrayLike,
     *,
@@ -34,7 +32,7 @@ def return_multiple(
     most: int = 64,
     cyclic: Mapping[int, float] | None = None,
     floor: float = FLOOR,
-) -> "xr.Dataset":
+) -> Findings:
     """Smallest number of common periods after which each lane's section points repeat.
 
     Parameters
@@ -81,21 +79,6 @@ def return_multiple(
     doubled by less than the tolerance is not told apart from the simpler one; a quasi-periodic motion whose
     beat moves it by less than the tolerance in m periods passes, which is why ``drift`` is reported.
     """
-    return find_return_multiple(
-        section, scale=scale, tolerance=tolerance, most=most, cyclic=cyclic, floor=floor
-    ).dataset()
-
-
-def find_return_multiple(
-    section: ArrayLike,
-    *,
-    scale: ArrayLike | None = None,
-    tolerance: float = 1e-6,
-    most: int = 64,
-    cyclic: Mapping[int, float] | None = None,
-    floor: float = FLOOR,
-) -> Findings:
-    """`return_multiple` before it is a Dataset."""
     x = _checked(section, "section", tolerance)
     if most < 1 or x.shape[0] < 2 * most:
         raise RangeError(
@@ -125,6 +108,7 @@ def find_return_multiple(
     )
 
 
+@gives_dataset
 def period_in_T(
     points: ArrayLike,
     multiple: ArrayLike,
@@ -134,7 +118,7 @@ def period_in_T(
     tolerance: float = 1e-6,
     cyclic: Mapping[int, float] | None = None,
     floor: float = FLOOR,
-) -> "xr.Dataset":
+) -> Findings:
     """Smallest number n of periods T after which lanes that return at the common period repeat.
 
     Parameters
@@ -166,22 +150,6 @@ def period_in_T(
     n runs through the divisors of m * common_over_T upwards, because the return times of a periodic orbit are
     the multiples of the smallest. The last divisor needs no test: ``return_multiple`` has found that return.
     """
-    return find_period_in_T(
-        points, multiple, common_over_T=common_over_T, scale=scale, tolerance=tolerance, cyclic=cyclic, floor=floor
-    ).dataset()
-
-
-def find_period_in_T(
-    points: ArrayLike,
-    multiple: ArrayLike,
-    *,
-    common_over_T: int,
-    scale: ArrayLike | None = None,
-    tolerance: float = 1e-6,
-    cyclic: Mapping[int, float] | None = None,
-    floor: float = FLOOR,
-) -> Findings:
-    """`period_in_T` before it is a Dataset."""
     x = _checked(points, "points", tolerance)
     if common_over_T < 1:
         raise RangeError(f"common_over_T = {common_over_T}: the common period is at least one T.")

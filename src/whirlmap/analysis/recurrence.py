@@ -1,16 +1,12 @@
 """Recurrence rate and determinism: how often states come back, and whether they then stay together."""
 
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
 
@@ -43,9 +39,10 @@ def _diagonals(
     out[0], out[1], out[2], out[3] = recurrent, on_lines, lines, longest
 
 
+@gives_dataset
 def recurrence(
     points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
-) -> "xr.Dataset":
+) -> Findings:
     """Recurrence rate, determinism and diagonal lines of a trajectory.
 
     Parameters
@@ -79,13 +76,6 @@ def recurrence(
     determinism tells noise from dynamics but not chaos from a torus. The radius that gives a rate is the quantile of
     the distances of at most 2000 evenly spaced points. Time grows as points squared.
     """
-    return find_recurrence(points, radius=radius, rate=rate, theiler=theiler, least=least).dataset()
-
-
-def find_recurrence(
-    points: ArrayLike, *, radius: float | None = None, rate: float = 0.05, theiler: int = 1, least: int = 2
-) -> Findings:
-    """`recurrence` before it is a Dataset."""
     x = np.asarray(points, dtype=np.float64)
     x = np.ascontiguousarray(x[:, None] if x.ndim == 1 else x)
     if x.ndim != 2 or x.shape[0] < 50 or not np.isfinite(x).all():

@@ -13,20 +13,16 @@ the section points for all the rest.
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.evidence import LEAST, SectionEvidence, section_evidence, windings_of
 from whirlmap.analysis.winding import Winding
-from whirlmap.results.findings import Findings
+from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import regime_variable, variable
 from whirlmap.results.status import Status, flags
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 Array = NDArray[np.float64]
 
@@ -84,6 +80,7 @@ class Evidence:
     winding: tuple[Winding, ...]
 
 
+@gives_dataset
 def regime(
     status: ArrayLike,
     multiple: ArrayLike,
@@ -93,7 +90,7 @@ def regime(
     duration: ArrayLike,
     section: Array | None = None,
     cyclic: Mapping[int, float] | None = None,
-) -> "xr.Dataset":
+) -> Findings:
     """Label operating points, with the vote of every indicator.
 
     Parameters
@@ -109,22 +106,6 @@ def regime(
     xr.Dataset
         As `decide`.
     """
-    return judge(
-        status, multiple, exponent=exponent, exponent_error=exponent_error, duration=duration, section=section, cyclic=cyclic
-    ).dataset()
-
-
-def judge(
-    status: ArrayLike,
-    multiple: ArrayLike,
-    *,
-    exponent: ArrayLike,
-    exponent_error: ArrayLike,
-    duration: ArrayLike,
-    section: Array | None = None,
-    cyclic: Mapping[int, float] | None = None,
-) -> Findings:
-    """`regime` before it is a Dataset."""
     where = np.atleast_1d(np.asarray(status, dtype=np.int8))
     returns = np.atleast_1d(np.asarray(multiple, dtype=np.int64))
     open_points = np.flatnonzero((where == Status.ok) & (returns == 0))

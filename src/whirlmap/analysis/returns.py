@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
-from whirlmap.analysis.periodicity import find_period_in_T, find_return_multiple
+from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.settling import Settled, Settling, positive, settle
 from whirlmap.integrate.accuracy import choose_steps
 from whirlmap.integrate.ensemble import Ensemble
@@ -187,7 +187,7 @@ def _settle_unforced(
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
             columns = np.flatnonzero(count == shared)
             these = left[columns]
-            found = find_return_multiple(
+            found = return_multiple.find(
                 points[:shared][:, :, columns], scale=positive(scale[:, these]), tolerance=settling.tolerance,
                 most=int(min(window, shared)) // 2, cyclic=cyclic,
             )  # fmt: skip
@@ -206,7 +206,7 @@ def _periods_in_T(
     out = multiple * common
     fits = np.flatnonzero((multiple > 0) & (out <= section.shape[0]) & np.isfinite(section[-1]).all(axis=0))
     if fits.size and common > 1:
-        found = find_period_in_T(
+        found = period_in_T.find(
             section[:, :, fits], multiple[fits], common_over_T=common, scale=scale[:, fits],
             tolerance=10 * settling.tolerance, cyclic=cyclic,
         )  # fmt: skip

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.spectrum import LOBE, window_weights
 from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings
+from whirlmap.results.findings import Findings, gives_dataset
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -16,18 +16,19 @@ LINE_STATUS = ("ok", "no-power")
 """Meaning of ``status`` of ``spectral_lines`` by value."""
 
 
+@gives_dataset
 def spectral_lines(
-    spectrum: "xr.Dataset",
+    spectrum: "Findings | xr.Dataset",
     *,
     false_alarm: float = 1e-3,
     floor_width: int | None = None,
     least: float = 1e-8,
-) -> "xr.Dataset":
+) -> Findings:
     """Lines that stand above the broadband floor of a power spectrum, and the share of power in them.
 
     Parameters
     ----------
-    spectrum : xr.Dataset
+    spectrum : xr.Dataset or Findings
         From ``power_spectrum``, with a window other than the boxcar: its leakage looks like a floor.
     false_alarm : float
         Probability that noise alone shows one line or more in the whole spectrum.
@@ -71,18 +72,8 @@ def spectral_lines(
     A resonance narrower than the record can resolve looks like a line: lengthen the record until ``count``
     and ``line_fraction`` stay.
     """
-    options: dict[str, Any] = {"false_alarm": false_alarm, "floor_width": floor_width, "least": least}
-    return find_lines(Findings.of(spectrum), **options).dataset()
-
-
-def find_lines(
-    spectrum: Findings,
-    *,
-    false_alarm: float = 1e-3,
-    floor_width: int | None = None,
-    least: float = 1e-8,
-) -> Findings:
-    """`spectral_lines` before they are a Dataset, of a spectrum that is none."""
+    if not isinstance(spectrum, Findings):
+        spectrum = Findings.of(spectrum)
     if "density" not in spectrum or spectrum.attrs.get("window") not in LOBE:
         raise RangeError(
             "spectrum must come from power_spectrum: it needs `density` and the attribute `window`."

@@ -4,16 +4,13 @@ The spectra are single windowed periodograms over the whole record, not averages
 motion is recorded as long as is wanted, and resolution is what tells lines from a broadband spectrum.
 """
 
-from typing import TYPE_CHECKING, Any, Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from whirlmap.results.findings import Findings, gives_dataset
 
 Window = Literal["boxcar", "hann", "hamming", "blackman", "blackmanharris", "flattop"]
 
@@ -31,9 +28,10 @@ LOBE = {"boxcar": 1, "hann": 2, "hamming": 2, "blackman": 3, "blackmanharris": 4
 """Half-width of each window's main lobe [frequency bins]."""
 
 
+@gives_dataset
 def power_spectrum(
     values: ArrayLike, *, rate: float, window: Window = "hann", detrend: bool = True, unit: str = "1"
-) -> "xr.Dataset":
+) -> Findings:
     """One-sided power spectrum and power spectral density of real series.
 
     Parameters
@@ -64,13 +62,6 @@ def power_spectrum(
     RangeError
         Fewer than 8 samples, numbers that are not finite, a rate that is not positive, an unknown window.
     """
-    return find_spectrum(values, rate=rate, window=window, detrend=detrend, unit=unit).dataset()
-
-
-def find_spectrum(
-    values: ArrayLike, *, rate: float, window: Window = "hann", detrend: bool = True, unit: str = "1"
-) -> Findings:
-    """`power_spectrum` before it is a Dataset."""
     x = np.asarray(values, dtype=np.float64)
     weights = _checked(x, rate, window)
     if x.ndim > 3:
@@ -92,9 +83,10 @@ def find_spectrum(
     )
 
 
+@gives_dataset
 def full_spectrum(
     x: ArrayLike, y: ArrayLike, *, rate: float, window: Window = "hann", detrend: bool = True, unit: str = "1"
-) -> "xr.Dataset":
+) -> Findings:
     """Two-sided amplitude spectrum of the orbit x + iy: forward and backward whirl apart.
 
     Parameters
@@ -138,7 +130,7 @@ def full_spectrum(
     forward, backward = whole[1 : turning + 1], whole[: n - turning - 1 : -1]
     rest = () if z.ndim == 1 else ("lane",)
     per_unit = "1" if unit == "1" else f"1/{unit}"
-    found = Findings(
+    return Findings(
         {
             "amplitude": (
                 ("frequency", *rest),
@@ -171,7 +163,6 @@ def full_spectrum(
         },
         {"window": window, "rate": rate, "samples": n, "detrend": int(detrend)},
     )
-    return found.dataset()
 
 
 def window_weights(name: str, length: int) -> NDArray[np.float64]:

@@ -1,16 +1,13 @@
 """The 0-1 test for chaos: a signal drives a walk in a rotating frame; chaos makes it wander off, regular motion does not."""
 
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.compiled import compiled
 from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings
-
-if TYPE_CHECKING:
-    import xarray as xr
+from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
 
@@ -60,9 +57,10 @@ def _displacements(
                 out[(lane * turns + a) * count + k] = total / used
 
 
+@gives_dataset
 def zero_one_test(
     series: ArrayLike, *, angles: int = 100, damping: float = 0.0, longest: float = 0.1, seed: int = 2009
-) -> "xr.Dataset":
+) -> Findings:
     """Asymptotic growth rate K of the 0-1 test: near 1 for chaos, near 0 for regular motion.
 
     Parameters
@@ -115,7 +113,7 @@ def zero_one_test(
         )
     (K_low, middle, K_high), status, reach = growth_rates(x, angles, damping, longest, seed)
     flags = {"flag_values": np.arange(len(STATUS), dtype=np.int8), "flag_meanings": " ".join(STATUS)}
-    found = Findings(
+    return Findings(
         {
             "K": _lane(middle, "growth rate of the 0-1 test, median over angles"),
             "K_low": _lane(K_low, "lower quartile over angles"),
@@ -124,7 +122,6 @@ def zero_one_test(
         },
         attrs={"angles": angles, "damping": damping, "longest": reach, "samples": x.shape[0], "seed": seed},
     )
-    return found.dataset()
 
 
 def growth_rates(

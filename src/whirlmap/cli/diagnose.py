@@ -105,13 +105,14 @@ def diagnose(
                          "  try: whirlmap diagnose --help")  # fmt: skip
     destination = claim(out, "diagnose", force=force)
     system = options.open_system(case, changes, start)
-    from whirlmap.analysis.diagnosis import RUNS, find_diagnosis, verdict_json
+    from whirlmap.analysis.diagnosis import RUNS, verdict_json
+    from whirlmap.analysis.diagnosis import diagnose as measure
     from whirlmap.analysis.settling import Settling
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     longest = RUNS * system.common_multiple * (transient + 4 * most + max_periods + points // RUNS)
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
-        found = find_diagnosis(
+        found = measure.find(
             system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
             steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip

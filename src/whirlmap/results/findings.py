@@ -3,15 +3,21 @@
 xarray takes longer to start than most analyses take, so it is imported where somebody wants a Dataset.
 """
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from functools import wraps
+from inspect import signature
+from typing import TYPE_CHECKING, Any, ParamSpec, Protocol, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.results.schema import validate
+
 if TYPE_CHECKING:
     import xarray as xr
+
+P = ParamSpec("P")
 
 #: Dimensions, values and attributes, as `whirlmap.results.schema.variable` and a Dataset take them.
 Variable = tuple[Any, ...]
@@ -47,7 +53,28 @@ class Findings:
         return name in self.variables or name in self.coordinates
 
     def dataset(self) -> "xr.Dataset":
-        """Make the Dataset."""
+        """Make the Dataset; `ModelError` where a variable does not say its unit and meaning."""
         import xarray as xr
 
-        return xr.Dataset(self.variables, self.coordinates, self.attrs)
+        return validate(xr.Dataset(self.variables, self.coordinates, self.attrs))
+
+
+class Analysis(Protocol[P]):
+    """A function that gives a Dataset; ``find``, with the same arguments, gives its `Findings`."""
+
+    find: Callable[P, Findings]
+
+    def __call__(self, *arguments: P.args, **options: P.kwargs) -> "xr.Dataset":
+        """Give the Dataset."""
+
+
+def gives_dataset(find: Callable[P, Findings]) -> Analysis[P]:
+    """Have an analysis give a Dataset to those who call it; its own name and docstring are those of the result."""
+
+    @wraps(find)
+    def analysis(*arguments: P.args, **options: P.kwargs) -> "xr.Dataset":
+        return find(*arguments, **options).dataset()
+
+    made = cast(Any, analysis)
+    made.find, made.__signature__ = find, signature(find).replace(return_annotation="xr.Dataset")
+    return cast(Analysis[P], made)
