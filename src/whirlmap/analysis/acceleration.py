@@ -1,7 +1,7 @@
 """Short cuts of weakly damped motion to its periodic orbit, each proved by a plain run or taken back.
 
-A point whose section approaches an orbit slowly is put where its own last differences lead (`extrapolation.limit`), and goes
-on as plainly as before. It has settled there only if all of these hold:
+A point whose section approaches an orbit slowly is put where its own last differences lead (`extrapolation.step_to_limit`),
+and goes on as plainly as before. It has settled there only if all of these hold:
 
 1. The multipliers that its approach shows lie inside the unit circle, and its last three differences shrink as they say.
 2. `STAYS` returns of the plain run from there stay within the tolerance, and what is left of the approach at the rate of the

@@ -43,7 +43,7 @@ def worth_it(m: int, largest: Array, needed: int, tolerance: float) -> bool:
         "size": "doubles", "magnitude": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles",
         "room": "doubles", "multiple": "ints", "x": "doubles", "leading": "doubles",
     },
-    parts=(*return_search.PARTS, *extrapolation.PARTS[1:], worth_it),
+    parts=(*return_search.PARTS, *extrapolation.PARTS, worth_it),
 )  # fmt: skip
 def _ends(
     due: Integers, chosen: int, slot: Integers, history: Array, ring: int, states: int, n: int, ran: Integers,

@@ -6,17 +6,12 @@ states, are fitted by least squares; the roots of p(z) = z^q - c_(q-1) z^(q-1) -
 is p(S) x / p(1), S the shift (minimal polynomial extrapolation, Smith, Ford and Sidi 1987, SIAM Review 29, 199; here with
 more equations than unknowns, so that the last differences also test the fit).
 
-The loops work on one lane: its differences (DIFFERENCES, state), scaled, oldest first, and the largest of each over the
-states.
+These are parts of loops (`compiled`), for one lane: its differences (DIFFERENCES, state), scaled, oldest first, and the
+largest of each over the states.
 """
-
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-
-from whirlmap.analysis.compiled import compiled
-from whirlmap.analysis.return_search import wrapped
 
 Array = NDArray[np.float64]
 
@@ -35,11 +30,8 @@ HALVINGS = 48
 
 
 def room_for_fit(states: int) -> Array:
-    """Room that the loops need beside the differences."""
+    """Room that the parts need beside the differences."""
     return np.empty((MODES + 1) * DIFFERENCES * states + MODES * (MODES + 2))
-
-
-# --- parts of loops -----------------------------------------------------------------------------------------
 
 
 def recurrence(d: Array, largest: Array, states: int, modes: int, c: int, room: Array) -> bool:
@@ -163,81 +155,4 @@ def step_to_limit(
 
 
 #: These, in the order in which they call each other.
-PARTS = (wrapped, recurrence, inside, modulus, step_to_limit)
-
-
-# --- many lanes ---------------------------------------------------------------------------------------------
-
-
-@dataclass(frozen=True)
-class Limit:
-    """Where sequences lead; arrays end in the lane axis.
-
-    Attributes
-    ----------
-    x : array, shape (state, lane)
-    error : array
-        Scaled error of it, by the residuals of the last three differences; infinite where nothing could be said.
-    leading : array
-        Largest modulus of a multiplier.
-    """
-
-    x: Array
-    error: Array
-    leading: Array
-
-
-@compiled(
-    {
-        "points": "doubles", "lanes": "int", "states": "int", "scale": "doubles", "period": "doubles",
-        "tolerance": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles", "room": "doubles", "x": "doubles",
-        "error": "doubles", "leading": "doubles",
-    },
-    parts=PARTS,
-)  # fmt: skip
-def _limits(
-    points: Array, lanes: int, states: int, scale: Array, period: Array, tolerance: Array, d: Array, largest: Array,
-    step: Array, room: Array, x: Array, error: Array, leading: Array,
-) -> None:  # fmt: skip
-    for lane in range(lanes):
-        at = lane * (DIFFERENCES + 1) * states
-        for j in range(DIFFERENCES):
-            largest[j] = 0.0
-            for k in range(states):
-                now = at + (j + 1) * states + k
-                d[j * states + k] = wrapped(points[now], points[now - states], period[k]) / scale[lane * states + k]
-                largest[j] = max(largest[j], abs(d[j * states + k]))
-        error[lane], leading[lane] = step_to_limit(d, largest, states, tolerance[0], step, room)
-        for k in range(states):
-            last = points[at + DIFFERENCES * states + k]
-            x[lane * states + k] = last + step[k] * scale[lane * states + k] if error[lane] < np.inf else last
-
-
-def limit(points: Array, scale: Array, period: Array, tolerance: float) -> Limit:
-    """Extrapolate sequences of points, with as few multipliers as meet the tolerance.
-
-    Parameters
-    ----------
-    points : array, shape (DIFFERENCES + 1, state, lane)
-        Oldest first.
-    scale : array, shape (state, lane)
-        By which differences are divided.
-    period : array, shape (state,)
-        Of cyclic states; infinite for the others.
-    tolerance : float
-        Largest scaled error.
-
-    Returns
-    -------
-    Limit
-        As `step_to_limit` says. What is returned for a lane depends on nothing else.
-    """
-    _, states, lanes = points.shape
-    x, error, leading = np.empty((lanes, states)), np.empty(lanes), np.empty(lanes)
-    _limits(
-        points=np.ascontiguousarray(points.transpose(2, 0, 1)), lanes=lanes, states=states,
-        scale=np.ascontiguousarray(scale.T), period=period, tolerance=np.array([tolerance]),
-        d=np.empty((DIFFERENCES, states)), largest=np.empty(DIFFERENCES), step=np.empty(states), room=room_for_fit(states),
-        x=x, error=error, leading=leading,
-    )  # fmt: skip
-    return Limit(x.T, error, leading)
+PARTS = (recurrence, inside, modulus, step_to_limit)

@@ -82,14 +82,15 @@ def settle_and_record(
     Parameters
     ----------
     longest : array of int, shape (point,), optional
-        Of a forced model: common periods after which each point is given up, instead of `Settling.longest`.
+        Common periods (of an unforced model: typical times) after which each point is given up, instead of
+        `Settling.longest`; what they are more or less is its transient.
     kept : sequence of int, optional
         States whose section is returned; all of them where absent. The search for the smallest return sees them all.
     """
-    if ensemble.model.forced:
-        settled = _settle_accurately(ensemble, settling, longest, cyclic, progress)
-    else:
-        settled = _settle_unforced(ensemble, settling, cyclic, progress)
+    longest = np.full(ensemble.points, settling.longest) if longest is None else longest
+    settled = (_settle_accurately if ensemble.model.forced else _settle_unforced)(
+        ensemble, settling, longest, cyclic, progress
+    )
     common, forced = ensemble.common_multiple, ensemble.model.forced
     periods = common * max(-(-settling.keep // common), 2)
     rows = list(range(ensemble.model.dimension) if kept is None else kept)
@@ -137,11 +138,10 @@ def _extremes(
 
 
 def _settle_accurately(
-    ensemble: Ensemble, settling: Settling, longest: Integers | None, cyclic: dict[int, float] | None,
+    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
     """Settle, and settle on with more steps where the settled motion needs them."""
-    longest = np.full(ensemble.points, settling.longest) if longest is None else longest
     settled = settle(ensemble, settling, longest=longest, cyclic=cyclic, progress=progress)
     if ensemble.accuracy is None:
         return settled
@@ -164,13 +164,15 @@ def _settle_accurately(
 
 
 def _settle_unforced(
-    ensemble: Ensemble, settling: Settling, cyclic: dict[int, float] | None, progress: Callable[[int], None] | None
-) -> Settled:
+    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
+    progress: Callable[[int], None] | None,
+) -> Settled:  # fmt: skip
     n, states = ensemble.points, ensemble.model.dimension
-    if settling.transient:
-        ensemble.advance(settling.transient, progress=progress)
+    transient = longest - settling.longest + settling.transient
+    for times in np.unique(transient[transient > 0]):
+        ensemble.advance(int(times), members=np.flatnonzero(transient == times), progress=progress)
     multiple, distance = np.zeros(n, dtype=np.int64), np.full(n, np.nan)
-    scale, waited = np.full((states, n), np.nan), np.full(n, settling.transient, dtype=np.int64)
+    scale, waited = np.full((states, n), np.nan), transient.astype(np.int64)
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:

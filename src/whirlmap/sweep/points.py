@@ -101,7 +101,8 @@ class Labelling:
             undecided = found.regime[open_points] == Regime.undecided
             contracting = undecided & (found.exponent < -3 * found.error)[open_points] & running
             contracting = open_points[contracting]
-            returns = self._given_time(ensemble, returns, contracting, found.exponent, cyclic, progress)
+            if contracting.size:
+                returns = self._given_time(ensemble, returns, contracting, found.exponent, cyclic, progress)
             found.regime[contracting] = returns.regime[contracting]
             found.confidence[contracting] = np.where(returns.regime[contracting] == Regime.undecided, 0.0, 1.0)
             again = contracting[
