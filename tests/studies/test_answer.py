@@ -45,34 +45,33 @@ def test_shares_are_of_the_sets(answered):
         assert low <= share <= high
 
 
-def test_variants_that_agree_are_worth_no_more_than_one(answered):
-    first = answered.judged[0]
-    twice = replace(answered, judged=(first, replace(first, variant=answered.judged[1].variant)))
-    for claim in answered.claims:
-        share, low, high = edition_share(twice, "literal", claim)
-        alone = shares(first, claim)
-        assert share == pytest.approx(alone[0])
-        assert [low, high] == pytest.approx(alone[1:], abs=0.002)  # the spread is over N - 1
-
-
 def test_the_interval_over_variants_covers_the_truth(answered):
-    """Verdicts of two variants on the same sets, half of them the same: 95 of 100 intervals hold the true share."""
+    """Two variants in which a claim holds under 5 and 55 % of all sets: 95 of 100 intervals hold their mean, or more."""
     random, claim = np.random.default_rng(7), answered.claims[0]
     row, covered, widths = answered.judged[0].claims.index(claim), 0, []
     for _ in range(400):
-        common, own = random.uniform(size=N) < 0.5, random.uniform(size=(2, N)) < 0.3
-        other = random.uniform(size=N) < 0.3
         parts = []
-        for j, mine in zip(answered.judged[:2], own, strict=True):
+        for j, truth in zip(answered.judged[:2], (0.05, 0.55), strict=True):
             word = np.zeros_like(j.word)
-            word[row] = np.where(np.where(common, other, mine), HOLDS, 0)
+            word[row] = np.where(random.uniform(size=N) < truth, HOLDS, 0)
             parts.append(replace(j, word=word))
-        _, low, high = edition_share(replace(answered, judged=tuple(parts)), "literal", claim)
+        share, low, high = edition_share(replace(answered, judged=tuple(parts)), "literal", claim)
+        assert share == pytest.approx(np.mean([shares(j, claim)[0] for j in parts]))
         covered += low <= 0.3 <= high
         widths.append(high - low)
-    assert 0.92 <= covered / 400 <= 0.98
+    assert covered / 400 >= 0.95
     alone = np.subtract(*wilson_interval(np.array([0.3 * N]), N)[::-1])[0]
-    assert 0.7 * alone < np.mean(widths) < 0.95 * alone  # of N and of 2 N independent verdicts: between these
+    assert np.mean(widths) == pytest.approx(alone / np.sqrt(2), rel=0.05)  # of 2 N independent verdicts
+
+
+def test_variants_with_more_sets_weigh_no_more(answered):
+    """A variant of 64 sets where the claim holds and one of 16 where it does not: half, known as well as 32 sets tell."""
+    full, few = answered.judged[:2]
+    full = replace(full, word=np.full_like(full.word, HOLDS))
+    few = replace(few, word=np.zeros_like(few.word[:, :16]), score=few.score[:, :16], values=few.values[:, :16])
+    share, low, high = edition_share(replace(answered, judged=(full, few)), "literal", answered.claims[0])
+    expected = wilson_interval(np.array([16]), 32)
+    assert [share, low, high] == pytest.approx([0.5, float(expected[0][0]), float(expected[1][0])])
 
 
 def test_claims_that_exclude_each_other_are_found(answered):
@@ -98,15 +97,6 @@ def test_independence_is_asked_within_each_variant(answered):
     counts, expected = together(replace(answered, judged=parts), "literal")
     assert (counts == N).all()
     assert expected == pytest.approx(N)  # over both variants together it would be half of that
-
-
-def test_a_set_that_several_variants_share_counts_once():
-    values = design(ranges(), 0, 128, seed=4)
-    holds = np.random.default_rng(1).uniform(size=(3, 128)) < 0.5
-    once = pinned(holds, values, ranges())
-    often = pinned(np.tile(holds, 6), np.tile(values, 6), ranges())
-    np.testing.assert_array_equal(often[1], once[1])
-    assert (often[0] <= once[0] + 1e-12).all()
 
 
 def test_a_group_that_decides_is_pinned_down():

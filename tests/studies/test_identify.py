@@ -19,11 +19,11 @@ from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd import identify
 from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
 from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
-from whirlmap.studies.gear_psfd.identify import Cost, Settings, diagrams, judge_sets, judged_so_far, search
+from whirlmap.studies.gear_psfd.identify import Cost, Settings, diagrams, judge_sets, judged_so_far, search, sets_of
 from whirlmap.studies.gear_psfd.labelled import PSI
 from whirlmap.studies.gear_psfd.ranges import design, ranges
 from whirlmap.studies.gear_psfd.refine import best_starts, refine
-from whirlmap.studies.gear_psfd.variants import chosen
+from whirlmap.studies.gear_psfd.variants import VARIANTS, chosen
 
 #: A variant without tables: its kernels are quick to have.
 (QUICK,) = chosen((), ("literal-printed-clock",))
@@ -59,6 +59,21 @@ def test_2500_sets_are_always_enough():
     assert ((high - low) / 2).max() < identify.PRECISION
     low, high = wilson_interval(np.array([256]), 512)
     assert float((high - low)[0] / 2) > identify.PRECISION
+
+
+def test_every_variant_has_sets_of_its_own():
+    """Places of two variants' sets are as little alike as independent ones: correlations of about 1/sqrt(512)."""
+    settings = Settings()
+    places = [
+        np.stack([r.place(row) for r, row in zip(settings.ranges, sets_of(v, settings, 0, 512), strict=True)])
+        for v in VARIANTS[:3]
+    ]
+    for a, b in ((0, 1), (0, 2), (1, 2)):
+        alike = np.corrcoef(places[a], places[b])[: len(settings.ranges), len(settings.ranges) :]
+        assert np.abs(alike).max() < 5 / np.sqrt(512)
+    np.testing.assert_array_equal(
+        sets_of(VARIANTS[0], settings, 0, 512)[:, 256:], sets_of(VARIANTS[0], settings, 256, 256)
+    )  # fmt: skip
 
 
 def test_points_of_a_block_do_not_depend_on_its_other_sets():
@@ -124,7 +139,7 @@ from pathlib import Path
 from whirlmap.analysis.settling import Settling
 from whirlmap.studies.gear_psfd import identify
 from whirlmap.studies.gear_psfd.blocks import open_blocks
-from whirlmap.studies.gear_psfd.variants import chosen
+from whirlmap.studies.gear_psfd.variants import VARIANTS, chosen
 identify.BLOCK = 4
 settings = identify.Settings(seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8),
                              exponent_periods=16, accuracy=1e-3)

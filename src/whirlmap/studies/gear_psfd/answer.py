@@ -18,7 +18,7 @@ from whirlmap.studies.gear_psfd.variants import SPINS, Variant
 
 #: Sets with both claims that would be expected of independent ones, from which "never both" says something.
 EXPECTED = 3.0
-#: Different sets under which a claim holds, from which where they lie says something.
+#: Sets under which a claim holds, from which where they lie says something.
 ENOUGH = 30
 
 
@@ -135,17 +135,14 @@ def shares(judged: Judged, claim: str) -> tuple[float, float, float]:
 def edition_share(answer: Answer, edition: str, claim: str) -> tuple[float, float, float]:
     """Share of an edition's sets under which a claim holds, every variant counted alike, with its 95 % interval.
 
-    All variants share their sets, so that their verdicts are not independent: the spread of the mean over variants from set
-    to set says how many independent verdicts they are worth, and Wilson's interval is taken with that
-    number (after Korn and Graubard 1998, Survey Methodology 24, 193). Where no verdict differs, they are worth as many as
-    there are sets.
+    The mean over variants; Wilson's interval counts as many sets of each as the variant with the fewest has. Each variant
+    has sets of its own, so that all are independent; that shares differ between variants makes their mean better known than
+    the interval says, never less.
     """
     found = answer.of(edition)
-    sets = min(j.values.shape[1] for j in found)
-    each = np.mean([j.holds[j.claims.index(claim), :sets] for j in found], axis=0)
-    share, spread = float(each.mean()), float(each.var(ddof=1)) if sets > 1 else 0.0
-    worth = sets * share * (1 - share) / spread if spread > 0 else float(sets)
-    low, high = wilson_interval(np.array([share * worth]), worth)
+    share = float(np.mean([shares(j, claim)[0] for j in found]))
+    sets = len(found) * min(j.values.shape[1] for j in found)
+    low, high = wilson_interval(np.array([share * sets]), sets)
     return share, float(low[0]), float(high[0])
 
 
@@ -203,14 +200,13 @@ def pinned(holds: NDArray[np.bool_], values: Array, ranges: tuple[Range, ...]) -
         holds, and the design's; 0 means left free.
     limit : array, shape (claim,)
         What it would exceed once in a hundred times if the claim did not care; NaN where it holds under fewer than `ENOUGH`
-        sets. A set under which several variants fulfil the claim counts once: all variants share their sets.
+        sets.
     """
     places = np.stack([r.place(values[k]) for k, r in enumerate(ranges)])
     n = holds.sum(axis=1)
-    distinct = np.array([np.unique(values[:, row], axis=1).shape[1] for row in holds])
     distance = np.full((len(holds), len(ranges)), np.nan)
-    for c in np.flatnonzero(distinct >= ENOUGH):
+    for c in np.flatnonzero(n >= ENOUGH):
         inside = np.sort(places[:, holds[c]], axis=1)
         step = np.arange(n[c])
         distance[c] = np.maximum(inside - step / n[c], (step + 1) / n[c] - inside).max(axis=1)  # the design is uniform
-    return distance, np.where(distinct >= ENOUGH, 1.628 / np.sqrt(np.maximum(distinct, 1)), np.nan)
+    return distance, np.where(n >= ENOUGH, 1.628 / np.sqrt(np.maximum(n, 1)), np.nan)

@@ -221,7 +221,7 @@ def draw_marginals(answer: Answer, edition: str) -> Figure:
     axes.set_title(
         f"Edition {edition}: where in its range each group lies when a claim holds, as often as in brackets\n"
         "Number: a group that is pinned down, by its Kolmogorov-Smirnov distance from the design (beyond 1 %)."
-        f" No colour: fewer than {ENOUGH} different sets",
+        f" No colour: fewer than {ENOUGH} sets",
         loc="left", fontsize=10,
     )  # fmt: skip
     return figure

@@ -1,7 +1,7 @@
 """Which machine did the paper compute? Its claims, asked of every plausible set of the numbers that it does not give.
 
-1. A space-filling design (`ranges.design`) in nested blocks of `BLOCK` sets, the same sets for every variant
-   (`variants`), so that variants are compared set by set.
+1. A space-filling design (`ranges.design`) in nested blocks of `BLOCK` sets, scrambled anew for every variant (`variants`),
+   so that the verdicts of an edition's variants are independent and tell together more than those of one.
 2. For every set a coarse labelled diagram: the four permeabilities times `SPEEDS`, which lie inside the windows that the
    claims name. The claims judge it (`claims`).
 3. A variant has enough sets where the 95 % interval (Wilson) of every claim's share is within `PRECISION`.
@@ -11,6 +11,7 @@ Everything is kept in pieces (`blocks`), each a function of the settings and its
 
 import hashlib
 import time
+import zlib
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import asdict, dataclass, field, replace
 from typing import Any
@@ -78,7 +79,8 @@ class Settings:
         return {
             "version": __version__, "seed": self.seed, "speeds": list(self.speeds), "psi": list(PSI),
             "settling": asdict(self.settling), "exponent_periods": self.exponent_periods, "accuracy": self.accuracy,
-            "method": METHOD, "ranges": digest(self.ranges), "kernels": hashlib.sha256(kernels.encode()).hexdigest()[:16],
+            "method": METHOD, "ranges": digest(self.ranges), "design": "Sobol, scrambled for each variant",
+            "kernels": hashlib.sha256(kernels.encode()).hexdigest()[:16],
         }  # fmt: skip
 
     @property
@@ -242,6 +244,11 @@ def judged_so_far(blocks: Blocks, variant: Variant, settings: Settings) -> Judge
     return judge_sets(variant, ds, settings)
 
 
+def sets_of(variant: Variant, settings: Settings, first: int, count: int) -> Array:
+    """Sets number ``first`` to ``first + count`` of a variant's own design, shape (group, set)."""
+    return design(settings.ranges, first, count, seed=(settings.seed, zlib.crc32(variant.name.encode())))
+
+
 @dataclass(frozen=True)
 class Cost:
     """What one set of each variant costs, from a pilot."""
@@ -260,7 +267,7 @@ def pilot(variants: tuple[Variant, ...], settings: Settings, *, workers: int | N
     """
     seconds = {}
     for v in variants:
-        sets = design(settings.ranges, BLOCK - PILOT, PILOT, seed=settings.seed)
+        sets = sets_of(v, settings, BLOCK - PILOT, PILOT)
         brief = replace(settings, settling=Settling(transient=0, most=1, first_window=2, keep=1), exponent_periods=16)
         diagrams(v, sets[:, :1], brief, workers=workers)
         begun = time.monotonic()
@@ -311,6 +318,5 @@ def search(
         if deadline is not None and time.monotonic() + (cost.of(v, count) if cost else 0.0) > deadline:
             told(f"{v.name}: sets {first} to {first + count} left out, the time is over")
             continue
-        drawn = design(settings.ranges, first, count, seed=settings.seed)
-        blocks.put(name, diagrams(v, drawn, settings, workers=workers, progress=progress))
+        blocks.put(name, diagrams(v, sets_of(v, settings, first, count), settings, workers=workers, progress=progress))
         yield name

@@ -60,7 +60,7 @@ def digest(chosen: tuple[Range, ...]) -> str:
     return hashlib.sha256(json.dumps(numbers).encode()).hexdigest()[:16]
 
 
-def design(chosen: tuple[Range, ...], first: int, count: int, *, seed: int) -> Array:
+def design(chosen: tuple[Range, ...], first: int, count: int, *, seed: int | tuple[int, ...]) -> Array:
     """Parameter sets number ``first`` to ``first + count`` of a space-filling design, shape (group, set).
 
     A Sobol sequence, scrambled from the seed. Its first n points fill the space for every n, best for powers of two, so

@@ -60,14 +60,14 @@ class Variant:
 
     @property
     def changes(self) -> dict[str, Any]:
-        """What it changes in its edition's case."""
+        """What it changes in the reference machine on the paper's clock, but for the edition."""
         j_p, j_g = SPINS[self.edition][self.spin]
         switches = {"film": self.film, "arc": self.arc, "contact": self.contact}
         return {**switches, "j_p": j_p, "j_g": j_g}
 
     def system(self) -> System:
         """Load it, with the numbers of the reference machine."""
-        return load(f"gear-psfd/{self.edition}", **self.changes)
+        return load("gear-psfd/reference", edition=self.edition, **self.changes)
 
 
 def _printed(edition: str) -> list[Variant]:
