@@ -18,7 +18,7 @@ TIMES = 3
 #: Mostly chaotic; periodic throughout, twice, the second dimensional.
 DIAGRAMS = {
     "duffing, gamma 0.2 to 0.65": ("duffing", "gamma", 0.2, 0.65),
-    "gear-psfd/intended, s 0.3 to 4": ("gear-psfd/intended", "s", 0.3, 4.0),
+    "gear-psfd/reference, s 0.3 to 4": ("gear-psfd/reference", "s", 0.3, 4.0),
     "gear-psfd/machine, s 0.3 to 4": ("gear-psfd/machine", "s", 0.3, 4.0),
 }
 

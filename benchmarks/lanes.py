@@ -23,7 +23,7 @@ def lane_time(psi, count, common_periods):
     import whirlmap
     from whirlmap.analysis.points import make_ensemble
 
-    system = whirlmap.load("gear-psfd/intended", psi=psi, s=2.0)
+    system = whirlmap.load("gear-psfd/reference", psi=psi, s=2.0)
     ensemble, _ = make_ensemble(system, {"s": np.linspace(0.3, 4, count)}, steps=STEPS, method="rk4", workers=1)
     ensemble.advance(ensemble.common_multiple)
     begin = time.thread_time()

@@ -141,7 +141,7 @@ from whirlmap.analysis.settling import Settling
 from whirlmap.sweep.run import diagram_in_batches
 
 points, transient = int(sys.argv[1]), int(sys.argv[2])
-system = whirlmap.load("gear-psfd/intended", psi=0.0)
+system = whirlmap.load("gear-psfd/reference", psi=0.0)
 settling = Settling(transient=transient, first_window=2, most=1, keep=8)
 diagram_in_batches(system, "s", np.linspace(1.0, 4.0, points), settling=settling, steps=60)
 # not getrusage: its peak is inherited from the process that started this one
@@ -163,7 +163,7 @@ def memory(quick):
 
 def labelled(quick):
     """Wall time per labelled operating point of a diagram with all cores, kernels compiled before."""
-    system = whirlmap.load("gear-psfd/intended", psi=0.0)
+    system = whirlmap.load("gear-psfd/reference", psi=0.0)
     speeds = np.linspace(0.6, 4, 64 if quick else 256)
     whirlmap.bifurcation_diagram(system, "s", speeds[:2], settling=Settling(transient=1))
     begin = time.perf_counter()
@@ -179,7 +179,7 @@ def _counts(diagram):
 
 def settling(quick):
     """Processor time of settling a diagram against that of a fixed transient of 200 common periods; labels of both."""
-    system = whirlmap.load("gear-psfd/intended")
+    system = whirlmap.load("gear-psfd/reference")
     speeds = {"s": np.linspace(0.3, 4, 64 if quick else 600)}
     found, seconds = {}, dict.fromkeys(("fixed", "settling", "plainly"), np.inf)
     for _ in range(3):

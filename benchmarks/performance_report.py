@@ -12,7 +12,7 @@ pictures again from the numbers. The table of ratios and the first picture are t
 
 {machine}
 
-How it is measured. Operating points: the gear pair (`gear-psfd/intended`) at 512 speed ratios from 0.3 to 4 (64 for SciPy
+How it is measured. Operating points: the gear pair (`gear-psfd/reference`) at 512 speed ratios from 0.3 to 4 (64 for SciPy
 and on the other problems), from the static equilibrium (beside the clearance centre where none is found). An error is the
 largest difference over all states after 8T from the end states of heyoka at a tolerance of 1e-15; median and worst are
 over the speeds. An orbit that comes closer than 0.02 c to a bearing's centre, where the fixed half film is not smooth, is
@@ -115,7 +115,7 @@ def _labelled(part, _):
 
 def _settling(part, _):
     return [
-        f"{part['points']} speeds of `gear-psfd/intended` settle in {part['ratio']:.2f} of the processor time of a fixed"
+        f"{part['points']} speeds of `gear-psfd/reference` settle in {part['ratio']:.2f} of the processor time of a fixed"
         f" transient of {part['fixed']} common periods: {part['waited']:.1f} of them on average, the short cuts of"
         f" {part['accelerated']} points and the proof of their multipliers included. {part['same']} returns equal those of"
         " plain settling."

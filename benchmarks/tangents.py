@@ -26,7 +26,7 @@ VECTORS = (0, 1, 2, 5, 20)
 
 def contender(changes, vectors):
     """An ensemble that is past its first T: kernels are compiled and cells of tables found."""
-    system = whirlmap.load("gear-psfd/intended", s=2.0, **changes)
+    system = whirlmap.load("gear-psfd/reference", s=2.0, **changes)
     speeds = {"s": np.linspace(1.3, 4, COUNT)}
     ensemble, _ = make_ensemble(system, speeds, steps=STEPS, method=METHOD, tangents=vectors, workers=1)
     ensemble.advance(20)

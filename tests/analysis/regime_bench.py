@@ -117,7 +117,7 @@ OSCILLATORS = [
 ]  # fmt: skip
 
 GEAR_PAIRS = [
-    *(p("gear-psfd/intended", PERIODIC, 8, "long: forced response, multipliers inside the circle", s=s, psi=psi)
+    *(p("gear-psfd/reference", PERIODIC, 8, "long: forced response, multipliers inside the circle", s=s, psi=psi)
       for s, psi in ((3.27, 0.0), (3.27, 1e-4), (2.0, 1e-3), (3.27, 0.1), (1.5, 0.1))),
 ]  # fmt: skip
 

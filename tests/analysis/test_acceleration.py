@@ -135,7 +135,7 @@ def test_locked_van_der_pol():
 
 
 def test_gear_pair_where_it_settles_slowly():
-    plain, fast = settled(load("gear-psfd/intended").replace(psi=1e-3), {"s": np.linspace(3.0, 4.0, 32)}, transient=200)
+    plain, fast = settled(load("gear-psfd/reference").replace(psi=1e-3), {"s": np.linspace(3.0, 4.0, 32)}, transient=200)
     assert_same(plain, fast)
     assert fast[0].waited.mean() <= plain[0].waited.mean()
     assert fast[0].waited.mean() < 200 / 3

@@ -24,7 +24,7 @@ def block(system, J, rows, columns):
         ("gear-psfd/machine", {"arc": "fixed"}),
         ("gear-psfd/machine", {"arc": "positive"}),
         ("gear-psfd/machine", {"arc": "fixed", "psi": 0.1, "speed": "9000 rpm"}),
-        ("gear-psfd/intended", {}),
+        ("gear-psfd/reference", {}),
         ("machines/turbo-gearbox", {"arc": "fixed"}),
         ("machines/turbo-gearbox", {"T_p": "60 N*m"}),
     ],

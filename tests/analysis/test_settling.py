@@ -12,7 +12,7 @@ from whirlmap.integrate.loading import load
 
 
 def gear(speeds, psi=1e-3):
-    system = load("gear-psfd/intended").replace(psi=psi)
+    system = load("gear-psfd/reference").replace(psi=psi)
     return make_ensemble(system, {"s": np.asarray(speeds)}, steps=16, method="dop853")[0]
 
 

@@ -178,16 +178,16 @@ def test_a_symbol_that_is_given_wins_over_its_group():
 
 
 def test_an_input_takes_precedence_over_the_symbol_of_a_lower_layer_that_it_alone_sets():
-    settled = settle(read("gear-psfd/intended"), {"Phi": "5.2083333333333333e-13 m^2"})
+    settled = settle(read("gear-psfd/reference"), {"Phi": "5.2083333333333333e-13 m^2"})
     assert settled.values["psi"] == pytest.approx(0.1, rel=1e-14)
-    assert settle(read("gear-psfd/intended")).values["psi"] == 1e-3
+    assert settle(read("gear-psfd/reference")).values["psi"] == 1e-3
     assert (
-        "Phi" not in settle(read("gear-psfd/intended")).inputs
+        "Phi" not in settle(read("gear-psfd/reference")).inputs
     )  # replaced by psi, so not shown as if it counted
 
 
 def test_orders_of_one_journal_follow_the_orders_of_its_shaft():
-    values = settle(read("gear-psfd/intended"), {"r_g": "1/8"}).values
+    values = settle(read("gear-psfd/reference"), {"r_g": "1/8"}).values
     assert values["r_g"] == Fraction(1, 8)
     assert values["j_g"] == 0.125
 

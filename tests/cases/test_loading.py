@@ -47,11 +47,11 @@ def test_every_stock_case_has_finite_rates_at_its_start(name):
 
 
 def test_common_periods_are_exact():
-    assert load("gear-psfd/intended").common_multiple == 8
+    assert load("gear-psfd/reference").common_multiple == 8
     assert load("gear-psfd/machine").common_multiple == 40
     assert load("gear-psfd/machine", z_p=23, z_g=41).common_multiple == 943
-    assert load("gear-psfd/intended", r_g=-0.125).values["r_g"] == Fraction(-1, 8)
-    assert load("gear-psfd/intended", r_g="-0.3333333333333333").values["r_g"] == Fraction(-1, 3)
+    assert load("gear-psfd/reference", r_g=-0.125).values["r_g"] == Fraction(-1, 8)
+    assert load("gear-psfd/reference", r_g="-0.3333333333333333").values["r_g"] == Fraction(-1, 3)
 
 
 def test_jeffcott_rests_at_the_eccentricity_that_its_case_states():
@@ -85,8 +85,8 @@ BAD_CHANGES = [
     ),
     ("gear-psfd/literal", {"Gamma_2": 2}, "does not read 'Gamma_2'"),
     ("gear-psfd/literal", {"R_2": "30 mm"}, "R_2 has no effect on gear_pair with edition = literal"),
-    ("gear-psfd/intended", {"z_p": 23}, "z_p has no effect on gear_pair with edition = intended"),
-    ("gear-psfd/intended", {"xi_5": 0.1}, "does not read 'xi_5'"),
+    ("gear-psfd/reference", {"z_p": 23}, "z_p has no effect on gear_pair with edition = intended"),
+    ("gear-psfd/reference", {"xi_5": 0.1}, "does not read 'xi_5'"),
     ("gear-psfd/machine", {"edition": "litteral"}, "Did you mean 'literal'?"),
     ("gear-psfd/machine", {"edition": 3}, "cannot be 3; it is one of intended | literal | physical"),
     (
@@ -153,6 +153,6 @@ def test_pieces_hold_every_parameter_with_unit_and_source():
     assert made.parameters["r_g"]["value"] == "1/8"
     assert made.citations == ("changjian-psfd", "capone1991", "morgan1957")
     assert made.switches["edition"] == "literal"
-    assert made.model_hash != pieces(load("gear-psfd/intended")).model_hash
+    assert made.model_hash != pieces(load("gear-psfd/reference")).model_hash
     assert made.model_hash == pieces(load("gear-psfd/literal")).model_hash
     assert made.case_hash == pieces(load("gear-psfd/literal")).case_hash

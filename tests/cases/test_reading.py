@@ -33,7 +33,7 @@ def test_stock_cases_settle_and_every_number_says_where_it_comes_from(name):
     assert all(settled.notes[p] for p in settled.values)
 
 
-@pytest.mark.parametrize("name", ["gear-psfd/literal", "gear-psfd/intended"])
+@pytest.mark.parametrize("name", ["gear-psfd/literal", "gear-psfd/intended", "gear-psfd/reference"])
 def test_the_papers_editions_say_that_the_paper_gives_no_parameters(name):
     assert "does not give its parameters" in read(name).description
 
@@ -47,7 +47,7 @@ def test_every_choice_of_switches_of_a_stock_case_settles():
 
 def test_a_stock_number_stands_once():
     """The editions extend the machine; only s and psi are their own."""
-    assert set(read("gear-psfd/intended").layers[-1]) == {"s", "psi"}
+    assert set(read("gear-psfd/reference").layers[-1]) == {"s", "psi"}
     assert set(read("gear-psfd/literal").layers[-1]) == set()
 
 

@@ -127,7 +127,7 @@ def test_show_warns_where_a_rotor_strains_its_model():
 
 
 def test_show_warns_of_a_damper_that_carries_nothing():
-    line = "show gear-psfd/intended --set arc=positive --set j_p=0 --set j_g=0 --json"
+    line = "show gear-psfd/reference --set arc=positive --set j_p=0 --set j_g=0 --json"
     assert any("gravity" in w for w in json.loads(done(line).stdout)["warnings"])
 
 

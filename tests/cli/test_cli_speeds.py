@@ -74,5 +74,5 @@ def test_wrong_input_gets_one_message(options, word):
 
 
 def test_a_case_without_dimensions_wants_numbers():
-    done = run('speeds gear-psfd/intended --limit "20 um" --points 4 --quiet')
+    done = run('speeds gear-psfd/reference --limit "20 um" --points 4 --quiet')
     assert done.exit_code == 2 and "--range" in done.stderr

@@ -170,7 +170,7 @@ def test_beyond_the_film_there_is_no_mobility():
 
 def test_a_permeability_that_drowns_in_rounding_is_refused():
     with pytest.raises(CaseError, match=r"psi = 1e-13 is too small .* expected 0 .* or at least 1e-12"):
-        whirlmap.load("gear-psfd/intended", psi=1e-13)
+        whirlmap.load("gear-psfd/reference", psi=1e-13)
     for edges in (FIXED_ARC.edges, POSITIVE_ARC.edges):
         edges(1e-12)
         with pytest.raises(RangeError, match="too small for a table"):

@@ -28,7 +28,7 @@ def duffing(count=1, **changes):
 @pytest.mark.parametrize("accuracy", [1e-4, 1e-6, 1e-9])
 def test_chosen_steps_meet_the_accuracy_of_an_independent_integrator(accuracy):
     """SciPy's DOP853 on the reference kernel; the gear pair settled first, so that its orbits are large."""
-    system = load("gear-psfd/intended").replace(psi=0.0)
+    system = load("gear-psfd/reference").replace(psi=0.0)
     speeds = np.array([1.0, 2.0, 3.5])
     start, _ = make_ensemble(system, {"s": speeds}, accuracy=1e-8)
     start.advance(10 * start.common_multiple)
@@ -107,7 +107,7 @@ def test_members_run_as_if_all_ran():
     np.testing.assert_array_equal(part.x[:, rest], begin[:, rest])
     assert np.all(part.turns[rest] == 0)
     with pytest.raises(RangeError, match="same phase"):
-        gear = load("gear-psfd/intended")
+        gear = load("gear-psfd/reference")
         e, _ = make_ensemble(gear, {"s": np.array([2.0, 3.0])}, steps=24)
         e.advance(1, members=np.array([0]))
         e.advance(1)
@@ -125,7 +125,7 @@ def test_orbits_through_the_centre_are_nonsmooth_with_the_fixed_arc():
     """The fixed half film has a kink at the bearing's centre; the arc of positive pressure has none. 96 starts close by."""
     chosen = {}
     for arc in ("fixed", "positive"):
-        system = load("gear-psfd/intended", arc=arc).replace(psi=0.0)
+        system = load("gear-psfd/reference", arc=arc).replace(psi=0.0)
         rng = np.random.default_rng(1)
         speeds = {"s": np.full(96, 2.5)}
         x = make_ensemble(system, speeds, steps=16)[0].x.copy()
@@ -155,7 +155,7 @@ def test_absurd_accuracies_are_refused(accuracy):
 
 
 def test_steps_and_accuracy_exclude_each_other():
-    system = load("gear-psfd/intended")
+    system = load("gear-psfd/reference")
     with pytest.raises(RangeError, match="not both"):
         make_ensemble(system, steps=50, accuracy=1e-6)
     with pytest.raises(RangeError, match="not forced"):
@@ -164,6 +164,6 @@ def test_steps_and_accuracy_exclude_each_other():
 
 def test_every_method_climbs_the_ladder():
     """A lower order needs more steps for the same accuracy."""
-    system = load("gear-psfd/intended").replace(psi=0.0, s=3.0)
+    system = load("gear-psfd/reference").replace(psi=0.0, s=3.0)
     counts = {name: make_ensemble(system, method=name, accuracy=1e-5)[0].steps for name in METHODS}
     assert counts["dop853"] < counts["tsit5"] < counts["rk4"]

@@ -13,7 +13,7 @@ from whirlmap.errors import CaseError
 from whirlmap.integrate.system import System
 from whirlmap.studies.gear_psfd.assumptions import Strain, strained
 
-MACHINE, INTENDED, LITERAL = "gear-psfd/machine", "gear-psfd/intended", "gear-psfd/literal"
+MACHINE, REFERENCE, LITERAL = "gear-psfd/machine", "gear-psfd/reference", "gear-psfd/literal"
 
 
 @lru_cache
@@ -123,13 +123,13 @@ def test_a_ring_that_lets_nothing_through_may_be_thick():
 
 
 def test_fixed_arc_in_forward_whirl():
-    intended = found(system(INTENDED), CALM)
-    assert intended["fixed_arc_1"].value == 8.0  # the mesh, over half of a spin of 1/4
-    assert intended["fixed_arc_2"].value == 2.0  # its own unbalance; the mesh turns against it
-    assert "outwards" in intended["fixed_arc_1"].sentence
-    still = found(system(INTENDED, E=0, b_p=0, b_g=0), CALM)
+    derived = found(system(REFERENCE), CALM)
+    assert derived["fixed_arc_1"].value == 8.0  # the mesh, over half of a spin of 1/4
+    assert derived["fixed_arc_2"].value == 2.0  # its own unbalance; the mesh turns against it
+    assert "outwards" in derived["fixed_arc_1"].sentence
+    still = found(system(REFERENCE, E=0, b_p=0, b_g=0), CALM)
     assert not {"fixed_arc_1", "fixed_arc_2"} & set(still)
-    assert "fixed_arc_1" not in found(system(INTENDED, arc="positive"), CALM)
+    assert "fixed_arc_1" not in found(system(REFERENCE, arc="positive"), CALM)
 
 
 def test_fixed_arc_of_the_print():
@@ -141,7 +141,7 @@ def test_fixed_arc_of_the_print():
 
 
 def test_clocks_of_the_paper_are_those_of_four_and_eight_teeth():
-    for case in (INTENDED, LITERAL):
+    for case in (REFERENCE, LITERAL):
         strains = found(system(case), CALM)
         assert (strains["teeth_1"].value, strains["teeth_1"].limit) == (4.0, 20.0)
         assert (strains["teeth_2"].value, strains["teeth_2"].limit) == (8.0, 40.0)
@@ -151,7 +151,7 @@ def test_journals_and_gear_of_the_print_turn_on_clocks_of_their_own():
     strains = found(system(LITERAL), CALM)
     assert (strains["spin_1"].value, strains["spin_2"].value) == (4.0, 8.0)
     assert strains["gear_sense"].value == 0.5
-    assert not {"spin_1", "spin_2", "gear_sense"} & set(found(system(INTENDED), CALM))
+    assert not {"spin_1", "spin_2", "gear_sense"} & set(found(system(REFERENCE), CALM))
     assert found(system(MACHINE, r_g="1/2"), CALM)["gear_sense"].value == 0.5
 
 
@@ -175,7 +175,7 @@ def test_static_equilibria_of_a_diagram():
 
 def dimensionless(**changes):
     """A system of symbols alone."""
-    here = system(INTENDED)
+    here = system(REFERENCE)
     return System(here.model, {**here.values, **changes})
 
 
@@ -202,7 +202,7 @@ def test_only_the_gear_pair_is_judged():
 
 def test_a_computed_diagram_is_read():
     quick = whirlmap.Settling(transient=2, most=1, keep=2)
-    here = system(INTENDED, psi=0.1)
+    here = system(REFERENCE, psi=0.1)
     ds = whirlmap.bifurcation_diagram(here, "s", [2.0, 3.27], settling=quick)
     deepest = float(ds["maximum"].sel(quantity="eps_2").max())
     strains = found(here, ds)

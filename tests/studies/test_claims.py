@@ -1,6 +1,7 @@
 """Claims as functions: evidence made to the paper's own words satisfies them, and evidence against them does not."""
 
 import json
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
@@ -112,6 +113,19 @@ def test_the_wrong_dimension_fails():
     wrong = {key: dimension(1.9) for key in e.dimensions}
     words = {v.claim.id: v.word for v in judge(Evidence(e.edition, e.system, e.quality, e.diagrams, e.orbits, wrong))}
     assert words["fig6-dimension-yp"] == words["fig7-dimension-y2"] == "fails"
+
+
+def test_a_motion_without_a_known_dimension_leaves_the_claim_open():
+    e = as_the_paper_says()
+
+    def word(at, motion):
+        dims = {key: {} if key[0] == at else dimension(1.9) for key in e.dimensions}
+        orbits = e.orbits | {at: motion}
+        return {v.claim.id: v.word for v in judge(replace(e, orbits=orbits, dimensions=dims))}["fig6-dimension-yp"]
+
+    ended = xr.Dataset({"regime": int(Regime.contact)}, attrs={"indicators": "{}"})
+    assert word(1e-4, orbit()) == "cannot be evaluated"  # undecided: it may be the motion that the paper means
+    assert word(1e-4, ended) == "fails"
 
 
 def test_safe_windows_are_the_stretches_that_return():

@@ -20,7 +20,7 @@ def test_every_unpublished_group_has_a_range_and_a_reason():
 
 
 def test_the_reference_machine_lies_inside():
-    system = whirlmap.load("gear-psfd/intended")
+    system = whirlmap.load("gear-psfd/reference")
     literal = whirlmap.load("gear-psfd/literal")
     for r in ranges():
         value = float((system if r.name in system.parameters else literal).values[r.name])

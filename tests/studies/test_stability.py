@@ -10,7 +10,7 @@ from whirlmap.studies.gear_psfd.stability import GROWS, Modes, against_simulatio
 
 def test_an_unloaded_printed_film_whirls_at_half_the_spin():
     """Without weight, forcing or pull of the shaft worth mentioning, u' = J u/2 + a little: audit, section 5."""
-    system = whirlmap.load("gear-psfd/intended", film="printed", contact="ignore", j_p=1.0, j_g=1.0)
+    system = whirlmap.load("gear-psfd/reference", film="printed", contact="ignore", j_p=1.0, j_g=1.0)
     point = {"s": 2.0, "psi": 1e-4, "Gamma_1": 20.0, "Gamma_2": 20.0}
     found = modes(system, {name: np.array([value]) for name, value in point.items()})
     assert found.frequency[0] == pytest.approx(0.5, abs=1e-3)
@@ -23,7 +23,7 @@ def test_the_printed_sign_of_the_mesh_is_unstable_and_the_derived_is_not():
     literal = whirlmap.load("gear-psfd/literal", contact="ignore")
     printed = modes(literal, {"s": s, "psi": psi, "xi_5": np.full(2, float(literal.values["xi_m"]))})
     assert printed.growth == pytest.approx([0.33, 0.11], abs=0.005)
-    derived = modes(whirlmap.load("gear-psfd/intended"), {"s": s, "psi": psi})
+    derived = modes(whirlmap.load("gear-psfd/reference"), {"s": s, "psi": psi})
     assert np.all(derived.growth < GROWS)
 
 

@@ -93,7 +93,7 @@ def test_bad_ranges_are_refused(text, says):
 
 
 def test_orders_cannot_be_varied_and_limits_hold():
-    system = whirlmap.load("gear-psfd/intended")
+    system = whirlmap.load("gear-psfd/reference")
     with pytest.raises(RangeError, match="order of a harmonic"):
         bifurcation_diagram(system, "r_p", [0.1, 0.2])
     with pytest.raises(RangeError, match="s = -1 must be above 0"):

@@ -101,7 +101,7 @@ def test_starts_are_taken(duffing):
 
 
 def test_bearings_and_their_films():
-    system = whirlmap.load("gear-psfd/intended")
+    system = whirlmap.load("gear-psfd/reference")
     ds = label_points(system, {"s": np.array([0.5, 2.0])}, settling=Settling(transient=20, most=4, keep=8), lyapunov=0)
     assert ds["bearing"].values.tolist() == ["1", "2"]
     ran = ds["status"].values == Status.ok

@@ -358,7 +358,7 @@ def test_wrong_options_are_refused(duffing, tmp_path):
 def test_systems_go_to_other_machines_whole():
     """The gear pair, its tables and limits too, labels the same there: what Dask sends must lose nothing."""
     cloudpickle = pytest.importorskip("cloudpickle")
-    system = whirlmap.load("gear-psfd/intended")
+    system = whirlmap.load("gear-psfd/reference")
     again = cloudpickle.loads(cloudpickle.dumps(system))
     quantities = [(*s.model.states, *s.model.parameters) for s in (system, again)]
     for a, b in zip(*quantities, strict=True):

@@ -97,7 +97,7 @@ class Problem:
 
 def gear_pair(psi: float, points: int, periods: int = 8) -> Problem:
     """The paper's system as derived, at speed ratios from 0.3 to 4, from its static equilibrium."""
-    return _swept(f"gear pair, psi = {psi:g}", load("gear-psfd/intended", psi=psi, s=2.0), "s", 0.3, 4.0, points, periods)
+    return _swept(f"gear pair, psi = {psi:g}", load("gear-psfd/reference", psi=psi, s=2.0), "s", 0.3, 4.0, points, periods)
 
 
 def duffing(points: int, periods: int = 8) -> Problem:

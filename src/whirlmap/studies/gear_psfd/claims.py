@@ -190,7 +190,10 @@ def lyapunov_positive(d: Labelled, _claim: Claim) -> Judgement:
 
 
 def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
-    """D2 of the section in the plane (y, y'), within two errors of the paper's number at any psi."""
+    """D2 of the section in the plane (y, y'), within two errors of the paper's number at any psi.
+
+    It fails where every motion that could have such a dimension has another; what returns or ended could not.
+    """
 
     def judged(d: Labelled, claim: Claim) -> Judgement:
         assert claim.value is not None
@@ -198,8 +201,11 @@ def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
         with np.errstate(invalid="ignore"):
             met = np.abs(value - claim.value) <= 2 * error
             near = np.nan_to_num(np.exp(-0.5 * ((value - claim.value) / (2 * error + 0.1)) ** 2))
-        word = np.where(met.any(axis=-1), HOLDS, FAILS)
-        return _judgement(np.where(np.isfinite(value).any(axis=-1), word, UNKNOWN), near.max(axis=-1))
+        known = np.isfinite(value)
+        out_of_question = np.isin(d.orbits.regime, (Regime.periodic, Regime.contact, Regime.diverged))
+        decided = known.any(axis=-1) & (known | out_of_question).all(axis=-1)
+        word = np.where(met.any(axis=-1), HOLDS, np.where(decided, FAILS, UNKNOWN))
+        return _judgement(word, near.max(axis=-1))
 
     return judged
 
