@@ -232,7 +232,7 @@ def test_labels_of_a_block_are_the_codes_of_regimes():
 
 def test_the_best_set_of_turning_journals_makes_both_claims_about_permeability_true():
     (variant,), settings = chosen((), ("intended-porous-fixed-shaft",)), Settings()
-    system = whirlmap.load("gear-psfd/intended-shaft-best")
+    system = whirlmap.load("gear-psfd/intended")
     values = np.array([[float(system.values.get(r.name, 1.0))] for r in settings.ranges])
     judged = judge_sets(variant, diagrams(variant, values, settings), settings)
     held = {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}

@@ -53,7 +53,7 @@ class Edition:
 
 EDITIONS = (
     Edition("literal", "gear-psfd/literal", 1.0, "equations (30)-(41) as printed"),
-    Edition("intended", "gear-psfd/intended", 1.0, "equations as derived, with the paper's clock"),
+    Edition("intended", "gear-psfd/intended", 1.0, "equations as derived, numbers chosen by the paper's claims"),
     Edition("machine", "gear-psfd/machine", 4.0, "each shaft on its own clock, film with positive pressure"),
 )
 
