@@ -13,8 +13,8 @@ from whirlmap.errors import OutputError
 from whirlmap.studies.gear_psfd.answer import Answer, best_of, edition_share, exclusions, pinned, pooled, shares, together
 from whirlmap.studies.gear_psfd.answer_pages import BEGIN, END, case_text, fill, page, write_answer
 from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, judge_all
+from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Settings
 from whirlmap.studies.gear_psfd.evidence import edition_of
-from whirlmap.studies.gear_psfd.identify import Judged, Settings
 from whirlmap.studies.gear_psfd.ranges import design, ranges
 from whirlmap.studies.gear_psfd.variants import chosen
 

@@ -19,7 +19,8 @@ from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd import identify
 from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
 from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
-from whirlmap.studies.gear_psfd.identify import Cost, Settings, diagrams, judge_sets, judged_so_far, search, sets_of
+from whirlmap.studies.gear_psfd.coarse_diagrams import Settings, diagrams, judge_sets, sets_of
+from whirlmap.studies.gear_psfd.identify import Cost, judged_so_far, search
 from whirlmap.studies.gear_psfd.labelled import PSI
 from whirlmap.studies.gear_psfd.ranges import design, ranges
 from whirlmap.studies.gear_psfd.refine import best_starts, refine
@@ -132,10 +133,11 @@ from pathlib import Path
 from whirlmap.analysis.settling import Settling
 from whirlmap.studies.gear_psfd import identify
 from whirlmap.studies.gear_psfd.blocks import open_blocks
-from whirlmap.studies.gear_psfd.variants import VARIANTS, chosen
+from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
+from whirlmap.studies.gear_psfd.variants import chosen
 identify.BLOCK = 4
-settings = identify.Settings(seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8),
-                             exponent_periods=16, accuracy=1e-3)
+settings = Settings(seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8),
+                    exponent_periods=16, accuracy=1e-3)
 blocks = open_blocks(Path(sys.argv[1]), settings.identity(), resume=True)
 for name in identify.search(chosen((), ("literal-printed-clock",)), settings, blocks, sets=400):
     print(name, flush=True)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.studies.gear_psfd.identify import SPEEDS
+from whirlmap.studies.gear_psfd.coarse_diagrams import SPEEDS
 from whirlmap.studies.gear_psfd.stability import GROWS, Modes, against_simulation, modes, permeability
 
 

@@ -15,7 +15,8 @@ from whirlmap.errors import RangeError
 if TYPE_CHECKING:
     from whirlmap.studies.gear_psfd.answer import Answer
     from whirlmap.studies.gear_psfd.blocks import Blocks
-    from whirlmap.studies.gear_psfd.identify import Cost, Settings
+    from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
+    from whirlmap.studies.gear_psfd.identify import Cost
     from whirlmap.studies.gear_psfd.variants import Variant
 
 SEARCH = "Search"
@@ -108,7 +109,7 @@ def identify(
         raise RangeError("--share needs --store, which the shares have in common")
     from whirlmap.studies.gear_psfd.answer import answer
     from whirlmap.studies.gear_psfd.blocks import open_blocks
-    from whirlmap.studies.gear_psfd.identify import Settings
+    from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
     from whirlmap.studies.gear_psfd.variants import chosen
 
     variants = chosen(tuple(edition or ()), tuple(variant or ()))

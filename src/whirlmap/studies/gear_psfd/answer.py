@@ -10,7 +10,8 @@ from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd.blocks import Blocks
 from whirlmap.studies.gear_psfd.claims import NEED_ORBIT, WORDS
-from whirlmap.studies.gear_psfd.identify import Judged, Settings, judged_so_far
+from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Settings
+from whirlmap.studies.gear_psfd.identify import judged_so_far
 from whirlmap.studies.gear_psfd.labelled import PSI, Array
 from whirlmap.studies.gear_psfd.ranges import Range
 from whirlmap.studies.gear_psfd.refine import all_sets, refined

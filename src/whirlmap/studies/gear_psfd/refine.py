@@ -11,7 +11,7 @@ from scipy.optimize import differential_evolution
 
 from whirlmap.errors import RangeError
 from whirlmap.studies.gear_psfd.blocks import Blocks
-from whirlmap.studies.gear_psfd.identify import Judged, Progress, Settings, diagrams, judge_sets
+from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Progress, Settings, diagrams, judge_sets
 from whirlmap.studies.gear_psfd.labelled import Array
 from whirlmap.studies.gear_psfd.variants import Variant
 

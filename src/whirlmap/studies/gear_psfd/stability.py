@@ -17,7 +17,7 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
 from whirlmap.kernels.reference import reference_rates
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd.identify import Settings
+from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
 from whirlmap.studies.gear_psfd.labelled import PSI, Array
 from whirlmap.studies.gear_psfd.variants import Variant
 
