@@ -16,7 +16,7 @@ from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd import identify
+from whirlmap.studies.gear_psfd import identify, tasks
 from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
 from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
 from whirlmap.studies.gear_psfd.coarse_diagrams import Settings, diagrams, judge_sets, sets_of
@@ -98,7 +98,7 @@ def test_shares_together_are_the_whole(small, tmp_path):
 def test_what_is_finished_is_not_computed_again(small, monkeypatch, tmp_path):
     store = tmp_path / "store"
     list(search((QUICK,), BRIEF, open_blocks(store, BRIEF.identity(), resume=False), sets=4))
-    monkeypatch.setattr(identify, "diagrams", lambda *_, **__: pytest.fail("computed again"))
+    monkeypatch.setattr(tasks, "diagrams", lambda *_, **__: pytest.fail("computed again"))
     assert list(search((QUICK,), BRIEF, open_blocks(store, BRIEF.identity(), resume=True), sets=4)) == []
 
 

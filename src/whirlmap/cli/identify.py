@@ -71,6 +71,12 @@ def identify(
         typer.Option("--share", metavar="I/N", rich_help_panel=SEARCH,
                      help="Compute every N-th block from the I-th on, as one task of N with the same --store."),
     ] = "1/1",
+    dask: Annotated[
+        str | None,
+        typer.Option("--dask", metavar="ADDRESS", rich_help_panel=SEARCH,
+                     help="Compute on the workers of the Dask scheduler at this address, tcp://host:8786, a core for each of"
+                     " their threads."),
+    ] = None,
     no_pilot: Annotated[
         bool,
         typer.Option("--no-pilot", rich_help_panel=SEARCH,
@@ -107,10 +113,13 @@ def identify(
         raise RangeError("--page needs --out, where its pictures are")
     if n > 1 and store is None:
         raise RangeError("--share needs --store, which the shares have in common")
+    if dask is not None and workers is not None:
+        raise RangeError("--workers are threads of this process, and a cluster has its own: give one of them")
     from whirlmap.studies.gear_psfd.answer import answer
     from whirlmap.studies.gear_psfd.blocks import open_blocks
     from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
     from whirlmap.studies.gear_psfd.variants import chosen
+    from whirlmap.sweep.executors import connected
 
     variants = chosen(tuple(edition or ()), tuple(variant or ()))
     settings = Settings(seed=seed)
@@ -124,7 +133,10 @@ def identify(
     interrupted = False
     if minutes != 0:
         try:
-            _compute(variants, settings, blocks, sets, refine, deadline, (i, n), not no_pilot, workers, quiet)
+            with connected(dask) as client:
+                _compute(
+                    variants, settings, blocks, sets, refine, deadline, (i, n), not no_pilot, client, workers, quiet
+                )
         except KeyboardInterrupt:
             interrupted = True
             where = f"; go on with --store {store} --resume" if store else ", and is lost with this process: use --store"
@@ -157,14 +169,15 @@ def _share(text: str) -> tuple[int, int]:
 
 def _compute(
     variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", sets: int, generations: int,
-    deadline: float | None, share: tuple[int, int], measure: bool, workers: int | None, quiet: bool,
+    deadline: float | None, share: tuple[int, int], measure: bool, client: Any, workers: int | None, quiet: bool,
 ) -> None:  # fmt: skip
     from whirlmap.studies.gear_psfd.identify import pilot, plan, search
 
     cost: Cost | None = None
     if measure:
         say("pilot: a few sets of each variant, which also compiles")
-        cost = pilot(variants, settings, workers=workers)
+        threads = sum(client.nthreads().values()) if client else 1
+        cost = pilot(variants, settings, workers=1 if client else workers).shared(threads)
         most = sum(cost.of(v, sets) for v in variants) / share[1]
         first = sum(cost.of(v, plan(sets)[0][1]) for v in variants) / share[1]
         slow = max(variants, key=lambda v: cost.of(v, 1))
@@ -176,7 +189,7 @@ def _compute(
     with Progress("identify", None, quiet=quiet) as progress:
         begun, done = time.monotonic(), 0
         for name in search(
-            variants, settings, blocks, sets=sets, cost=cost, deadline=deadline, share=share, workers=workers,
+            variants, settings, blocks, sets=sets, cost=cost, deadline=deadline, share=share, client=client, workers=workers,
             progress=progress, told=say,
         ):  # fmt: skip
             first_set, last_set = (int(part) for part in name.rpartition(".")[2].split("-"))
@@ -184,12 +197,12 @@ def _compute(
             rate = done / (time.monotonic() - begun)
             say(f"{name}: finished; {done} sets so far, {rate:.3g} sets/s, {rate * settings.points:.3g} points/s")
         if generations and share[0] == 1:
-            _refine(variants, settings, blocks, generations, deadline, workers, progress)
+            _refine(variants, settings, blocks, generations, deadline, client, workers, progress)
 
 
 def _refine(
     variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", generations: int, deadline: float | None,
-    workers: int | None, progress: Progress,
+    client: Any, workers: int | None, progress: Progress,
 ) -> None:  # fmt: skip
     from whirlmap.studies.gear_psfd.identify import judged_so_far
     from whirlmap.studies.gear_psfd.refine import best_starts, refine
@@ -198,7 +211,7 @@ def _refine(
     for start in best_starts(judged):
         before = float(start.total[start.order[0]])
         found = refine(
-            start, settings, blocks, generations=generations, workers=workers, progress=progress,
+            start, settings, blocks, generations=generations, client=client, workers=workers, progress=progress,
             more=lambda: deadline is None or time.monotonic() < deadline,
         )  # fmt: skip
         after = max(before, float(found.total.max()))

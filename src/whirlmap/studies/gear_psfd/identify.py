@@ -12,6 +12,7 @@ Everything is kept in pieces (`blocks`), each a function of the settings and its
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from typing import Any
 
 import xarray as xr
 
@@ -20,6 +21,7 @@ from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.studies.gear_psfd.blocks import Blocks
 from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Progress, Settings, diagrams, judge_sets, sets_of
+from whirlmap.studies.gear_psfd.tasks import Task, computed
 from whirlmap.studies.gear_psfd.variants import Variant
 
 #: Sets in one block.
@@ -80,6 +82,10 @@ class Cost:
         """Seconds that many sets take."""
         return self.seconds[variant.name] * sets
 
+    def shared(self, among: int) -> "Cost":
+        """The same where so many do the work side by side."""
+        return Cost({name: seconds / among for name, seconds in self.seconds.items()})
+
 
 def pilot(variants: tuple[Variant, ...], settings: Settings, *, workers: int | None = None) -> Cost:
     """Measure what a set costs, compiled kernels in hand: the last `PILOT` sets of the first block, thrown away.
@@ -106,6 +112,7 @@ def search(
     cost: Cost | None = None,
     deadline: float | None = None,
     share: tuple[int, int] = (1, 1),
+    client: Any = None,
     workers: int | None = None,
     progress: Progress | None = None,
     told: Callable[[str], None] = lambda _text: None,
@@ -120,6 +127,8 @@ def search(
         No block is begun that would end after ``time.monotonic() == deadline`` at this cost; without one, none after it.
     share : (int, int)
         Compute only every n-th block, from the i-th on: several processes share one store.
+    client : distributed.Client, optional
+        Of a Dask cluster, which takes a round at once; threads of this process where absent.
     told : callable
         Takes a sentence about what was left out, and why.
     """
@@ -127,17 +136,22 @@ def search(
     if not 1 <= i <= n:
         raise RangeError(f"share: found {i}/{n}, expected i/n with i from 1 to n")
     enough: set[str] = set()
-    tasks = [(k, first, count, v) for k, (first, count) in enumerate(plan(sets)) for v in variants]
-    for number, (k, first, count, v) in enumerate(tasks):
-        name = piece(v, first, count)
-        if v.name in enough or name in blocks or number % n != i - 1:
-            continue
-        if k and (so_far := judged_so_far(blocks, v, settings)) is not None and precise(so_far):
-            enough.add(v.name)
-            told(f"{v.name}: {so_far.word.shape[1]} sets are enough")
-            continue
-        if deadline is not None and time.monotonic() + (cost.of(v, count) if cost else 0.0) > deadline:
-            told(f"{v.name}: sets {first} to {first + count} left out, the time is over")
-            continue
-        blocks.put(name, diagrams(v, sets_of(v, settings, first, count), settings, workers=workers, progress=progress))
-        yield name
+
+    def wanted(number: int, first: int, count: int) -> Iterator[Task]:
+        for at, v in enumerate(variants, number):
+            name = piece(v, first, count)
+            if v.name in enough or name in blocks or at % n != i - 1:
+                continue
+            if first and (so_far := judged_so_far(blocks, v, settings)) is not None and precise(so_far):
+                enough.add(v.name)
+                told(f"{v.name}: {so_far.word.shape[1]} sets are enough")
+            elif deadline is not None and time.monotonic() + (cost.of(v, count) if cost else 0.0) > deadline:
+                told(f"{v.name}: sets {first} to {first + count} left out, the time is over")
+            else:
+                yield Task(name, v, sets_of(v, settings, first, count))
+
+    for k, (first, count) in enumerate(plan(sets)):
+        tasks = wanted(k * len(variants), first, count)
+        for name, ds in computed(tasks, settings, client=client, workers=workers, progress=progress):
+            blocks.put(name, ds)
+            yield name

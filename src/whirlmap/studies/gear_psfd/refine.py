@@ -11,8 +11,9 @@ from scipy.optimize import differential_evolution
 
 from whirlmap.errors import RangeError
 from whirlmap.studies.gear_psfd.blocks import Blocks
-from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Progress, Settings, diagrams, judge_sets
+from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Progress, Settings, judge_sets
 from whirlmap.studies.gear_psfd.labelled import Array
+from whirlmap.studies.gear_psfd.tasks import Task, computed
 from whirlmap.studies.gear_psfd.variants import Variant
 
 #: Sets in one generation.
@@ -27,6 +28,7 @@ def refine(
     generations: int,
     prefix: str = "refined",
     score: Callable[[Judged], Array] = lambda judged: judged.total,
+    client: Any = None,
     workers: int | None = None,
     progress: Progress | None = None,
     more: Callable[[], bool] = lambda: True,
@@ -41,6 +43,8 @@ def refine(
         Most generations after the first.
     score : callable
         What is made larger, one number for each set; the mean over the claims that a diagram decides where absent.
+    client : distributed.Client, optional
+        Of a Dask cluster; threads of this process where absent.
     more : callable
         Asked before every generation that has to be computed; the search ends where it says no.
 
@@ -73,7 +77,8 @@ def refine(
         if name not in blocks:
             if not more():
                 raise Enough
-            blocks.put(name, diagrams(variant, values, settings, workers=workers, progress=progress))
+            task = [Task(name, variant, values)]
+            blocks.put(*next(computed(task, settings, client=client, workers=workers, progress=progress)))
         ds = blocks[name]
         if not np.array_equal(ds["value"].values, values):
             raise RangeError(f"{name} in the store belongs to another refinement: choose another --store")
