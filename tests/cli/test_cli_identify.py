@@ -29,6 +29,11 @@ def sentence(line: str) -> str:
         ("identify --share 4/3 --store x", "found '4/3'"),
         ("identify --share 1/3", "--share needs --store"),
         ("identify --page docs.md", "--page needs --out"),
+        ("identify --page docs.md --out answer", "docs.md: expected a page with the lines"),
+        ("identify --resume", "--resume goes on with the search in --store"),
+        ("identify --store x --share 1/2 --refine 3", "run it without --share"),
+        ("identify --sets 4 --refine 3", "at least 5 sets"),
+        ("identify --dask tcp://127.0.0.1:9 --workers 2", "give one of them"),
         ("identify --edition physical", "expected one of literal, intended"),
         ("identify --variant intended-porous-fixed", "intended-porous-fixed-shaft"),
         ("identify --edition literal --variant intended-porous-fixed-shaft", "belongs to the edition literal"),
@@ -60,6 +65,31 @@ def test_a_search_is_kept_resumed_and_read(tmp_path, monkeypatch):
     shown = run("identify --store kept --resume --minutes 0")
     assert "best of literal: literal-printed-clock" in shown.stdout
     assert "fig3-mid-8T" in shown.stdout
+
+
+def test_marks_in_the_wrong_order_are_no_page(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    text = "<!-- end: whirlmap identify -->\n<!-- begin: whirlmap identify -->\n"
+    (tmp_path / "docs.md").write_text(text)
+    assert "expected a page" in sentence("identify --page docs.md --out answer")
+    assert (tmp_path / "docs.md").read_text() == text
+
+
+def test_a_share_that_came_first_is_said_to_wait(tmp_path, monkeypatch):
+    from whirlmap.studies.gear_psfd import identify
+
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(identify, "BLOCK", 1)
+    waiting = run(f"identify {QUICK} --store kept --share 2/2 --json")
+    assert waiting.exit_code == 0, waiting.output
+    assert "1 blocks are finished, but not the first of any variant" in waiting.stderr
+    found = json.loads(waiting.stdout)
+    assert found["missing"] == ["literal-printed-clock"]
+    both = run(f"identify {QUICK} --store kept --resume --json --variant literal-printed-shaft --minutes 0")
+    assert "no set finished yet" in both.stderr or "not the first" in both.stderr
+    whole = json.loads(run(f"identify {QUICK} --store kept --resume --json").stdout)
+    assert set(found) == set(whole)
+    assert whole["missing"] == []
 
 
 def test_nothing_finished_is_said(tmp_path, monkeypatch):

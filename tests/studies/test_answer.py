@@ -78,7 +78,7 @@ def test_claims_that_exclude_each_other_are_found(answered):
     j = answered.judged[2]
     word = j.word.copy()
     a, b = (j.claims.index(c) for c in ("safe-speeds", "permeability-regularises"))
-    word[a], word[b] = np.where(np.arange(N) < 20, HOLDS, 0), np.where(np.arange(N) >= 40, HOLDS, 0)
+    word[a], word[b] = np.where(np.arange(N) < 24, HOLDS, 0), np.where(np.arange(N) >= 40, HOLDS, 0)
     pairs = exclusions(replace(answered, judged=(replace(j, word=word),)), "intended")
     assert ["permeability-regularises", "safe-speeds"] in [p["claims"] for p in pairs]
     word[b, 0] = HOLDS
@@ -87,7 +87,7 @@ def test_claims_that_exclude_each_other_are_found(answered):
     a, b = (answered.claims.index(c) for c in ("safe-speeds", "permeability-regularises"))
     counts, expected = together(replace(answered, judged=(replace(j, word=word),)), "intended")
     assert counts[a, b] == 1
-    assert expected[a, b] == pytest.approx(20 * 25 / N)
+    assert expected[a, b] == pytest.approx(24 * 25 / N)
 
 
 def test_independence_is_asked_within_each_variant(answered):

@@ -54,3 +54,11 @@ def test_every_figure_of_the_paper_is_among_the_files():
     for number in range(2, 8):
         for edition in ("literal", "intended", "machine"):
             assert any(name.startswith(f"fig{number}-{edition}") for name in file_names())
+
+
+def test_two_cases_of_one_name_are_refused_before_anything_is_computed(tmp_path):
+    own = tmp_path / "intended-best.toml"
+    own.write_text('extends = "gear-psfd/intended-best"\n')
+    with pytest.raises(RangeError, match="called intended-best"):
+        reproduce(tmp_path / "out", cases=["gear-psfd/intended-best", str(own)])
+    assert not (tmp_path / "out").exists()

@@ -25,7 +25,7 @@ EXAMPLES = (
     "whirlmap identify --sets 32 --variant intended-porous-positive-shaft",
     "whirlmap identify --store search --minutes 120 --refine 20 --out answer",
     "whirlmap identify --store search --resume --minutes 0 --out answer --force",
-    "whirlmap identify --store search --resume --share 3/64 --no-pilot",
+    "whirlmap identify --store search --resume --share 3/12 --no-pilot",
 )
 
 
@@ -51,12 +51,13 @@ def identify(
     refine: Annotated[
         int,
         typer.Option("--refine", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
-                     help="Generations of 64 sets of differential evolution from the best of each edition."),
+                     help="Generations of 64 sets of differential evolution from the best of each edition, when the blocks"
+                     " are finished; not with --share."),
     ] = 0,
     minutes: Annotated[
         float | None,
         typer.Option("--minutes", metavar="M", min=0.0, rich_help_panel=SEARCH,
-                     help="Begin nothing that would end later; 0: only read the store."),
+                     help="Begin no block that would end later, and no generation after that; 0: only read the store."),
     ] = None,
     store: Annotated[
         Path | None,
@@ -108,25 +109,36 @@ def identify(
     labelled diagram of each for every reading of the equations that the text allows, and says how often each claim holds,
     which claims exclude each other, and which set comes closest.
     """
+    from whirlmap.studies.gear_psfd.answer import answer
+    from whirlmap.studies.gear_psfd.answer_pages import around
+    from whirlmap.studies.gear_psfd.blocks import open_blocks
+    from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
+    from whirlmap.studies.gear_psfd.identify import spans_of
+    from whirlmap.studies.gear_psfd.refine import LEAST
+    from whirlmap.studies.gear_psfd.variants import chosen
+    from whirlmap.sweep.executors import connected
+
     i, n = _share(share)
     if page is not None and out is None:
         raise RangeError("--page needs --out, where its pictures are")
     if n > 1 and store is None:
         raise RangeError("--share needs --store, which the shares have in common")
+    if resume and store is None:
+        raise RangeError("--resume goes on with the search in --store: give one")
+    if refine and n > 1:
+        raise RangeError("--refine needs all blocks: when all shares are finished, run it without --share")
+    if refine and sets < LEAST:
+        raise RangeError(f"--refine needs at least {LEAST} sets of a variant, and --sets is {sets}")
     if dask is not None and workers is not None:
         raise RangeError("--workers are threads of this process, and a cluster has its own: give one of them")
-    from whirlmap.studies.gear_psfd.answer import answer
-    from whirlmap.studies.gear_psfd.blocks import open_blocks
-    from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
-    from whirlmap.studies.gear_psfd.variants import chosen
-    from whirlmap.sweep.executors import connected
-
     variants = chosen(tuple(edition or ()), tuple(variant or ()))
     settings = Settings(seed=seed)
     if out is not None:
         from whirlmap.results.files import check_writable
 
         check_writable(out, force=force)
+    if page is not None:
+        around(page)
     blocks = open_blocks(store, settings.identity(), resume=resume)
     begun = time.monotonic()
     deadline = None if minutes is None else begun + 60 * minutes
@@ -139,15 +151,22 @@ def identify(
                 )
         except KeyboardInterrupt:
             interrupted = True
-            where = f"; go on with --store {store} --resume" if store else ", and is lost with this process: use --store"
-            say(f"interrupted: what was finished is kept{where}")
+            kept = f"kept; go on with --store {store} --resume" if store else "reported, and then lost: use --store"
+            say(f"interrupted: what was finished is {kept}")
     found = answer(variants, settings, blocks)
     if found is None:
-        say("no block is finished, so there is nothing to report")
+        waiting = sum(len(spans_of(blocks, v)) for v in variants)
+        say(
+            f"{waiting} blocks are finished, but not the first of any variant, so there is nothing to report yet"
+            if waiting
+            else "no block is finished, so there is nothing to report"
+        )
         if json:
-            report.print_json({"seed": seed, "variants": {}, "interrupted": interrupted})
+            nothing: dict[str, Any] = {"variants": {}, "editions": {}, "excluded": {}, "best": {}, "files": []}
+            missing = [v.name for v in variants]
+            report.print_json({"seed": seed, "missing": missing, **nothing, "interrupted": interrupted})
         raise typer.Exit(130 if interrupted else 0)
-    files = _write(found, blocks, out, page, linear, force)
+    files = _write(found, blocks, out, page, linear, workers, force)
     if json:
         report.print_json({**found.summary(), "files": files, "interrupted": interrupted})
     else:
@@ -163,7 +182,7 @@ def _share(text: str) -> tuple[int, int]:
     except ValueError:
         i, n = 0, 0
     if not 1 <= i <= n:
-        raise RangeError(f"--share: found {text!r}, expected I/N with I from 1 to N, as 3/64")
+        raise RangeError(f"--share: found {text!r}, expected I/N with I from 1 to N, as 3/12")
     return i, n
 
 
@@ -171,19 +190,24 @@ def _compute(
     variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", sets: int, generations: int,
     deadline: float | None, share: tuple[int, int], measure: bool, client: Any, workers: int | None, quiet: bool,
 ) -> None:  # fmt: skip
-    from whirlmap.studies.gear_psfd.identify import pilot, plan, search
+    from whirlmap.studies.gear_psfd.identify import pilot, plan, search, sets_finished
+    from whirlmap.studies.gear_psfd.refine import POPULATION
 
     cost: Cost | None = None
-    if measure:
+    left = {v: sets - sets_finished(blocks, v) for v in variants}
+    unfinished = tuple(v for v in variants if left[v] > 0)
+    if measure and unfinished:
         say("pilot: a few sets of each variant, which also compiles")
         threads = sum(client.nthreads().values()) if client else 1
-        cost = pilot(variants, settings, workers=1 if client else workers).shared(threads)
-        most = sum(cost.of(v, sets) for v in variants) / share[1]
-        first = sum(cost.of(v, plan(sets)[0][1]) for v in variants) / share[1]
-        slow = max(variants, key=lambda v: cost.of(v, 1))
+        cost = pilot(unfinished, settings, workers=1 if client else workers).shared(threads)
+        most = sum(cost.of(v, left[v]) for v in unfinished) / share[1]
+        block = plan(sets)[0][1]
+        first = sum(cost.of(v, min(block, left[v])) for v in unfinished) / share[1]
+        slow = max(unfinished, key=lambda v: cost.of(v, 1))
+        more = f", and {generations} generations of {POPULATION} sets for each edition" if generations else ""
         say(
-            f"cost: {settings.points} points for each set; {clock(first)} for the first block of {len(variants)} variants,"
-            f" at most {clock(most)} for {sets} sets of each; slowest: {slow.name},"
+            f"cost: {settings.points} points for each set; {clock(first)} for one more block of {len(unfinished)} variants,"
+            f" at most {clock(most)} for {sets} sets of each{more}; slowest: {slow.name},"
             f" {settings.points / cost.of(slow, 1):.0f} points/s"
         )
     with Progress("identify", None, quiet=quiet) as progress:
@@ -196,7 +220,7 @@ def _compute(
             done += last_set - first_set
             rate = done / (time.monotonic() - begun)
             say(f"{name}: finished; {done} sets so far, {rate:.3g} sets/s, {rate * settings.points:.3g} points/s")
-        if generations and share[0] == 1:
+        if generations:
             _refine(variants, settings, blocks, generations, deadline, client, workers, progress)
 
 
@@ -205,11 +229,14 @@ def _refine(
     client: Any, workers: int | None, progress: Progress,
 ) -> None:  # fmt: skip
     from whirlmap.studies.gear_psfd.identify import judged_so_far
-    from whirlmap.studies.gear_psfd.refine import best_starts, refine
+    from whirlmap.studies.gear_psfd.refine import LEAST, best_starts, refine
 
     judged = [j for v in variants if (j := judged_so_far(blocks, v, settings)) is not None]
     for start in best_starts(judged):
-        before = float(start.total[start.order[0]])
+        if start.total.size < LEAST:
+            say(f"{start.variant.name}: not refined, for {start.total.size} sets are too few")
+            continue
+        before = float(start.total.max())
         found = refine(
             start, settings, blocks, generations=generations, client=client, workers=workers, progress=progress,
             more=lambda: deadline is None or time.monotonic() < deadline,
@@ -219,8 +246,9 @@ def _refine(
 
 
 def _write(
-    found: "Answer", blocks: "Blocks", out: Path | None, page: Path | None, linear_sets: int, force: bool
-) -> list[Path]:
+    found: "Answer", blocks: "Blocks", out: Path | None, page: Path | None, linear_sets: int, workers: int | None,
+    force: bool,
+) -> list[Path]:  # fmt: skip
     if out is None:
         return []
     from whirlmap.studies.gear_psfd.answer_pages import fill, write_answer, write_picture
@@ -230,7 +258,7 @@ def _write(
     more = "\n" + linear_page(linear(found, blocks, linear_sets)) if linear_sets else ""
     files = write_answer(found, out, more=more, force=force)
     if linear_sets:
-        files.append(write_picture(draw_threshold(), out / "threshold.png", force=force))
+        files.append(write_picture(draw_threshold(workers), out / "threshold.png", force=force))
     if page is not None:
         here = page.resolve().parent
         shown = {f.stem: Path(relpath(f.resolve(), here)).as_posix() for f in files if f.suffix == ".png"}
@@ -242,6 +270,8 @@ def _write(
 def _print(found: "Answer") -> None:
     from whirlmap.studies.gear_psfd.answer import edition_share, exclusions, regimes, shares
 
+    if found.missing:
+        say(f"no set finished yet: {', '.join(found.missing)}")
     for edition in found.editions:
         judged = found.of(edition)
         names = [j.variant.name.removeprefix(f"{edition}-") for j in judged]

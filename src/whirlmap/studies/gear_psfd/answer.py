@@ -17,8 +17,11 @@ from whirlmap.studies.gear_psfd.ranges import Range
 from whirlmap.studies.gear_psfd.refine import all_sets, refined
 from whirlmap.studies.gear_psfd.variants import SPINS, Variant
 
-#: Sets with both claims that would be expected of independent ones, from which "never both" says something.
-EXPECTED = 3.0
+#: Sets with both claims that would be expected of independent ones, from which "never both" says something: one of an
+#: edition's 78 pairs would be so by chance in 3 searches of 100 (78 exp(-8)).
+EXPECTED = 8.0
+#: How often a group seems pinned down by any claim where none is.
+ONE_IN = 0.01
 #: Sets under which a claim holds, from which where they lie says something.
 ENOUGH = 30
 
@@ -55,11 +58,14 @@ class Answer:
         The design's sets of every variant that has any.
     bests : tuple of Best
         Of every variant, in the order of ``judged``.
+    missing : tuple of str
+        Variants that were asked for and have no set yet: no number speaks of them.
     """
 
     settings: Settings
     judged: tuple[Judged, ...]
     bests: tuple[Best, ...]
+    missing: tuple[str, ...] = ()
 
     @property
     def best(self) -> dict[str, Best]:
@@ -87,6 +93,7 @@ class Answer:
         """Return everything as plain data, for ``--json``."""
         return {
             "seed": self.settings.seed,
+            "missing": list(self.missing),
             "variants": {
                 j.variant.name: {
                     "sets": j.values.shape[1],
@@ -113,7 +120,9 @@ def answer(variants: tuple[Variant, ...], settings: Settings, blocks: Blocks) ->
     judged = tuple(j for v in variants if (j := judged_so_far(blocks, v, settings)) is not None)
     if not judged:
         return None
-    return Answer(settings, judged, tuple(best_of(j, refined(j.variant, settings, blocks), settings) for j in judged))
+    bests = tuple(best_of(j, refined(j.variant, settings, blocks), settings) for j in judged)
+    there = {j.variant.name for j in judged}
+    return Answer(settings, judged, bests, tuple(v.name for v in variants if v.name not in there))
 
 
 def best_of(design: Judged, refinement: Judged | None, settings: Settings) -> Best:
@@ -200,8 +209,8 @@ def pinned(holds: NDArray[np.bool_], values: Array, ranges: tuple[Range, ...]) -
         Largest difference (Kolmogorov-Smirnov) between the distribution of the group's place in its range where the claim
         holds, and the design's; 0 means left free.
     limit : array, shape (claim,)
-        What it would exceed once in a hundred times if the claim did not care; NaN where it holds under fewer than `ENOUGH`
-        sets.
+        What some group of some claim would exceed once in a hundred times if no claim cared for any; NaN where it holds
+        under fewer than `ENOUGH` sets.
     """
     places = np.stack([r.place(values[k]) for k, r in enumerate(ranges)])
     n = holds.sum(axis=1)
@@ -210,4 +219,5 @@ def pinned(holds: NDArray[np.bool_], values: Array, ranges: tuple[Range, ...]) -
         inside = np.sort(places[:, holds[c]], axis=1)
         step = np.arange(n[c])
         distance[c] = np.maximum(inside - step / n[c], (step + 1) / n[c] - inside).max(axis=1)  # the design is uniform
-    return distance, np.where(n >= ENOUGH, 1.628 / np.sqrt(np.maximum(n, 1)), np.nan)
+    one = np.sqrt(-0.5 * np.log(ONE_IN / (2 * distance.size)))  # Kolmogorov's limit for one of so many (Bonferroni)
+    return distance, np.where(n >= ENOUGH, one / np.sqrt(np.maximum(n, 1)), np.nan)

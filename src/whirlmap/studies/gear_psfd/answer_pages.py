@@ -75,9 +75,11 @@ def _variants(answer: Answer) -> str:
     ]  # fmt: skip
     at = " / ".join(f"{psi:g}" for psi in PSI)
     left_out = "\n".join(f"- {name}: {why}" for name, why in MEANINGLESS)
+    missing = f"\n\nNo set finished yet: {', '.join(f'`{name}`' for name in answer.missing)}." if answer.missing else ""
     return (
         "Operating points of each kind, in percent of all sets, permeabilities and speeds:\n\n"
         + _table(("variant", "sets", *kinds, f"contact at ψ = {at}"), rows)
+        + missing
         + f"\n\nNot searched, for it means nothing:\n\n{left_out}"
     )
 
@@ -135,11 +137,19 @@ def fill(page_path: Path, text: str) -> None:
     OutputError
         Where the page has no such marks.
     """
-    old = page_path.read_text(encoding="utf-8") if page_path.is_file() else ""
-    if BEGIN not in old or END not in old:
-        raise OutputError(f"{page_path}: expected a page with the lines {BEGIN} and {END}")
-    new = f"{old.partition(BEGIN)[0]}{BEGIN}\n\n{text}\n{END}{old.partition(END)[2]}"
+    before, after = around(page_path)
+    new = f"{before}{BEGIN}\n\n{text}\n{END}{after}"
     replace_file(page_path, lambda trial: trial.write_text(new, encoding="utf-8"), force=True)
+
+
+def around(page_path: Path) -> tuple[str, str]:
+    """What stands before and behind the two marks of a page, which `fill` leaves alone; raises what `fill` does."""
+    old = page_path.read_text(encoding="utf-8") if page_path.is_file() else ""
+    before, begin, rest = old.partition(BEGIN)
+    _, end, after = rest.partition(END)
+    if not (begin and end):
+        raise OutputError(f"{page_path}: expected a page with the lines {BEGIN} and, below it, {END}")
+    return before, after
 
 
 def draw_shares(answer: Answer, edition: str) -> Figure:
@@ -234,7 +244,8 @@ def case_text(edition: str, best: Best, answer: Answer) -> str:
     """Write the case of a best set, as TOML."""
     v = best.variant
     sets = next(j.values.shape[1] for j in answer.judged if j.variant == v)
-    why = f"whirlmap identify, seed {answer.settings.seed}, {sets} sets of {v.name}"
+    origin = "refined from" if best.refined else "one of"
+    why = f"whirlmap identify, seed {answer.settings.seed}, {origin} {sets} sets of {v.name}"
     missed = ", ".join(best.missed) or "none"
     lines = [
         f"# Written by `whirlmap identify`: the best set of the edition {edition}. Do not edit; run the search again.",

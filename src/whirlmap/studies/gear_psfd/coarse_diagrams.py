@@ -1,6 +1,7 @@
 """Coarse labelled diagrams of many parameter sets at once, and what the paper's claims say of them."""
 
 import hashlib
+import json
 import zlib
 from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
@@ -56,12 +57,19 @@ class Settings:
 
     def identity(self) -> dict[str, Any]:
         """Plain data that tell one search from another: these settings, and all that decides the bits of a point."""
-        kernels = "".join(kernel_hash(v.system(), METHOD) for v in VARIANTS)
+        systems = {v.name: v.system() for v in VARIANTS}
+        kernels = "".join(kernel_hash(system, METHOD) for system in systems.values())
+        drawn = {"s", "psi", *(r.name for r in self.ranges)}
+        fixed = {
+            name: sorted((p, str(value)) for p, value in system.values.items() if p not in drawn)
+            for name, system in systems.items()
+        }
         return {
             "version": __version__, "seed": self.seed, "speeds": list(self.speeds), "psi": list(PSI),
             "settling": asdict(self.settling), "exponent_periods": self.exponent_periods, "accuracy": self.accuracy,
             "method": METHOD, "ranges": digest(self.ranges), "design": "Sobol, scrambled for each variant",
             "kernels": hashlib.sha256(kernels.encode()).hexdigest()[:16],
+            "readings": hashlib.sha256(json.dumps(fixed).encode()).hexdigest()[:16],
         }  # fmt: skip
 
     @property

@@ -9,9 +9,11 @@
 Everything is kept in pieces (`blocks`), each a function of the settings and its name alone.
 """
 
+import re
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
+from math import lcm
 from typing import Any
 
 import xarray as xr
@@ -49,17 +51,31 @@ def plan(sets: int) -> list[tuple[int, int]]:
     return [(first, min(BLOCK, sets - first)) for first in range(0, sets, BLOCK)]
 
 
-def finished(blocks: Blocks, variant: Variant) -> list[str]:
-    """Finished blocks of a variant that follow each other from set 0 on, the longest where several begin at one set."""
+def spans_of(blocks: Blocks, variant: Variant) -> dict[int, int]:
+    """First set of every finished block of a variant, and the set behind its last; of two that begin alike the longer."""
     spans: dict[int, int] = {}
     for name in blocks.names(f"{variant.name}."):
-        first, last = (int(part) for part in name.rpartition(".")[2].split("-"))
-        spans[first] = max(spans.get(first, 0), last)
-    out, at = [], 0
+        if numbers := re.fullmatch(r"(\d{6,})-(\d{6,})", name.rpartition(".")[2]):  # and no copy that somebody made by hand
+            first, last = int(numbers[1]), int(numbers[2])
+            spans[first] = max(spans.get(first, 0), last)
+    return spans
+
+
+def finished(blocks: Blocks, variant: Variant) -> list[str]:
+    """Finished blocks of a variant that follow each other from set 0 on."""
+    spans, out, at = spans_of(blocks, variant), [], 0
     while at in spans:
         out.append(piece(variant, at, spans[at] - at))
         at = spans[at]
     return out
+
+
+def sets_finished(blocks: Blocks, variant: Variant) -> int:
+    """Sets of a variant in `finished` blocks."""
+    spans, at = spans_of(blocks, variant), 0
+    while at in spans:
+        at = spans[at]
+    return at
 
 
 def judged_so_far(blocks: Blocks, variant: Variant, settings: Settings) -> Judged | None:
@@ -135,23 +151,27 @@ def search(
     i, n = share
     if not 1 <= i <= n:
         raise RangeError(f"share: found {i}/{n}, expected i/n with i from 1 to n")
-    enough: set[str] = set()
+    over: set[str] = set()
 
     def wanted(number: int, first: int, count: int) -> Iterator[Task]:
         for at, v in enumerate(variants, number):
             name = piece(v, first, count)
-            if v.name in enough or name in blocks or at % n != i - 1:
+            done = name in blocks or sets_finished(blocks, v) >= first + count
+            if done or v.name in over or at % n != i - 1:
                 continue
             if first and (so_far := judged_so_far(blocks, v, settings)) is not None and precise(so_far):
-                enough.add(v.name)
+                over.add(v.name)
                 told(f"{v.name}: {so_far.word.shape[1]} sets are enough")
             elif deadline is not None and time.monotonic() + (cost.of(v, count) if cost else 0.0) > deadline:
-                told(f"{v.name}: sets {first} to {first + count} left out, the time is over")
+                over.add(v.name)  # a later block, which may be shorter, would wait for this one
+                told(f"{v.name}: sets from {first} on left out, the time is over")
             else:
                 yield Task(name, v, sets_of(v, settings, first, count))
 
     for k, (first, count) in enumerate(plan(sets)):
-        tasks = wanted(k * len(variants), first, count)
+        before = k * len(variants)
+        turn = before // lcm(len(variants), n)  # else a share would come back to the same variants for ever
+        tasks = wanted(before + turn, first, count)
         for name, ds in computed(tasks, settings, client=client, workers=workers, progress=progress):
             blocks.put(name, ds)
             yield name

@@ -18,6 +18,8 @@ from whirlmap.studies.gear_psfd.variants import Variant
 
 #: Sets in one generation.
 POPULATION = 64
+#: Fewest sets that a refinement can start from.
+LEAST = 5
 
 
 def refine(
@@ -38,9 +40,10 @@ def refine(
     Parameters
     ----------
     start : Judged
-        Sets that were looked at already; the best `POPULATION` of them are the first generation.
+        Sets that were looked at already. `POPULATION` of them are the first generation: the best by the claims that hold
+        and the best by the score, in turn.
     generations : int
-        Most generations after the first.
+        Most generations after that.
     score : callable
         What is made larger, one number for each set; the mean over the claims that a diagram decides where absent.
     client : distributed.Client, optional
@@ -51,7 +54,7 @@ def refine(
     Returns
     -------
     Judged
-        All sets of all generations, the first included.
+        All sets of all new generations; ``start`` where there is none.
 
     Notes
     -----
@@ -59,10 +62,12 @@ def refine(
     ranges. A generation is a piece of the store, named also by the number of sets that it started from. A resumed run goes
     through the same generations, because nothing in it is random but the seed, and takes the finished ones from the store.
     """
-    if start.values.shape[1] < 5:
-        raise RangeError(f"refinement needs at least 5 sets, not {start.values.shape[1]}")
+    if start.values.shape[1] < LEAST:
+        raise RangeError(f"refinement needs at least {LEAST} sets, not {start.values.shape[1]}")
     variant = start.variant
-    order = np.argsort(-score(start), kind="stable")[:POPULATION]
+    known = score(start)
+    both = np.stack([start.order, np.argsort(-known, kind="stable")], axis=1).ravel()
+    order = both[np.sort(np.unique(both, return_index=True)[1])][:POPULATION]
     first = np.stack([r.place(start.values[k, order]) for k, r in enumerate(settings.ranges)])
     generation = 0
 
@@ -71,6 +76,9 @@ def refine(
 
     def objective(places: Array) -> Array:
         nonlocal generation
+        if generation == 0:
+            generation = 1
+            return 1.0 - known[order]
         values = np.stack([r.at(places[k]) for k, r in enumerate(settings.ranges)])
         name = f"{prefix}.{variant.name}.{start.values.shape[1]:06d}-{generation:04d}"
         generation += 1

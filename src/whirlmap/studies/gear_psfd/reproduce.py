@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.results.files import write
 from whirlmap.studies.gear_psfd.evidence import EDITIONS, Edition, Evidence, edition_of, gather, quality_named
@@ -45,7 +46,7 @@ def reproduce(
     Raises
     ------
     RangeError
-        Where the quality is unknown.
+        Where the quality is unknown, or two cases have one name.
     CaseError
         Where a case is unknown or not one of the gear pair.
     OutputError
@@ -53,6 +54,9 @@ def reproduce(
     """
     level = quality_named(quality)
     editions = EDITIONS if cases is None else tuple(edition_of(case) for case in cases)
+    names = [edition.name for edition in editions]
+    if twice := sorted({name for name in names if names.count(name) > 1}):
+        raise RangeError(f"several cases are called {', '.join(twice)}, and their files would be, too: rename the cases")
     folder = Folder(Path(out))
     folder.check(file_names(editions))
     done: list[tuple[Evidence, list[Verdict]]] = []

@@ -115,7 +115,7 @@ FINDS = ("with the forcing", "other motion", "contact", "diverged")
 
 
 def against_simulation(found: Modes, ds: xr.Dataset, forced: int) -> Array:
-    """Share of each outcome of a simulation for points that stand alike, shape (stand, outcome), and their numbers."""
+    """Points of each stand by linear theory and each outcome of a simulation, counted, shape (stand, outcome)."""
     sets = found.growth.shape[0]
     regime, period = ds["regime"].values[:sets], ds["period_T"].values[:sets]
     with np.errstate(invalid="ignore"):

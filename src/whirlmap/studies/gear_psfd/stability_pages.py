@@ -55,6 +55,8 @@ def linear(answer: Answer, blocks: Blocks, sets: int) -> list[Linear]:
 
 def linear_page(found: list[Linear]) -> str:
     """Tables of linear theory against simulation, and of what permeability does."""
+    if not found:
+        return "### Linear theory of the same sets\n\nNone of the searched journals turns: no film carries a load at rest.\n"
     parts = [
         "### Linear theory of the same sets",
         "Operating points by what linear theory says of their static equilibrium (all points, and the share of them that a"
