@@ -63,7 +63,8 @@ def _table(head: tuple[str, ...], rows: list[tuple[str, ...]]) -> str:
 
 
 def _percent(x: float) -> str:
-    return f"{100 * x:.1f}" if 0 < x < 0.1 else f"{100 * x:.0f}"
+    digits = 0 if x == 0 or x >= 0.1 else 1 if x >= 0.001 else 2
+    return f"{100 * x:.{digits}f}"
 
 
 def _variants(answer: Answer) -> str:
@@ -230,7 +231,8 @@ def draw_marginals(answer: Answer, edition: str) -> Figure:
     figure.colorbar(shown, ax=axes, shrink=0.8, label="log2 of density over the design's")
     axes.set_title(
         f"Edition {edition}: where in its range each group lies when a claim holds, as often as in brackets\n"
-        "Number: a group that is pinned down, by its Kolmogorov-Smirnov distance from the design (beyond 1 %)."
+        "Number: a group that is pinned down, by its Kolmogorov-Smirnov distance from the design"
+        " (by chance once in 100 pictures)."
         f" No colour: fewer than {ENOUGH} sets",
         loc="left", fontsize=10,
     )  # fmt: skip
