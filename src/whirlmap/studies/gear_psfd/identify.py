@@ -72,10 +72,8 @@ def finished(blocks: Blocks, variant: Variant) -> list[str]:
 
 def sets_finished(blocks: Blocks, variant: Variant) -> int:
     """Sets of a variant in `finished` blocks."""
-    spans, at = spans_of(blocks, variant), 0
-    while at in spans:
-        at = spans[at]
-    return at
+    names = finished(blocks, variant)
+    return int(names[-1].rpartition("-")[2]) if names else 0
 
 
 def judged_so_far(blocks: Blocks, variant: Variant, settings: Settings) -> Judged | None:
