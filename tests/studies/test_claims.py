@@ -126,6 +126,10 @@ def test_a_motion_without_a_known_dimension_leaves_the_claim_open():
     ended = xr.Dataset({"regime": int(Regime.contact)}, attrs={"indicators": "{}"})
     assert word(1e-4, orbit()) == "cannot be evaluated"  # undecided: it may be the motion that the paper means
     assert word(1e-4, ended) == "fails"
+    assert word(1e-4, orbit().assign(regime=int(Regime.quasi_periodic))) == "fails"  # the others decide
+    tori = dict.fromkeys(PSI, orbit().assign(regime=int(Regime.quasi_periodic)))
+    words = {v.claim.id: v.word for v in judge(replace(e, orbits=tori))}
+    assert words["fig6-dimension-yp"] == "cannot be evaluated"  # as the claim's measure says
 
 
 def test_safe_windows_are_the_stretches_that_return():

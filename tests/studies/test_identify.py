@@ -6,6 +6,7 @@ import signal
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -17,9 +18,10 @@ from whirlmap.analysis.settling import Settling
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd import identify, tasks
+from whirlmap.studies.gear_psfd import refine as refinement
 from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
 from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
-from whirlmap.studies.gear_psfd.coarse_diagrams import Settings, diagrams, judge_sets, sets_of
+from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Settings, diagrams, judge_sets, sets_of
 from whirlmap.studies.gear_psfd.identify import Cost, judged_so_far, search
 from whirlmap.studies.gear_psfd.labelled import PSI
 from whirlmap.studies.gear_psfd.ranges import design, ranges
@@ -192,6 +194,22 @@ def test_a_refinement_is_the_same_when_it_goes_on(small, tmp_path):
     assert not np.isclose(long.values[:, -1], start.values[:, :].T).all(axis=1).any()
 
 
+def test_a_refinement_begins_with_the_best_by_claims_and_by_score(monkeypatch):
+    """Set 5 has the worst score and all claims: it is in the first generation, beside the three best scores."""
+    sets = sets_of(QUICK, BRIEF, 0, 8)
+    judged = judge_sets(QUICK, diagrams(QUICK, sets, BRIEF), BRIEF)
+    score = np.tile(np.linspace(0.9, 0.2, 8), (judged.score.shape[0], 1))
+    score[:, 5] = 0.0
+    word = np.zeros_like(judged.word)
+    word[:, 5] = HOLDS
+    begun = []
+    monkeypatch.setattr(refinement, "POPULATION", 4)
+    monkeypatch.setattr(refinement, "differential_evolution", lambda objective, *_, init, **__: begun.append(init))
+    refine(replace(judged, score=score, word=word), BRIEF, Blocks(None), generations=1)
+    places = np.stack([r.place(row) for r, row in zip(BRIEF.ranges, sets, strict=True)], axis=1)
+    assert {int(np.abs(places - row).max(axis=1).argmin()) for row in begun[0]} == {0, 1, 2, 5}
+
+
 @pytest.mark.slow
 def test_a_planted_machine_is_found_again():
     """A known set's own diagram, turned into claims, is searched for from a design that does not hold it."""
@@ -259,12 +277,24 @@ def test_labels_of_a_block_are_the_codes_of_regimes():
     assert ds.attrs["common_period"] == pytest.approx(16 * np.pi)
 
 
-def test_the_best_set_of_turning_journals_makes_both_claims_about_permeability_true():
-    (variant,), settings = chosen((), ("intended-porous-fixed-shaft",)), Settings()
-    system = whirlmap.load("gear-psfd/intended")
+def judged_case(case: str, reading: str) -> tuple[Judged, set[str]]:
+    """Judge the numbers of a case in one reading; and the claims that hold."""
+    (variant,), settings = chosen((), (reading,)), Settings()
+    system = whirlmap.load(case)
     values = np.array([[float(system.values.get(r.name, 1.0))] for r in settings.ranges])
     judged = judge_sets(variant, diagrams(variant, values, settings), settings)
-    held = {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}
+    return judged, {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}
+
+
+def test_the_set_nearest_to_figure_3_makes_four_of_its_claims_true():
+    _, held = judged_case("gear-psfd/intended-fig3", "intended-porous-positive-clock")
+    assert {c for c in held if c.startswith("fig3")} == {
+        "fig3-low-8T", "fig3-chaos-window", "fig3-large-amplitude", "fig3-high-chaos",
+    }  # fmt: skip
+
+
+def test_the_numbers_of_intended_make_both_claims_about_permeability_true():
+    judged, held = judged_case("gear-psfd/intended", "intended-porous-fixed-shaft")
     assert {"permeability-regularises", "permeability-suppresses-amplitude", "fig3-low-8T", "fig3-large-amplitude"} <= held
     lost = judged.labelled.regime[0] != Regime.periodic
     assert lost[1].sum() > 4 and lost[3].sum() < lost[1].sum()  # not one slow point: whole windows stop returning

@@ -157,7 +157,7 @@ def identify(
     if found is None:
         waiting = sum(len(spans_of(blocks, v)) for v in variants)
         say(
-            f"{waiting} blocks are finished, but not the first of any variant, so there is nothing to report yet"
+            f"finished blocks: {waiting}, but not the first of any variant, so there is nothing to report yet"
             if waiting
             else "no block is finished, so there is nothing to report"
         )

@@ -192,7 +192,8 @@ def lyapunov_positive(d: Labelled, _claim: Claim) -> Judgement:
 def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
     """D2 of the section in the plane (y, y'), within two errors of the paper's number at any psi.
 
-    It fails where every motion that could have such a dimension has another; what returns or ended could not.
+    Asked of motions that could have one: none that returns, ended, or is a torus, whose dimension is a whole number. It
+    fails where all of these have another dimension, and cannot be evaluated where one has none that is known.
     """
 
     def judged(d: Labelled, claim: Claim) -> Judgement:
@@ -201,10 +202,10 @@ def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
         with np.errstate(invalid="ignore"):
             met = np.abs(value - claim.value) <= 2 * error
             near = np.nan_to_num(np.exp(-0.5 * ((value - claim.value) / (2 * error + 0.1)) ** 2))
-        known = np.isfinite(value)
-        out_of_question = np.isin(d.orbits.regime, (Regime.periodic, Regime.contact, Regime.diverged))
-        decided = known.any(axis=-1) & (known | out_of_question).all(axis=-1)
-        word = np.where(met.any(axis=-1), HOLDS, np.where(decided, FAILS, UNKNOWN))
+        whole = (Regime.periodic, Regime.quasi_periodic, Regime.contact, Regime.diverged)
+        asked = ~np.isin(d.orbits.regime, whole)
+        decided = asked.any(axis=-1) & (np.isfinite(value) | ~asked).all(axis=-1)
+        word = np.where((met & asked).any(axis=-1), HOLDS, np.where(decided, FAILS, UNKNOWN))
         return _judgement(word, near.max(axis=-1))
 
     return judged

@@ -4,7 +4,7 @@ A piece goes to a cluster in parts of `PART` sets, for a point's bits do not dep
 Dataset, so that workers need no folder in common with the store.
 """
 
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import Any
 
@@ -52,8 +52,8 @@ def computed(
     Raises
     ------
     OutputError
-        Where the scheduler is gone, a part killed its workers again and again, or a worker has other kernels than this
-        process.
+        Where the scheduler is gone, or a worker failed: with an error, by dying again and again, or because it has other
+        kernels than this process.
     """
     if client is None:
         for task in tasks:
@@ -63,9 +63,9 @@ def computed(
 
 
 def _by_cluster(
-    tasks: list[Task], settings: Settings, client: Any, progress: Callable[[int], None] | None
+    tasks: list[Task], settings: Settings, client: Any, progress: Progress | None
 ) -> Iterator[tuple[str, xr.Dataset]]:
-    from distributed import KilledWorker, as_completed
+    from distributed import as_completed
 
     parts: dict[str, dict[int, xr.Dataset]] = {task.name: {} for task in tasks}
     places: dict[str, tuple[str, int, int]] = {}  # key of a future -> piece, number of the part, and of how many
@@ -81,6 +81,8 @@ def _by_cluster(
             name, k, of = places[future.key]
             if future.status in ("cancelled", "lost"):
                 raise OutputError(f"the Dask scheduler is gone, and with it {name}{GO_ON}")
+            if future.status == "error":  # its own, or that it killed its workers again and again
+                raise OutputError(f"{name}: a worker failed: {future.exception()}{GO_ON}") from future.exception()
             parts[name][k] = future.result()
             if progress:
                 progress(parts[name][k]["regime"].size)
@@ -91,8 +93,6 @@ def _by_cluster(
                     combine_attrs="drop_conflicts",
                 )  # fmt: skip
                 yield name, whole
-    except KilledWorker as error:
-        raise OutputError(f"workers of the Dask cluster died, again and again: {error}{GO_ON}") from None
     except (OSError, TimeoutError) as error:
         raise OutputError(f"the Dask scheduler is gone ({type(error).__name__}){GO_ON}") from None
     finally:
