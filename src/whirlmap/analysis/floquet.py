@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import UNKNOWN
 from whirlmap.integrate.system import System
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
@@ -133,21 +134,21 @@ class _Segment:
     def transition(self, x: Array, begin: int) -> tuple[Array, Array]:
         """End of the run from a state, and its transition matrix; ``begin`` counts steps from phase zero."""
         n, steps = x.size, self.steps
-        every = np.arange(n)
-        y = np.zeros((2 * n, n))
-        y[:n], y[n + every, every] = x[:, None], 1.0
+        y = np.full((2 * n + self.kernel.source.sizes.surfaces, n), UNKNOWN)
+        y[:n], y[n : 2 * n] = x[:, None], np.eye(n)
         run = blocked(y)
         blocks = run.shape[0]
-        first, active, failed = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1))
+        first, active, failed, cause = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1, 0))
         self.kernel.advance(
             blocks=blocks, count=1, y=run, **self.waves.arguments(begin), steps=steps, first=first, **self.inputs,
             active=active, failed=failed, save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0,
-            growth=np.zeros(0), folded=0, sums=np.zeros(0), work=self.kernel.work(),
+            growth=np.zeros(0), folded=0, sums=np.zeros(0), cause=cause, reached=np.zeros((blocks, 1, LANES)),
+            tally=np.zeros((blocks, 2, LANES)), work=self.kernel.work(),
         )  # fmt: skip
         if (failed >= 0).any():
             raise RangeError(f"the orbit of {self.name} leaves the model's limits: it is no periodic orbit")
         end = unblocked(run, n)
-        return end[:n, 0], end[n:]
+        return end[:n, 0], end[n : 2 * n]
 
 
 def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
+from whirlmap.kernels.event_location import CHATTERS, STICKS
 from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.methods import Method
@@ -51,20 +52,28 @@ class Rescue:
         self.model, self.method, self.tangents, self.values, self.redo = model, method, tangents, values, redo
         self.cyclic = np.array([s.cyclic is not None for s in model.states])
 
-    def mend(self, members: NDArray[np.intp], y: Array, time: Array, h: Array) -> Outcome:
+    def mend(
+        self, members: NDArray[np.intp], y: Array, time: Array, h: Array, cause: NDArray[np.int64]
+    ) -> Outcome:
         """Redo the step of some points from ``y``, shape (row, point), at ``time``; ``y`` of those that go on is replaced.
 
-        ``members`` holds the group's indices of the points.
+        ``members`` holds the group's indices of the points, ``cause`` why they were lost in a step through surfaces: shorter
+        steps help neither a point that sticks nor one that chatters.
         """
         points = members.size
         status = np.zeros(points, dtype=np.int8)
         end, stop = np.full(points, np.nan), np.full(points, -1, dtype=np.int8)
-        pending = np.ones(points, dtype=bool)
+        for reason, name in ((STICKS, Status.sticks), (CHATTERS, Status.chatters)):
+            status[cause == reason] = name
+        end[status != Status.ok] = time[status != Status.ok]
+        pending = status == Status.ok
+        if not pending.any():
+            return Outcome(status, end, stop)
         n = self.model.dimension
         after, _ = self._march(members, y, time, h, 1)
         size = np.abs(after[:n][~self.cyclic]).sum(axis=0)
         closed = self._gaps(members, after[:n]) <= 0
-        diverged = np.isfinite(size) & ~closed.any(axis=0) & (size >= self.model.bound)
+        diverged = pending & np.isfinite(size) & ~closed.any(axis=0) & (size >= self.model.bound)
         status[diverged], end[diverged] = Status.diverged, (time + h)[diverged]
         pending &= ~diverged
         # A step that plainly ends behind a gap which can close is an event: shorter steps would only find it again.

@@ -11,6 +11,8 @@ class Status(IntEnum):
     diverged = 2
     unresolved = 3
     failed = 4
+    sticks = 5
+    chatters = 6
 
     @property
     def sentence(self) -> str:
@@ -24,6 +26,8 @@ SENTENCES = {
     Status.diverged: "a state grew beyond the model's bound",
     Status.unresolved: "a step failed, also with steps 1024 times shorter: try more steps per T",
     Status.failed: "could not be computed",
+    Status.sticks: "sticks on two surfaces at once, or on one with tangent vectors: that motion is not followed",
+    Status.chatters: "crosses surfaces at which its rates change more than 64 times in one step",
 }
 
 
