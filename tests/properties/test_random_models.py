@@ -161,6 +161,7 @@ def test_steps_are_the_textbooks_until_a_point_ends(case, save_every):
         good, other = (np.logical_and.accumulate(within(system, q, values)) for q in (orbit, moved))
         apart = np.where(good[:, None], np.abs(orbit - moved), 0.0).max(axis=(0, 1))
     calm = (good == other).all(axis=0) & (apart < 1e-9)  # others make rounding large, beyond the edges of tables above all
+    calm &= e.crossings == 0  # the textbook steps over surfaces, the kernel stops at them
     expected = np.where(good[:, None], orbit, np.nan)
     np.testing.assert_array_equal(e.running[calm], good[-1, calm])
     every = expected[save_every - 1 :: save_every][: len(segment.saved)]
@@ -217,7 +218,9 @@ def test_tangent_vectors_follow_the_jacobian(case):
         return
     for count in {1, min(2, n), n}:
         e = Ensemble(system.model, system.vector[:, None], start, orders=system.orders, steps=steps, tangents=count)
-        e._y[n:] = np.eye(n)[:count].reshape(-1, 1)
+        e._y[n : n * (1 + count)] = np.eye(n)[:count].reshape(-1, 1)
         found = e.advance(1).growth[0, :, 0]
+        if e.crossings[0]:  # the textbook steps over surfaces, the kernel stops at them
+            return
         assert e.status[0] == Status.ok
         np.testing.assert_allclose(found, growth[:count], rtol=1e-6, atol=1e-7)

@@ -24,6 +24,13 @@ def when(condition: Any, value: Any, otherwise: Any = 0) -> Expr:
     return Piecewise((value, condition), (otherwise, True))
 
 
+class magnitude(Function):  # noqa: N801 (printed as a function)
+    """``Abs`` of a term whose kink at zero the rates do not have, for it is multiplied by what vanishes there.
+
+    No crossing is located there (`whirlmap.kernels.surfaces`).
+    """
+
+
 @dataclass(frozen=True)
 class Table:
     """Smooth functions of one or two coordinates, tabulated for each value of one parameter.

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sympy import (
+    Abs,
     Add,
     Expr,
     Function,
@@ -29,7 +30,7 @@ from sympy import (
 )
 
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import tabulated
+from whirlmap.equations.pieces import magnitude, tabulated
 from whirlmap.equations.quantities import State, t
 from whirlmap.errors import ModelError
 
@@ -194,7 +195,7 @@ def straight(model: Model, expressions: Iterable[Expr], hoisted: Hoisted) -> Str
     """Lower expressions of a model to straight-line code (the steps of the module's list)."""
     plain = []
     for expression in expressions:
-        e = split_harmonics(sympify(expression), model.harmonics)
+        e = split_harmonics(sympify(expression).replace(magnitude, Abs), model.harmonics)
         e = hoist(e, hoisted)
         plain.append(_plain_symbols(split_powers(e)))
     readings = sorted({e for p in plain for e in p.atoms(tabulated)}, key=str)

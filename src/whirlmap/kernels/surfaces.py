@@ -17,7 +17,7 @@ from sympy import Abs, Expr, Integer, Pow, Symbol, cos, lambdify, sign
 from sympy.core.relational import GreaterThan, LessThan, StrictGreaterThan, StrictLessThan
 
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import tabulated
+from whirlmap.equations.pieces import magnitude, tabulated
 from whirlmap.equations.quantities import t
 from whirlmap.kernels.normal_form import normal_form
 
@@ -150,4 +150,4 @@ def _with(sides: NDArray[np.float64], k: int, value: float) -> NDArray[np.float6
 
 def _without_tables(e: Expr) -> Expr:
     """The expression with a smooth function in place of each table: a jump is not in there."""
-    return e.replace(lambda a: isinstance(a, tabulated), lambda a: cos(sum(a.coordinates)) + 2)
+    return e.replace(magnitude, Abs).replace(lambda a: isinstance(a, tabulated), lambda a: cos(sum(a.coordinates)) + 2)
