@@ -7,8 +7,9 @@ accurate as any other. The side is changed there, and the rest of the step is ta
 
 Where the rates jump, tangent vectors are multiplied by the saltation matrix (Aizerman and Gantmakher 1958). Where they point
 at the surface from both sides the motion slides on it: its rates are the mean of both sides that stays on the surface
-(Filippov 1988), until one side pulls away. A lane that slides on two surfaces at once, or with tangent vectors, is lost with
-`STICKS`; one that needs more than `MOST` crossings in a step with `CHATTERS`.
+(Filippov 1988), until one side pulls away; a single tangent vector slides with it, where the surface's gradient is constant.
+A lane that slides on two surfaces at once, or with other tangent vectors, is lost with `STICKS`; one that needs more than
+`MOST` crossings in a step with `CHATTERS`.
 
 Between its ends a step may dip behind a surface and come back. Where the cubic through values and rates of the surface comes
 near to zero, the step is cut at its lowest point, which then is a common end of a step.
@@ -43,7 +44,7 @@ THROUGH: dict[str, Kind] = {
 
 
 def through(
-    module: ir.Module, sizes: Sizes, method: Method, jumps: Sequence[bool], motion: Routine, tangent: Routine | None,
+    module: ir.Module, sizes: Sizes, method: Method, jumps: Sequence[bool], flat: Sequence[bool], motion: Routine, tangent: Routine | None,
     guards: Routine, sides: Routine, examine: Routine, harmonics: Routine, between: "Between",
 ) -> Routine:  # fmt: skip
     """Write ``through``: one step of ``h`` in the lanes of ``active``, in place.
@@ -60,7 +61,7 @@ def through(
     ==============  =====================================================================================
     """
     r = Routine(module, "through", THROUGH)
-    _Writer(r, sizes, method, jumps, motion, tangent, guards, sides, examine, harmonics, between).write()
+    _Writer(r, sizes, method, jumps, flat, motion, tangent, guards, sides, examine, harmonics, between).write()
     r.done()
     return r
 
@@ -69,10 +70,10 @@ class _Writer:
     """Writes the routine; attributes are rows of memory, methods its parts."""
 
     def __init__(
-        self, r: Routine, sizes: Sizes, method: Method, jumps: Sequence[bool], motion: Routine, tangent: Routine | None,
-        guards: Routine, sides: Routine, examine: Routine, harmonics: Routine, between: "Between",
+        self, r: Routine, sizes: Sizes, method: Method, jumps: Sequence[bool], flat: Sequence[bool], motion: Routine,
+        tangent: Routine | None, guards: Routine, sides: Routine, examine: Routine, harmonics: Routine, between: "Between",
     ) -> None:  # fmt: skip
-        self.r, self.sizes, self.jumps = r, sizes, jumps
+        self.r, self.sizes, self.jumps, self.flat = r, sizes, jumps, flat
         self.motion, self.guards, self.sides, self.examine = motion, guards, sides, examine
         self.harmonics, self.between = harmonics, between
         n, k, waves = sizes.states, sizes.surfaces, 2 * sizes.harmonics
@@ -350,16 +351,20 @@ class _Writer:
                 sliding = b.or_(sliding, b.and_(b.not_(here[k]), self._slides(k)))
         stuck = b.fcmp_ordered("!=", zero, zero)
         vectors = r.spread(b.icmp_signed(">", self.count, integer(0)))
-        speed, jumped = number(1.0), stuck
+        speed, jumped, slid = number(1.0), stuck, stuck
         for k, jump in enumerate(self.jumps):
             if not jump:
                 continue
             crossing = b.and_(here[k], b.fcmp_ordered("!=", old[k], zero))
             back = b.and_(crossing, b.not_(r.less(r.mul(old[k], r.load(self.d2, k)), zero)))
             r.store(b.select(back, zero, r.load(self.modes, k)), self.modes, k)
-            stuck = b.or_(stuck, b.and_(back, b.or_(sliding, vectors)))
+            with_it = self.sizes.along and self.flat[k]
+            stuck = b.or_(stuck, b.and_(back, sliding if with_it else b.or_(sliding, vectors)))
+            slid = b.or_(slid, back)
             speed = b.select(crossing, r.load(self.d1, k), speed)
-            jumped = b.or_(jumped, b.and_(crossing, b.not_(back)))
+            jumped = b.or_(jumped, crossing)
+        with b.if_then(r.any(slid)):
+            self._moves(a["y"], self.c1, self.f2)
         n = self.sizes.states
         still = r.local(LANE)
         r.store(zero, still)

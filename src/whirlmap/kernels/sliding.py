@@ -4,7 +4,7 @@ from collections.abc import Sequence
 
 from llvmlite import ir
 
-from whirlmap.kernels.routine import LANE, Kind, Routine, Value, number
+from whirlmap.kernels.routine import LANE, Kind, Routine, Value, integer, number
 from whirlmap.kernels.stepping import Sizes
 
 
@@ -14,7 +14,8 @@ def sliding_rates(
     """Write ``motion``: ``rates`` where no side is zero; where one is, the mean of both sides that keeps the surface's value.
 
     Arguments are those of ``rates``, and ``pull``, two rows: how fast the rates of the positive and of the negative side
-    bring a sliding lane back to the surface. It slides as long as both are positive. Derivatives are those of one side.
+    bring a sliding lane back to the surface. It slides as long as both are positive. Derivatives along a vector that lies in
+    the surface keep it there, where the surface's gradient is constant; a Jacobian is that of one side.
     """
     r = Routine(module, "motion", {**kinds, "pull": "rows"})
     b, a = r.b, r.at
@@ -45,9 +46,32 @@ def sliding_rates(
         share = r.div(down, r.sub(down, up))
         r.store(r.sub(zero, up), a["pull"])
         r.store(down, a["pull"], 1)
+        apart = r.local(LANE, sizes.states)
+
+        def mean(one: Value, two: Value) -> Value:
+            return r.add(two, r.mul(share, r.sub(one, two)))
+
         with r.loop(sizes.states) as i:
             one, two = r.load(a["dy"], i), r.load(other, i)
-            mean = r.add(two, r.mul(share, r.sub(one, two)))
-            r.store(b.select(anywhere, mean, one), a["dy"], i)
+            r.store(r.sub(one, two), apart, i)
+            r.store(b.select(anywhere, mean(one, two), one), a["dy"], i)
+        if sizes.along:
+            for run in sizes.runs:  # their rows are not written: they are the vector's velocities
+                with r.loop(run.rows) as i:
+                    velocity = r.load(a["v"], b.add(i, integer(run.velocity)))
+                    for rows in (a["more"], spare):
+                        r.store(velocity, rows, b.add(i, integer(run.position)))
+            both = r.local(LANE, sizes.states)
+            with r.loop(sizes.states) as i:
+                r.store(mean(r.load(a["more"], i), r.load(spare, i)), both, i)
+            r.store(zero, clock)
+            r.call(guards, y=a["y"], c=a["c"], p=a["p"], modes=upper, v=both, clock=clock, g=value, rate=above)
+            leaves = zero
+            for k, mask in enumerate(slides):
+                leaves = leaves if mask is None else b.select(mask, r.load(above, k), leaves)
+            back = r.div(leaves, r.sub(up, down))
+            with r.loop(sizes.states) as i:
+                kept = r.sub(r.load(both, i), r.mul(back, r.load(apart, i)))
+                r.store(b.select(anywhere, kept, r.load(a["more"], i)), a["more"], i)
     r.done()
     return r

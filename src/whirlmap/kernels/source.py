@@ -160,7 +160,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
             motion = sliding_rates(module, sizes, found.jumps, of_rates, of_guards, routines.kinds)
         turns, harmonics = routines.turns(frequencies), routines.harmonics(len(model.harmonics))
         through = write_through(
-            module, sizes, method, found.jumps, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between
+            module, sizes, method, found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between
         )
     parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through)
     if kind == "locked":

@@ -48,12 +48,15 @@ class Sided:
         One for each surface: 1 where it is positive, -1 where it is negative.
     jumps : list of bool
         Whether the rates jump at a surface; where not, they have a kink.
+    flat : list of bool
+        Whether a surface's gradient by the states is constant: tangent vectors can then slide on it.
     """
 
     rates: list[Expr] = field(default_factory=list)
     surfaces: list[Expr] = field(default_factory=list)
     sides: list[Symbol] = field(default_factory=list)
     jumps: list[bool] = field(default_factory=list)
+    flat: list[bool] = field(default_factory=list)
 
 
 def sided(model: Model) -> Sided:
@@ -63,6 +66,8 @@ def sided(model: Model) -> Sided:
     for state in model.states:
         out.rates.append(_odd(_rewritten(normal_form(model.equations[state]), moving, out), out))
     out.jumps = [_jumps(model, out, k) for k in range(len(out.surfaces))]
+    varying = moving | set(out.sides)
+    out.flat = [not any(g.diff(s).free_symbols & varying for s in model.states) for g in out.surfaces]
     return out
 
 
