@@ -1,0 +1,91 @@
+"""One form for every term that has a kink or a jump: ``sign``, ``Abs`` and ``Piecewise`` alone.
+
+``Max``, ``Min`` and ``Heaviside`` are written in these three, and so are the conditions of a ``Piecewise``: as ``And``,
+``Or`` and ``Not`` of relations. What follows (lowering, differentiation, a search for surfaces at which the rates have a
+kink or a jump) then has three functions to know.
+"""
+
+from typing import Any
+
+from sympy import And, Heaviside, Integer, Max, Min, Not, Or, Piecewise, Rational, sign, sympify
+from sympy.core.expr import Expr
+from sympy.core.relational import Relational
+from sympy.functions.elementary.piecewise import ExprCondPair
+from sympy.logic.boolalg import Boolean, BooleanAtom, BooleanFunction
+
+from whirlmap.equations.quantities import State, t
+from whirlmap.errors import ModelError
+
+
+def normal_form(expression: Any) -> Expr:
+    """Write an expression so that its kinks and jumps stand in ``sign``, ``Abs`` and ``Piecewise`` only.
+
+    Parameters
+    ----------
+    expression : Expr or number
+
+    Returns
+    -------
+    Expr
+        Equal to the expression everywhere. Parts without such terms are the same objects as before. Every ``Piecewise``
+        has a default, its conditions are ``And``, ``Or`` and ``Not`` of relations; one may stand inside another one, and
+        inside a relation.
+
+    Raises
+    ------
+    ModelError
+        A ``Piecewise`` has no default, or a condition is no relation between expressions.
+    """
+    return sympify(expression).replace(lambda e: isinstance(e, Max | Min | Heaviside | Piecewise), _rewritten)
+
+
+def _rewritten(e: Any) -> Expr:
+    if isinstance(e, Max | Min):
+        e = _extreme(e)
+    elif isinstance(e, Heaviside):
+        e = _step(*e.args)
+    return _piecewise(e) if isinstance(e, Piecewise) else e  # SymPy writes a Piecewise within a relation as ITE
+
+
+def _extreme(e: Max | Min) -> Expr:
+    """The first argument that no later one exceeds. What may be NaN stands last, where failed comparisons end."""
+    arguments = sorted(e.args, key=lambda a: (not a.is_number, a.has(State) or a.has(t)))  # stable, so SymPy's order else
+    relation = (lambda a, b: a >= b) if isinstance(e, Max) else (lambda a, b: a <= b)
+    cases = [
+        (value, And(*(relation(value, other) for other in arguments[i + 1 :]))) for i, value in enumerate(arguments[:-1])
+    ]  # fmt: skip
+    return Piecewise(*cases, (arguments[-1], True))
+
+
+def _step(x: Expr, at_zero: Expr) -> Expr:
+    """Heaviside's step with its own value at zero, which is one half where none was said."""
+    if at_zero == Rational(1, 2):
+        return (1 + sign(x)) / 2
+    if at_zero in (0, 1):
+        return Piecewise((Integer(1), x > 0 if at_zero == 0 else x >= 0), (Integer(0), True))
+    return Piecewise((Integer(1), x > 0), (Integer(0), x < 0), (at_zero, True))
+
+
+def _piecewise(e: Piecewise) -> Expr:
+    if e.args[-1].cond != True:  # noqa: E712 (SymPy's own truth)
+        raise ModelError(
+            f"guarded term without a default: {e}; say what it is where no condition holds,"
+            " such as when(condition, value, otherwise)"
+        )
+    conditions = [_condition(pair.cond) for pair in e.args]
+    if all(new is pair.cond for new, pair in zip(conditions, e.args, strict=True)):
+        return e
+    return Piecewise(*(ExprCondPair(pair.expr, c) for pair, c in zip(e.args, conditions, strict=True)))
+
+
+def _condition(condition: Boolean) -> Boolean:
+    """The condition in And, Or and Not of relations; the same object where it is so already."""
+    if isinstance(condition, Relational | BooleanAtom):
+        return condition
+    if isinstance(condition, And | Or | Not):
+        parts = [_condition(a) for a in condition.args]
+        same = all(new is old for new, old in zip(parts, condition.args, strict=True))
+        return condition if same else condition.func(*parts)
+    if isinstance(condition, BooleanFunction):  # Xor, ITE, Implies and others
+        return _condition(condition.to_nnf(simplify=False))
+    raise ModelError(f"condition {condition} is not a relation between expressions such as x > 1, or And, Or, Not of such")
