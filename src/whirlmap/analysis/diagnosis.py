@@ -22,7 +22,6 @@ from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.measures import judge_section, multipliers, number, record_series, section_and_dimension
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.returns import Returns, settle_and_record
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
@@ -85,7 +84,6 @@ def diagnose(
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
     """
-    refuse_jumps(system.model, "a diagnosis, which rests on Lyapunov exponents,")
     settling = settling or Settling()
     n = system.model.dimension
     count = min(4, n) if exponent_count is None else exponent_count
@@ -166,13 +164,22 @@ class _Look:
         alive = np.flatnonzero(ensemble.running)
         if not alive.size:
             return None
-        repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
-        tangent, _ = make_ensemble(
-            self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
-            method=ensemble.method.name, tangents=self.count, workers=ensemble.workers,
-        )  # fmt: skip
         least = SECTION if open_motion else BLOCKS
-        return exponents_to_error(tangent, least=least, most=self.most, progress=self.progress)
+
+        def measured(count: int) -> tuple[TangentRun, bool]:
+            repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
+            tangent, _ = make_ensemble(
+                self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
+                method=ensemble.method.name, tangents=count, workers=ensemble.workers,
+            )  # fmt: skip
+            run = exponents_to_error(tangent, least=least, most=self.most, progress=self.progress)
+            return run, bool((tangent.status == Status.sticks).any())
+
+        run, sticks = measured(self.count)
+        if sticks and self.count > 1:  # a single tangent vector slides with the motion
+            run, _ = measured(1)
+            run = replace(run, stopped=f"{run.stopped}; the motion sticks, so that only the largest exponent is had")
+        return run
 
 
 def _all_return(r: Returns) -> bool:

@@ -7,7 +7,6 @@ from math import ceil
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import UNKNOWN
 from whirlmap.integrate.system import System
@@ -65,7 +64,6 @@ def floquet_multipliers(
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
     """
-    refuse_jumps(system.model, "a Floquet multiplier")
     start = np.asarray(x, dtype=np.float64)
     n = system.model.dimension
     if start.shape != (n,) or not np.isfinite(start).all() or not 0 < duration < np.inf:

@@ -7,7 +7,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.points import make_ensemble, run_attributes
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
@@ -93,14 +92,19 @@ def lyapunov_spectrum(
         phase, which ``phase_exponent`` states; ``running(period, exponent)``, the mean up to each common period over
         all runs; ``run_exponent(run, exponent)`` and ``status(run)``.
 
+    Raises
+    ------
+    RangeError
+        Counts that make no sense, or several exponents of a motion that sticks.
+
     Notes
     -----
+    Where rates jump, tangent vectors are multiplied by the saltation matrix.
     A run's own block error alone is too small by up to 2.6 times on Duffing's oscillator, hence the several starts.
     An unforced system's spectrum holds the zero of its own time direction.
     """
     import xarray as xr
 
-    refuse_jumps(system.model, "a Lyapunov exponent")
     count = system.model.dimension if count is None else count
     if not 1 <= count <= system.model.dimension:
         raise RangeError(f"{system.model.name} has {system.model.dimension} exponents; {count} were asked for")
@@ -113,6 +117,11 @@ def lyapunov_spectrum(
     align = max(transient // 10, 5)
     ensemble.advance(max(transient - align, 0) * ensemble.common_multiple, progress=progress)
     rates = exponents(ensemble, periods, align=align, progress=progress)
+    if count > 1 and (ensemble.status == Status.sticks).any():
+        raise RangeError(
+            f"{system.model.name} sticks to a surface at which its rates jump: its largest exponent alone can be had,"
+            " with count=1 (the smallest are minus infinity)"
+        )
     means, errors = mean_and_error(rates)
     good = ensemble.status == Status.ok
     if good.any():

@@ -22,7 +22,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
     Parameters
     ----------
     ensemble : Ensemble
-        Stays as it is. Of a model without jumps (`saltation`), at phase zero.
+        Stays as it is, at phase zero.
     points : array of int
     multiple : array of int, shape like ``points``
         Return of each, in common periods.
@@ -30,7 +30,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
     Returns
     -------
     array, shape like ``points``
-        Infinite where the orbit ends before its return.
+        Infinite where the orbit ends before its return, or sticks to a surface.
     """
     n = ensemble.model.dimension
     largest = np.full(points.size, np.inf)

@@ -7,7 +7,6 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
@@ -118,8 +117,6 @@ def make_ensemble(
         steps = UNFORCED_STEPS
     if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
         raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
-    if tangents:
-        refuse_jumps(system.model, "what rests on tangent vectors")
     orders = system.orders
     if orders is None:
         raise RangeError(

@@ -3,7 +3,9 @@
 Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled state is asked again whether
 they meet it: a point that needs more of them settles on with these (the start says little of a whirl that has grown since).
 Then all points record their section once per T for the diagram; in periodic points it gives the smallest number of T.
-Extremes come from steps no longer than T/`EXTREMES_STEPS`, over one return, or the whole record where nothing returns.
+Extremes are those of cubics between steps (`Ensemble.advance`), over one return, or the whole record where nothing returns.
+The steps are `FINER` times shorter than the accuracy asks for, and no longer than T/`EXTREMES_STEPS`: a peak is then missed by
+less than 1e-5 of the range.
 
 An unforced model runs its transient, and is then cut at its declared section; the return is counted in crossings. Windows
 are as many typical times as would be common periods, each twice the one before, for the points that have not returned.
@@ -28,8 +30,8 @@ from whirlmap.results.status import Status
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Least steps per T from which extremes are read: a cosine's peak is then missed by 0.2 % at most.
-EXTREMES_STEPS = 48
+#: Steps per T from which extremes are read: so many times those of the point, and no fewer than this.
+FINER, EXTREMES_STEPS = 4, 32
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
 #: Points that are recorded in one batch.
@@ -99,7 +101,7 @@ def settle_and_record(
     period, extremes = multiple.copy(), _empty_extremes(ensemble)
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
-        fine = ensemble.subset(members, steps=np.maximum(ensemble.point_steps[members], EXTREMES_STEPS))
+        fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], EXTREMES_STEPS))
         saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
         section[:, :, members] = saved[:, rows]
         for name, values in _extremes(fine, multiple[members], periods, progress).items():
@@ -130,7 +132,7 @@ def _extremes(
     length = np.where((multiple > 0) & fine.model.forced, np.minimum(multiple * fine.common_multiple, kept), kept)
     for periods in np.unique(length):
         members = np.flatnonzero(length == periods)
-        found = fine.advance(int(periods), members=members, extremes=True, progress=progress).extremes
+        found = fine.advance(int(periods), members=members, extremes="between", progress=progress).extremes
         assert found is not None
         for name, values in found.items():
             out[name][:, members] = values

@@ -10,8 +10,7 @@ run (`looks`):
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
 3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
-   (`acceleration`); where not it is put back, and the trial counts for nothing but time. Models whose rates jump have no
-   multipliers to prove it by (`saltation`), and settle plainly.
+   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
 4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
@@ -214,7 +213,7 @@ class _Pool:
     def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, period: Array) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
-        self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
+        self.accelerate = settling.accelerate and not ensemble.tangents
         self.waiting = 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)

@@ -2,11 +2,10 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from sympy import Expr, Symbol, sign, sympify
+from sympy import Expr, Symbol, sympify
 
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
@@ -50,8 +49,9 @@ class Stop:
 class Switching:
     """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
 
-    ``surface`` (of states, parameters and time) is positive on one side. ``jumps`` says that the rates jump there and do
-    not merely have a kink; tangent vectors then need a saltation matrix at each crossing, which whirlmap does not apply.
+    ``surface`` (of states, parameters and time) is positive on one side. It is declared so that its crossings can be listed
+    and counted by name (`whirlmap.switchings`); ``jumps`` says to the reader that the rates jump there and do not merely
+    have a kink. Steps find every such surface in the equations themselves, declared or not.
     """
 
     surface: Expr
@@ -192,13 +192,6 @@ class Model:
     def forced(self) -> bool:
         """Whether time appears in the equations."""
         return bool(self.harmonics)
-
-    @cached_property
-    def jumps(self) -> tuple[str, ...]:
-        """Where the rates jump: switchings that say so, and signs of states in the equations."""
-        states = set(self.states)
-        signs = {e for rate in self.equations.values() for e in sympify(rate).atoms(sign) if e.free_symbols & states}
-        return (*(name for name, q in self.switchings.items() if q.jumps), *sorted(map(str, signs)))
 
     @property
     def dimension(self) -> int:

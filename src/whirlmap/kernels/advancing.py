@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from llvmlite import ir
 
-from whirlmap.kernels.event_location import Between
+from whirlmap.kernels.hermite import Between
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import INT, INTS, LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes, Stepper
@@ -81,7 +81,7 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
         "offsets": integer(max(sizes.tables, 1)), "first": integer(1), "active": integer(1), "failed": integer(1),
         "cause": integer(1), "reached": integer(1), "tally": integer(2),
         "saved": b.mul(a["saves"], integer(sizes.states)), "growth": b.mul(a["events"], a["count"]),
-        "sums": b.mul(a["folded"], integer(5 * (sizes.states + sizes.outputs))),
+        "sums": b.select(b.icmp_signed(">", a["folded"], integer(0)), integer(5 * (sizes.states + sizes.outputs)), integer(0)),
     }  # fmt: skip
     with r.loop(a["blocks"]) as block:
         moved = {name: r.row(a[name], b.mul(block, size)) for name, size in rows.items()}

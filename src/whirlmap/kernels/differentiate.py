@@ -16,9 +16,10 @@ from collections import Counter
 from collections.abc import Mapping
 from dataclasses import replace
 
-from sympy import Add, DiracDelta, Expr, Integer, Mul, Symbol, sympify
+from sympy import Abs, Add, DiracDelta, Expr, Integer, Mul, Symbol, sign, sympify
 
-from whirlmap.kernels.lower import Hoisted, Read, Straight, inverse, root, split_powers
+from whirlmap.kernels.lower import Hoisted, Read, Straight
+from whirlmap.kernels.powers import inverse, power, root, split_powers
 
 Slopes = dict[Symbol, Expr]
 
@@ -182,7 +183,7 @@ class _Forward:
             return e.func(*[self._parted(term) for term in e.args])
         if not isinstance(e, Mul):
             return e
-        with_rates = [f for f in e.args if f.free_symbols and self._rate(f.as_base_exp()[0]) is not None]
+        with_rates = [f for f in e.args if f.free_symbols and self._rate(_base_and_exponent(f)[0]) is not None]
         product = Mul(*with_rates)
         others = [f for f in e.args if f not in with_rates]
         sums = [f for f in others if isinstance(f, Add) and not self._linear_form(f)]
@@ -201,7 +202,7 @@ class _Forward:
 
     def _rates(self, e: Expr) -> Slopes:
         """Rates of a product by seed; empty where no factor is a root or a reciprocal, or where one has none."""
-        factors = [f.as_base_exp() for f in Mul.make_args(e)]
+        factors = [_base_and_exponent(f) for f in Mul.make_args(e)]
         if not any(isinstance(base, root | inverse) or base in self.rates for base, _ in factors):
             return {}
         out: Slopes = {}
@@ -270,9 +271,14 @@ def _uses(lines: Straight) -> Counter[Symbol]:
     return uses
 
 
+def _base_and_exponent(factor: Expr) -> tuple[Expr, Expr]:
+    """Base and exponent of a power; SymPy's own `as_base_exp` says that the base of ``exp(x)`` is the number e."""
+    return factor.args if factor.is_Pow else (factor, Integer(1))
+
+
 def _derivative(e: Expr, symbol: Symbol) -> Expr:
-    """Derivative by a symbol, square roots and reciprocals kept in the form that is printed."""
-    calls = [a for a in e.atoms(root, inverse) if a.has(symbol)]
+    """Derivative by a symbol, square roots, reciprocals and powers kept in the form that is printed."""
+    calls = [a for a in e.atoms(root, inverse, power, Abs, sign) if a.has(symbol) and not _differentiated_by_sympy(a)]
     if not calls:
         return _printable(e.diff(symbol))
     stand_in = {call: Symbol(f"call{i}", real=True) for i, call in enumerate(calls)}
@@ -282,9 +288,22 @@ def _derivative(e: Expr, symbol: Symbol) -> Expr:
     for call, s in stand_in.items():
         outer = outermost.diff(s).xreplace(back)
         if outer != 0:
-            inner = inverse(call) / 2 if isinstance(call, root) else -(call**2)
-            total += outer * inner * _derivative(call.args[0], symbol)
+            for i, argument in enumerate(call.args):
+                if argument.has(symbol):
+                    total += outer * _partial(call, i) * _derivative(argument, symbol)
     return _printable(total)
+
+
+def _differentiated_by_sympy(call: Expr) -> bool:
+    """Whether SymPy knows that a magnitude is one of real numbers; it writes real and imaginary parts else."""
+    return isinstance(call, Abs | sign) and bool(call.args[0].is_extended_real)
+
+
+def _partial(call: Expr, argument: int) -> Expr:
+    """Derivative of a call by one of its arguments."""
+    if isinstance(call, Abs):
+        return sign(call.args[0])
+    return Integer(0) if isinstance(call, sign) else call.fdiff(argument + 1)
 
 
 def _printable(derivative: Expr) -> Expr:

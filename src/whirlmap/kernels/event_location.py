@@ -18,9 +18,11 @@ Lanes that are done wait for those that still locate: it costs them time, and ch
 """
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 from llvmlite import ir
 
+from whirlmap.kernels.hermite import Between, hermite, lowest_point
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import INTS, LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes, Stepper
@@ -43,10 +45,36 @@ THROUGH: dict[str, Kind] = {
 }  # fmt: skip
 
 
-def through(
-    module: ir.Module, sizes: Sizes, method: Method, jumps: Sequence[bool], flat: Sequence[bool], motion: Routine, tangent: Routine | None,
-    guards: Routine, sides: Routine, examine: Routine, harmonics: Routine, between: "Between",
-) -> Routine:  # fmt: skip
+@dataclass(frozen=True)
+class Surfaces:
+    """What a step through surfaces is made of.
+
+    Attributes
+    ----------
+    jumps, flat : sequence of bool
+        Of each surface: whether the rates jump there, and whether its gradient is constant (`surfaces.Sided`).
+    motion, tangent : Routine
+        Rates, those of sliding lanes too (`sliding`); the product of the Jacobian with a vector, where there is one.
+    guards, sides : Routine
+        Value and rate of each surface; the sign of each.
+    examine, harmonics : Routine
+        The test of a step's end; the harmonics after a part of the step.
+    between : Between
+        Extremes between the ends of a step.
+    """
+
+    jumps: Sequence[bool]
+    flat: Sequence[bool]
+    motion: Routine
+    tangent: Routine | None
+    guards: Routine
+    sides: Routine
+    examine: Routine
+    harmonics: Routine
+    between: Between
+
+
+def through(module: ir.Module, sizes: Sizes, method: Method, surfaces: Surfaces) -> Routine:
     """Write ``through``: one step of ``h`` in the lanes of ``active``, in place.
 
     Arguments, rows of `LANES` numbers:
@@ -61,7 +89,7 @@ def through(
     ==============  =====================================================================================
     """
     r = Routine(module, "through", THROUGH)
-    _Writer(r, sizes, method, jumps, flat, motion, tangent, guards, sides, examine, harmonics, between).write()
+    _Writer(r, sizes, method, surfaces).write()
     r.done()
     return r
 
@@ -69,16 +97,11 @@ def through(
 class _Writer:
     """Writes the routine; attributes are rows of memory, methods its parts."""
 
-    def __init__(
-        self, r: Routine, sizes: Sizes, method: Method, jumps: Sequence[bool], flat: Sequence[bool], motion: Routine,
-        tangent: Routine | None, guards: Routine, sides: Routine, examine: Routine, harmonics: Routine, between: "Between",
-    ) -> None:  # fmt: skip
-        self.r, self.sizes, self.jumps, self.flat = r, sizes, jumps, flat
-        self.motion, self.guards, self.sides, self.examine = motion, guards, sides, examine
-        self.harmonics, self.between = harmonics, between
+    def __init__(self, r: Routine, sizes: Sizes, method: Method, surfaces: Surfaces) -> None:
+        self.r, self.sizes, self.method, self.of = r, sizes, method, surfaces
+        self.jumps, self.flat = surfaces.jumps, surfaces.flat
         n, k, waves = sizes.states, sizes.surfaces, 2 * sizes.harmonics
-        self.stepper = Stepper(r, sizes, method, motion, tangent, r.at["work"])
-        self.method = method
+        self.stepper = Stepper(r, sizes, method, surfaces.motion, surfaces.tangent, r.at["work"])
         self.f0, self.f1, self.f2 = (r.local(LANE, n) for _ in range(3))
         self.g0, self.d0, self.g1, self.d1, self.g2, self.d2 = (r.local(LANE, k) for _ in range(6))
         self.c0, self.c1 = r.local(LANE, waves), r.local(LANE, waves)
@@ -86,11 +109,12 @@ class _Writer:
         self.done, self.to, self.low, self.high, self.at_low, self.at_high = (r.local(LANE) for _ in range(6))
         self.crossed, self.dips = r.local(LANE), r.local(LANE)
         self.pending, self.seeking, self.flag = r.local(INTS), r.local(INTS), r.local(INTS)
-        vectors = tangent is not None or sizes.along
+        self.spare = r.local(LANE, max(sizes.slots, n))  # derivatives that nobody asks for
+        vectors = surfaces.tangent is not None or sizes.along
         self.count = r.at["count"] if vectors else integer(0)
         self.modes = r.row(r.at["y"], r.b.mul(r.b.add(self.count, integer(1)), integer(n)))
         self.inputs = {name: r.at[name] for name in ("p", "tables", "offsets")} | {"modes": self.modes}
-        if any(jumps):
+        if any(self.jumps):
             self.inputs["pull"] = self.pull
 
     def write(self) -> None:
@@ -126,7 +150,7 @@ class _Writer:
             asked = b.or_(asked, mask)
         with b.if_then(r.any(asked), likely=False):
             found, on = r.local(LANE, self.sizes.surfaces), b.icmp_signed("!=", r.load(a["active"]), r.load(a["active"]))
-            r.call(self.sides, y=a["y"], c=a["c"], p=a["p"], modes=found)
+            r.call(self.of.sides, y=a["y"], c=a["c"], p=a["p"], modes=found)
             for k, mask in enumerate(unknown):
                 here = r.load(found, k)
                 zero = b.and_(mask, b.fcmp_ordered("==", here, number(0.0)))
@@ -134,7 +158,7 @@ class _Writer:
                 r.store(b.select(mask, b.select(zero, number(1.0), here), r.load(self.modes, k)), self.modes, k)
             with b.if_then(r.any(on), likely=False):
                 self._moves(a["y"], a["c"], self.f0)
-                r.call(self.guards, y=a["y"], c=a["c"], p=a["p"], modes=self.modes, v=self.f0, clock=self.clock, g=self.g0,
+                r.call(self.of.guards, y=a["y"], c=a["c"], p=a["p"], modes=self.modes, v=self.f0, clock=self.clock, g=self.g0,
                        rate=self.d0)  # fmt: skip
                 for k, mask in enumerate(unknown):
                     zero = b.and_(mask, b.fcmp_ordered("==", r.load(found, k), number(0.0)))
@@ -144,19 +168,12 @@ class _Writer:
     def _moves(self, y: Value, c: Value, out: Value) -> None:
         """Write the rates at a state; they replace neither slopes nor Jacobians of the stages."""
         more = {"more": self.spare} if not self.sizes.along else {"v": y, "more": self.spare}
-        self.r.call(self.motion, y=y, c=c, scratch=self.stepper.scratch, dy=out, **more, **self.inputs)
-
-    @property
-    def spare(self) -> Value:
-        """Rows that take derivatives which nobody asked for."""
-        if not hasattr(self, "_spare"):
-            self._spare = self.r.local(LANE, max(self.sizes.slots, self.sizes.states))
-        return self._spare
+        self.r.call(self.of.motion, y=y, c=c, scratch=self.stepper.scratch, dy=out, **more, **self.inputs)
 
     def _at(self, part: Value, c: Value) -> None:
         """Write the harmonics after a part of the step."""
         self.r.store(part, self.moment)
-        self.r.call(self.harmonics, c=self.r.at["c"], turn=self.r.at["turn"], part=self.moment, out=c)
+        self.r.call(self.of.harmonics, c=self.r.at["c"], turn=self.r.at["turn"], part=self.moment, out=c)
 
     def _trial(self, trial: Value) -> None:
         """Write one trial: a step of every pending lane to where its crossing may be, or to the end, and what follows."""
@@ -169,13 +186,13 @@ class _Writer:
             self._at(r.add(done, r.mul(number(float(self.method.c[stage])), r.sub(to, done))), c)
 
         x = self.stepper.step(a["y"], h, self.inputs, at_stage, first=self.f0)
-        r.call(self.examine, y=x, p=a["p"], good=self.flag)
+        r.call(self.of.examine, y=x, p=a["p"], good=self.flag)
         self._at(done, self.c0)
         guarded = {"p": a["p"], "modes": self.modes, "clock": self.clock}
-        r.call(self.guards, y=a["y"], c=self.c0, v=self.f0, g=self.g0, rate=self.d0, **guarded)
+        r.call(self.of.guards, y=a["y"], c=self.c0, v=self.f0, g=self.g0, rate=self.d0, **guarded)
         self._at(to, self.c1)
         self._moves(x, self.c1, self.f1)
-        r.call(self.guards, y=x, c=self.c1, v=self.f1, g=self.g1, rate=self.d1, **guarded)
+        r.call(self.of.guards, y=x, c=self.c1, v=self.f1, g=self.g1, rate=self.d1, **guarded)
         pending = b.icmp_signed("!=", r.load(self.pending), integers(0))
         good = b.icmp_signed("!=", r.load(self.flag), integers(0))
         lost = b.and_(pending, b.not_(good))
@@ -266,8 +283,8 @@ class _Writer:
             r.mul(r.mul(part, part), r.sub(number(3.0), r.mul(number(2.0), part))),
             r.sub(r.mul(one, r.mul(part, r.mul(rest, rest))), r.mul(other, r.mul(r.mul(part, part), rest))),
         )
-        good = b.and_(b.and_(r.less(zero, one), r.less(zero, other)), b.and_(r.less(zero, guess), r.less(guess, number(1.0))))
-        good = b.and_(good, r.less(zero, before))
+        falls = b.and_(b.and_(r.less(zero, one), r.less(zero, other)), r.less(zero, before))
+        good = b.and_(falls, b.and_(r.less(zero, guess), r.less(guess, number(1.0))))
         first = b.select(good, r.add(low, r.mul(guess, r.sub(high, low))), middle)
         behind = b.and_(b.fcmp_ordered("<=", before, zero), r.less(slope_before, zero))  # it starts on the surface
         first = b.select(behind, done, first)
@@ -308,7 +325,7 @@ class _Writer:
         r, b, a = self.r, self.r.b, self.r.at
         with b.if_then(b.icmp_signed("==", a["folded"], integer(2))):
             r.store(b.sext(lanes, INTS), self.flag)
-            self.between.write(r, a["y"], self.f0, x, self.f1, self.span, a["p"], a["sums"], self.flag)
+            self.of.between.write(r, a["y"], self.f0, x, self.f1, self.span, a["p"], a["sums"], self.flag)
         self.stepper.replace(a["y"], x, self.sizes.states * (2 if self.sizes.along else 1), lanes)
         self.stepper.vectors(a["y"], h, a["p"], self.count, lanes)
 
@@ -344,7 +361,7 @@ class _Writer:
         zero = number(0.0)
         self._moves(a["y"], self.c1, self.f2)
         guarded = {"y": a["y"], "c": self.c1, "p": a["p"], "modes": self.modes}
-        r.call(self.guards, v=self.f2, clock=self.clock, g=self.g2, rate=self.d2, **guarded)
+        r.call(self.of.guards, v=self.f2, clock=self.clock, g=self.g2, rate=self.d2, **guarded)
         sliding = b.fcmp_ordered("!=", zero, zero)  # in no lane
         for k, jump in enumerate(self.jumps):
             if jump:
@@ -370,7 +387,7 @@ class _Writer:
         r.store(zero, still)
         with r.loop(self.count) as v:
             vector = r.row(a["y"], b.mul(b.add(v, integer(1)), integer(n)))
-            r.call(self.guards, v=vector, clock=still, g=self.g2, rate=self.d2, **guarded)
+            r.call(self.of.guards, v=vector, clock=still, g=self.g2, rate=self.d2, **guarded)
             across = zero
             for k, jump in enumerate(self.jumps):
                 if jump:
@@ -380,79 +397,3 @@ class _Writer:
                 change = r.mul(factor, r.sub(r.load(self.f2, i), r.load(self.f1, i)))
                 r.store(b.select(jumped, r.add(r.load(vector, i), change), r.load(vector, i)), vector, i)
         return stuck
-
-
-def hermite(r: Routine, u: Value, v0: Value, rise: Value, s0: Value, s1: Value) -> Value:
-    """Value of the cubic with value ``v0`` and slopes ``s0``, ``s1`` at the ends 0, 1, between which it rises, at ``u``."""
-    w = r.sub(number(1.0), u)
-    bend = r.sub(r.mul(s0, w), r.mul(s1, u))
-    up = r.mul(r.mul(u, u), r.mul(rise, r.sub(number(3.0), r.mul(number(2.0), u))))
-    return r.add(v0, r.add(up, r.mul(r.mul(u, w), bend)))
-
-
-def turning_points(r: Routine, rise: Value, s0: Value, s1: Value) -> tuple[Value, Value]:
-    """Both places at which that cubic's slope is zero; not a number where there are none."""
-    b = r.b
-    total = r.add(s0, s1)
-    a = r.mul(number(3.0), r.sub(total, r.add(rise, rise)))
-    half = r.sub(r.mul(number(3.0), rise), r.add(total, s0))
-    root = r.root(r.sub(r.mul(half, half), r.mul(a, s0)))
-    q = r.sub(number(0.0), r.add(half, b.select(r.less(half, number(0.0)), r.sub(number(0.0), root), root)))
-    return r.div(q, a), r.div(s0, q)
-
-
-def lowest_point(r: Routine, rise: Value, s0: Value, s1: Value) -> Value:
-    """Where the cubic is lowest between ends at which it falls and rises."""
-    b = r.b
-    one, other = turning_points(r, rise, s0, s1)
-    inside = b.and_(r.less(number(0.0), one), r.less(one, number(1.0)))
-    return b.select(inside, one, other)
-
-
-class Between:
-    """Extremes of states and outputs between the ends of a step: those of cubics through values and rates.
-
-    Parameters
-    ----------
-    observed : Routine
-        Outputs and their rates along a vector.
-    """
-
-    def __init__(self, module: ir.Module, sizes: Sizes, observed: Routine) -> None:
-        self.sizes, self.observed = sizes, observed
-        self.peaks = _peaks(module, sizes.states + sizes.outputs)
-
-    def write(
-        self, r: Routine, y: Value, f0: Value, x: Value, f1: Value, h: Value, p: Value, sums: Value, active: Value
-    ) -> None:
-        """Take the extremes of a step from ``y`` with rates ``f0`` to ``x`` with ``f1`` into ``sums``."""
-        n, m = self.sizes.states, self.sizes.outputs
-        r.call(self.peaks, v0=y, d0=f0, v1=x, d1=f1, h=h, sums=sums, rows=integer(n), active=active)
-        if m:
-            o0, e0, o1, e1 = (r.local(LANE, m) for _ in range(4))
-            r.call(self.observed, y=y, p=p, v=f0, o=o0, rate=e0)
-            r.call(self.observed, y=x, p=p, v=f1, o=o1, rate=e1)
-            r.call(self.peaks, v0=o0, d0=e0, v1=o1, d1=e1, h=h, sums=r.row(sums, n), rows=integer(m), active=active)
-
-
-def _peaks(module: ir.Module, rows: int) -> Routine:
-    """Write ``peaks``: the turning points of each row's cubic into the running minimum and maximum of active lanes."""
-    kinds: dict[str, Kind] = {name: "rows" for name in ("v0", "d0", "v1", "d1", "h", "sums")}
-    r = Routine(module, "peaks", {**kinds, "rows": "int", "active": "flags"})
-    b, a = r.b, r.at
-    runs = b.icmp_signed("!=", r.load(a["active"]), integers(0))
-    h = r.load(a["h"])
-    with r.loop(a["rows"]) as i:
-        v0, v1 = r.load(a["v0"], i), r.load(a["v1"], i)
-        s0, s1 = r.mul(h, r.load(a["d0"], i)), r.mul(h, r.load(a["d1"], i))
-        rise = r.sub(v1, v0)
-        for u in turning_points(r, rise, s0, s1):
-            inside = b.and_(runs, b.and_(r.less(number(0.0), u), r.less(u, number(1.0))))
-            value = hermite(r, u, v0, rise, s0, s1)
-            for k, smaller in ((1, True), (2, False)):
-                place = b.add(i, integer(k * rows))
-                old = r.load(a["sums"], place)
-                beyond = r.less(value, old) if smaller else r.less(old, value)
-                r.store(b.select(b.and_(inside, beyond), value, old), a["sums"], place)
-    r.done()
-    return r

@@ -7,7 +7,7 @@ kink or a jump) then has three functions to know.
 
 from typing import Any
 
-from sympy import And, Heaviside, Integer, Max, Min, Not, Or, Piecewise, Rational, sign, sympify
+from sympy import And, Heaviside, Integer, Max, Min, Not, Or, Piecewise, Pow, Rational, sign, sympify
 from sympy.core.expr import Expr
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -36,10 +36,12 @@ def normal_form(expression: Any) -> Expr:
     ModelError
         A ``Piecewise`` has no default, or a condition is no relation between expressions.
     """
-    return sympify(expression).replace(lambda e: isinstance(e, Max | Min | Heaviside | Piecewise), _rewritten)
+    return sympify(expression).replace(lambda e: isinstance(e, Max | Min | Heaviside | Piecewise | Pow), _rewritten)
 
 
 def _rewritten(e: Any) -> Expr:
+    if isinstance(e, Pow):
+        return _power(e)
     if isinstance(e, Max | Min):
         e = _extreme(e)
     elif isinstance(e, Heaviside):
@@ -64,6 +66,14 @@ def _step(x: Expr, at_zero: Expr) -> Expr:
     if at_zero in (0, 1):
         return Piecewise((Integer(1), x > 0 if at_zero == 0 else x >= 0), (Integer(0), True))
     return Piecewise((Integer(1), x > 0), (Integer(0), x < 0), (at_zero, True))
+
+
+def _power(e: Pow) -> Expr:
+    """Power of a Piecewise as the Piecewise of powers: ``Max(x, 0)**p`` has slope 0, not 0 times infinity, where x < 0."""
+    base, exponent = e.args
+    if not isinstance(base, Piecewise) or isinstance(exponent, Integer):
+        return e
+    return Piecewise(*((pair.expr**exponent, pair.cond) for pair in base.args))
 
 
 def _piecewise(e: Piecewise) -> Expr:

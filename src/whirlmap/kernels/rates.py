@@ -184,7 +184,8 @@ class ModelRoutines:
         names: tuple[str, ...] = ("y", "c", "p", "modes", "v", "clock", "g", "rate")
         kinds: dict[str, Kind] = dict.fromkeys(names, "rows")
         r = Routine(self.module, "guards", kinds)
-        clock, waves = r.load(r.at["clock"]), {}
+        clock = r.load(r.at["clock"])
+        waves: dict[str, Value] = {}
         for i, frequency in enumerate(self._results(r, frequencies)):
             c, s = r.load(r.at["c"], 2 * i), r.load(r.at["c"], 2 * i + 1)
             turn = r.mul(clock, frequency)

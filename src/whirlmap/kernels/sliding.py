@@ -11,7 +11,7 @@ from whirlmap.kernels.stepping import Sizes
 def sliding_rates(
     module: ir.Module, sizes: Sizes, jumps: Sequence[bool], rates: Routine, guards: Routine, kinds: dict[str, Kind]
 ) -> Routine:
-    """Write ``motion``: ``rates`` where no side is zero; where one is, the mean of both sides that keeps the surface's value.
+    """Write ``motion``: ``rates`` where no side is zero; where one is, the mean of both sides that stays on the surface.
 
     Arguments are those of ``rates``, and ``pull``, two rows: how fast the rates of the positive and of the negative side
     bring a sliding lane back to the surface. It slides as long as both are positive. Derivatives along a vector that lies in

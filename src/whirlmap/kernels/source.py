@@ -20,9 +20,10 @@ from whirlmap.errors import ModelError
 from whirlmap.kernels.advancing import Parts, advance
 from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import Entries, Forms, along_code, jacobian_code
-from whirlmap.kernels.event_location import Between
+from whirlmap.kernels.event_location import Surfaces
 from whirlmap.kernels.event_location import through as write_through
 from whirlmap.kernels.formulas import HoistedFunction
+from whirlmap.kernels.hermite import Between
 from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
 from whirlmap.kernels.machine import estimates, fuses
 from whirlmap.kernels.marching import evaluate, march
@@ -160,8 +161,11 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
             motion = sliding_rates(module, sizes, found.jumps, of_rates, of_guards, routines.kinds)
         turns, harmonics = routines.turns(frequencies), routines.harmonics(len(model.harmonics))
         through = write_through(
-            module, sizes, method, found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between
-        )
+            module, sizes, method,
+            Surfaces(
+                found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between,
+            ),
+        )  # fmt: skip
     parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through)
     if kind == "locked":
         advance(module, sizes, method, nodes, parts)

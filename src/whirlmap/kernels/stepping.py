@@ -121,8 +121,9 @@ class Stepper:
             self.r.store(number(0.0), self.scratch, i)
 
     def step(
-        self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int, Value], None], first: Value | None = None
-    ) -> Value:
+        self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int, Value], None],
+        first: Value | None = None,
+    ) -> Value:  # fmt: skip
         """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end.
 
         That is the end of the state, and of the one tangent vector that goes with it. The rates at ``y`` are kept in

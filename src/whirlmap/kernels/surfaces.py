@@ -1,7 +1,7 @@
 """Surfaces at which a model's rates have a kink or a jump, found in its expressions.
 
-``sign(g)``, ``Abs(g)`` and every comparison inside of a condition change at ``g = 0``. Each such ``g`` that depends on states
-or time is a *surface*. The expressions are rewritten for one side of it: the sign of ``g`` becomes a symbol of its own, the
+``sign(g)``, ``Abs(g)`` and every comparison inside of a condition change at ``g = 0``. Each such ``g`` that depends on
+states or time is a *surface*. The expressions are rewritten for one side of it: the sign of ``g`` becomes a symbol of its own, the
 *side*, which a kernel holds constant during a step and changes where the step crosses the surface. So the rates of a step
 are smooth, whatever the model is made of, and a crossing is the zero of a smooth function.
 
@@ -121,7 +121,8 @@ def _jumps(model: Model, found: Sided, k: int) -> bool:
     """
     rng = np.random.default_rng(5)
     symbols = [*model.states, *model.parameters, t]
-    g = lambdify([symbols, found.sides], [found.surfaces[k], *(found.surfaces[k].diff(s) for s in (*model.states, t))], "numpy")
+    surface = found.surfaces[k]
+    g = lambdify([symbols, found.sides], [surface, *(surface.diff(s) for s in (*model.states, t))], "numpy")
     both = lambdify([symbols, found.sides], [_without_tables(e) for e in found.rates], "numpy")
     n, seen = len(model.states), False
     for _ in range(SAMPLES):

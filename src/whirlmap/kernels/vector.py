@@ -9,13 +9,17 @@ from sympy.core.relational import Relational
 from sympy.logic.boolalg import And, Not, Or
 
 from whirlmap.errors import ModelError
-from whirlmap.kernels.lower import inverse, root
+from whirlmap.kernels.powers import inverse, power, product_of_roots, quarters_of, root
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import LANES, MASK, Routine, Value, number
 from whirlmap.kernels.sines import Sines
 
 #: Functions of the C library: they work on one lane at a time, and belong outside of a right-hand side where possible.
-LIBRARY = ("exp", "log", "atan2", "atan", "tanh")
+LIBRARY = {
+    name: name for name in (
+        "exp", "log", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc",
+    )
+} | {"power": "pow"}  # fmt: skip
 
 
 class VectorCode:
@@ -57,6 +61,8 @@ class VectorCode:
             return r.sub(number(-0.0), product) if negative else product
         if isinstance(e, Pow):
             return self._power(e)
+        if isinstance(e, power) and (quarters := quarters_of(e.args[1])) is not None:
+            return self.value(product_of_roots(e.args[0], quarters))
         if isinstance(e, root | inverse):
             return self.roots.write(self, e)
         if isinstance(e, sin | cos):
@@ -75,7 +81,7 @@ class VectorCode:
         name = type(e).__name__
         if name not in LIBRARY:
             raise ModelError(f"function {name} cannot be lowered: {e}")
-        return r.per_lane(name, *(self.value(a) for a in e.args))
+        return r.per_lane(LIBRARY[name], *(self.value(a) for a in e.args))
 
     def _sum(self, e: Add) -> Value:
         plus: list[Value] = []

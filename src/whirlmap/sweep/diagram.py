@@ -9,7 +9,6 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.points import run_attributes
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
@@ -89,8 +88,6 @@ def bifurcation_diagram(
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     if not 0 <= lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
-    if lyapunov:
-        refuse_jumps(system.model, "a Lyapunov exponent")
     kept = kept_states(system, states)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers, kept=tuple(kept))
     run = _Run(system, parameter, labelling, progress)
