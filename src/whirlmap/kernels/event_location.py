@@ -35,7 +35,7 @@ MOST, TRIALS = 64, 8
 LOCATED = 1e-13
 #: A dip to below this part of the larger of the surface's values at both ends is looked at.
 NEAR, DIPS = 0.05, 2
-#: A crossing is grazing where the surface's rate is below this part of its change during the step.
+#: A crossing is grazing where the surface's rate is below this part of that rate's change during the step.
 GRAZING = 1e-3
 
 THROUGH: dict[str, Kind] = {
@@ -103,7 +103,7 @@ class _Writer:
         n, k, waves = sizes.states, sizes.surfaces, 2 * sizes.harmonics
         self.stepper = Stepper(r, sizes, method, surfaces.motion, surfaces.tangent, r.at["work"])
         self.f0, self.f1, self.f2 = (r.local(LANE, n) for _ in range(3))
-        self.g0, self.d0, self.g1, self.d1, self.g2, self.d2 = (r.local(LANE, k) for _ in range(6))
+        self.g0, self.d0, self.g1, self.d1, self.g2, self.d2, self.change = (r.local(LANE, k) for _ in range(7))
         self.c0, self.c1 = r.local(LANE, waves), r.local(LANE, waves)
         self.moment, self.span, self.clock, self.pull = (r.local(LANE, size) for size in (1, 1, 1, 2))
         self.done, self.to, self.low, self.high, self.at_low, self.at_high = (r.local(LANE) for _ in range(6))
@@ -193,6 +193,9 @@ class _Writer:
         self._at(to, self.c1)
         self._moves(x, self.c1, self.f1)
         r.call(self.of.guards, y=x, c=self.c1, v=self.f1, g=self.g1, rate=self.d1, **guarded)
+        with b.if_then(b.icmp_signed("==", trial, integer(0))):  # of all lanes, over the whole step
+            for k in range(self.sizes.surfaces):
+                r.store(r.absolute(r.sub(r.load(self.d1, k), r.load(self.d0, k))), self.change, k)
         pending = b.icmp_signed("!=", r.load(self.pending), integers(0))
         good = b.icmp_signed("!=", r.load(self.flag), integers(0))
         lost = b.and_(pending, b.not_(good))
@@ -214,7 +217,7 @@ class _Writer:
             left = b.and_(pending, b.not_(b.or_(ended, lost)))
             r.store(b.sext(left, INTS), self.pending)
             with b.if_then(r.any(found), likely=False):
-                self._cross(found, which, slope, slope_before)
+                self._cross(found, which, slope)
         with b.if_then(r.any(lost), likely=False):
             left = b.and_(b.icmp_signed("!=", r.load(self.pending), integers(0)), b.not_(lost))
             r.store(b.sext(left, INTS), self.pending)
@@ -329,14 +332,17 @@ class _Writer:
         self.stepper.replace(a["y"], x, self.sizes.states * (2 if self.sizes.along else 1), lanes)
         self.stepper.vectors(a["y"], h, a["p"], self.count, lanes)
 
-    def _cross(self, found: Value, which: Value, slope: Value, slope_before: Value) -> None:
+    def _cross(self, found: Value, which: Value, slope: Value) -> None:
         """Change sides at a crossing."""
         r, b, a = self.r, self.r.b, self.r.at
         one, zero = number(1.0), number(0.0)
         r.store(r.add(r.load(self.crossed), b.select(found, one, zero)), self.crossed)
         r.store(r.add(r.load(a["tally"]), b.select(found, one, zero)), a["tally"])
-        graze = r.less(r.absolute(slope), r.mul(number(GRAZING), r.absolute(r.sub(slope, slope_before))))
-        graze = b.and_(found, graze)
+        usual = zero
+        for k in range(self.sizes.surfaces):
+            usual = b.select(b.icmp_signed("==", which, integers(k)), r.load(self.change, k), usual)
+        graze = b.and_(found, r.less(r.absolute(slope), r.mul(number(GRAZING), usual)))
+        graze = b.and_(graze, b.fcmp_ordered("!=", slope, zero))  # a lane that slides has none
         r.store(r.add(r.load(a["tally"], 1), b.select(graze, one, zero)), a["tally"], 1)
         here = [b.and_(found, b.icmp_signed("==", which, integers(k))) for k in range(self.sizes.surfaces)]
         old = [r.load(self.modes, k) for k in range(self.sizes.surfaces)]

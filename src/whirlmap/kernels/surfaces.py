@@ -77,11 +77,11 @@ def _rewritten(e: Any, moving: set[Any], found: Sided) -> Any:
         return e
     args = [_rewritten(a, moving, found) for a in e.args]
     if isinstance(e, sign | Abs):
-        side = _side(args[0], found)
+        side = _side(args[0], moving, found)
         if side is not None:
             return side if isinstance(e, sign) else side * args[0]
     elif isinstance(e, UPWARD | DOWNWARD):
-        side = _side(args[0] - args[1] if isinstance(e, UPWARD) else args[1] - args[0], found)
+        side = _side(args[0] - args[1] if isinstance(e, UPWARD) else args[1] - args[0], moving, found)
         if side is not None:
             strict = isinstance(e, StrictGreaterThan | StrictLessThan)
             if side.is_Symbol:
@@ -90,10 +90,13 @@ def _rewritten(e: Any, moving: set[Any], found: Sided) -> Any:
     return e.func(*args)
 
 
-def _side(g: Expr, found: Sided) -> Expr | None:
-    """The side of a surface: its symbol, or minus that of the opposite one; None where something is read from a table."""
+def _side(g: Expr, moving: set[Any], found: Sided) -> Expr | None:
+    """The side of a surface: its symbol, or minus that of the opposite one.
+
+    None where something is read from a table, or where it is made of sides alone and so changes with them.
+    """
     g = _odd(g, found)
-    if g.has(tabulated):
+    if g.has(tabulated) or not g.free_symbols & moving:
         return None
     for known, side in zip(found.surfaces, found.sides, strict=True):
         if (g - known).expand() == 0:
