@@ -127,7 +127,7 @@ def test_a_mass_that_never_moves_again_stays_where_it_is():
     e, _ = run(friction(F * sign(v)), {"F": 1.8, "A": 1, "w": 0.8}, (0.2, 1.0), 24, 20)
     x0 = e.x[0, 0]
     e.advance(20)
-    assert e.status[0] == Status.ok and e.x[0, 0] == pytest.approx(x0, abs=1e-12) and abs(e.x[1, 0]) < 1e-12
+    assert e.status[0] == Status.ok and e.x[0, 0] == pytest.approx(x0, abs=1e-11) and abs(e.x[1, 0]) < 1e-12
 
 
 BELT = friction(F * sign(v - b * (1 + 0.3 * sin(w * t))) + v / 20, "belt", (b,))

@@ -99,6 +99,7 @@ def settle_and_record(
     section = np.full((periods, len(rows), ensemble.points), np.nan)
     multiple = np.where(ensemble.running, settled.multiple, 0)
     period, extremes = multiple.copy(), _empty_extremes(ensemble)
+    ensemble.crossings[:], ensemble.grazings[:] = 0, 0  # of the record alone
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
         fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], EXTREMES_STEPS))
