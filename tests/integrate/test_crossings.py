@@ -1,4 +1,4 @@
-"""Crossings of surfaces located inside the step: order, sliding, saltation, grazing, against SciPy's events and closed forms."""
+"""Crossings located inside the step: order, sliding, saltation, grazing, against SciPy's events and closed forms."""
 
 import numpy as np
 import pytest
@@ -99,13 +99,13 @@ def sticking(F_, A_, w_, start, end):
             if not over.size:
                 return np.array([p, 0.0])
             left = grid[over[0] - 1] if over[0] else time
-            time = brentq(lambda z: abs(force(z, p)) - F_, left, grid[over[0]], xtol=1e-15)
+            time = brentq(lambda z, p=p: abs(force(z, p)) - F_, left, grid[over[0]], xtol=1e-15)
             side = np.sign(force(time, p))
         event = lambda time, y: y[1]  # noqa: E731
         event.terminal, event.direction = True, -side
         made = solve_ivp(
-            lambda time, y, side=side: [y[1], force(time, y[0]) - side * F_], (time, end), (p, s), method="DOP853", rtol=1e-13,
-            atol=1e-14, events=[event],
+            lambda time, y, side=side: [y[1], force(time, y[0]) - side * F_], (time, end), (p, s), method="DOP853",
+            rtol=1e-13, atol=1e-14, events=[event],
         )  # fmt: skip
         time, (p, s) = made.t[-1], made.y[:, -1]
         if made.status == 1:
@@ -132,7 +132,8 @@ def test_a_mass_that_never_moves_again_stays_where_it_is():
 
 BELT = friction(F * sign(v - b * (1 + 0.3 * sin(w * t))) + v / 20, "belt", (b,))
 POSITION = Model(
-    "position", (x, v), (F, A, w), {x: v, v: A * cos(w * t) - x - v / 5 - F * sign(x - 0.3 * cos(w * t) + x * v / 5)}, harmonics=(w,)
+    "position", (x, v), (F, A, w), {x: v, v: A * cos(w * t) - x - v / 5 - F * sign(x - 0.3 * cos(w * t) + x * v / 5)},
+    harmonics=(w,),
 )  # fmt: skip
 CONTROL = Model("control", (x, v), (F, A, w), {x: v, v: A * cos(w * t) - v / 5 - F * sign(v + x / 2)}, harmonics=(w,))
 WALL = Model("wall", (x, v), (k, b, w), {x: v, v: cos(w * t) - v / 5 - x - when(x > 1, k * (x - 1) + b * v)}, harmonics=(w,))
@@ -214,9 +215,10 @@ def test_switched_stiffness_of_meissner():
 def test_company_changes_no_bit_of_a_crossing():
     rng = np.random.default_rng(3)
     starts = rng.uniform(-2, 2, (2, 21))
-    together, s = run(friction(F * sign(v)), {"F": 0.3, "A": 1, "w": 0.4}, starts, 16, 5, tangents=1, workers=2, save_periods=1)
+    values, more = {"F": 0.3, "A": 1, "w": 0.4}, {"tangents": 1, "save_periods": 1}
+    together, s = run(friction(F * sign(v)), values, starts, 16, 5, workers=2, **more)
     for i in (0, 7, 20):
-        alone, a = run(friction(F * sign(v)), {"F": 0.3, "A": 1, "w": 0.4}, starts[:, i], 16, 5, tangents=1, save_periods=1)
+        alone, a = run(friction(F * sign(v)), values, starts[:, i], 16, 5, **more)
         np.testing.assert_array_equal(a.saved[..., 0], s.saved[..., i])
         np.testing.assert_array_equal(alone._y[:, 0], together._y[:, i])
 

@@ -31,7 +31,8 @@ def test_dry_friction_is_one_jump_in_any_spelling(friction):
 @pytest.mark.parametrize(
     "stop",
     [
-        when(x > 1, x - 1), Max(x - 1, 0), (Abs(x - 1) + x - 1) / 2, when(x <= 1, 0, F * (x - 1)), (x - 1) * Heaviside(x - 1),
+        when(x > 1, x - 1), Max(x - 1, 0), (Abs(x - 1) + x - 1) / 2, when(x <= 1, 0, F * (x - 1)),
+        (x - 1) * Heaviside(x - 1),
         when(x > F, (x - F) ** 1.5), when(sqrt(x**2 + v**2) > F, sqrt(x**2 + v**2) - F), Max(0, 1 - exp(-x), 1 - exp(x)),
     ],
 )  # fmt: skip

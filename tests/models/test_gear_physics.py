@@ -11,6 +11,7 @@ from sympy import lambdify
 from whirlmap.equations import t
 from whirlmap.errors import CaseError, ModelError
 from whirlmap.integrate.system import System
+from whirlmap.kernels.surfaces import sided
 from whirlmap.models import family, mesh
 from whirlmap.models.gear_pair import BEYOND
 

@@ -3,9 +3,9 @@
 Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled state is asked again whether
 they meet it: a point that needs more of them settles on with these (the start says little of a whirl that has grown since).
 Then all points record their section once per T for the diagram; in periodic points it gives the smallest number of T.
-Extremes are those of cubics between steps (`Ensemble.advance`), over one return, or the whole record where nothing returns.
-The steps are `FINER` times shorter than the accuracy asks for, and no longer than T/`EXTREMES_STEPS`: a peak is then missed by
-less than 1e-5 of the range.
+Extremes are those of cubics between steps (`Ensemble.advance`), over one return, or the whole record where nothing
+returns. The steps are `FINER` times shorter than the accuracy asks for, and no longer than T/`EXTREMES_STEPS`: a peak is
+then missed by less than 1e-5 of the range.
 
 An unforced model runs its transient, and is then cut at its declared section; the return is counted in crossings. Windows
 are as many typical times as would be common periods, each twice the one before, for the points that have not returned.

@@ -76,12 +76,13 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
     one = _block(module, sizes, method, nodes, parts)
     r = Routine(module, "advance", ARGUMENTS, public=True)
     b, a = r.b, r.at
+    folds = b.icmp_signed(">", a["folded"], integer(0))
     rows = {
         "y": sizes.rows(b, a["count"]), "h": integer(1), "p": integer(sizes.inputs),
         "offsets": integer(max(sizes.tables, 1)), "first": integer(1), "active": integer(1), "failed": integer(1),
         "cause": integer(1), "reached": integer(1), "tally": integer(2),
         "saved": b.mul(a["saves"], integer(sizes.states)), "growth": b.mul(a["events"], a["count"]),
-        "sums": b.select(b.icmp_signed(">", a["folded"], integer(0)), integer(5 * (sizes.states + sizes.outputs)), integer(0)),
+        "sums": b.select(folds, integer(5 * (sizes.states + sizes.outputs)), integer(0)),
     }  # fmt: skip
     with r.loop(a["blocks"]) as block:
         moved = {name: r.row(a[name], b.mul(block, size)) for name, size in rows.items()}

@@ -149,7 +149,7 @@ class _Writer:
         for mask in unknown[1:]:
             asked = b.or_(asked, mask)
         with b.if_then(r.any(asked), likely=False):
-            found, on = r.local(LANE, self.sizes.surfaces), b.icmp_signed("!=", r.load(a["active"]), r.load(a["active"]))
+            found, on = r.local(LANE, self.sizes.surfaces), b.fcmp_ordered("!=", number(0.0), number(0.0))
             r.call(self.of.sides, y=a["y"], c=a["c"], p=a["p"], modes=found)
             for k, mask in enumerate(unknown):
                 here = r.load(found, k)
@@ -158,8 +158,10 @@ class _Writer:
                 r.store(b.select(mask, b.select(zero, number(1.0), here), r.load(self.modes, k)), self.modes, k)
             with b.if_then(r.any(on), likely=False):
                 self._moves(a["y"], a["c"], self.f0)
-                r.call(self.of.guards, y=a["y"], c=a["c"], p=a["p"], modes=self.modes, v=self.f0, clock=self.clock, g=self.g0,
-                       rate=self.d0)  # fmt: skip
+                r.call(
+                    self.of.guards, y=a["y"], c=a["c"], p=a["p"], modes=self.modes, v=self.f0, clock=self.clock,
+                    g=self.g0, rate=self.d0,
+                )  # fmt: skip
                 for k, mask in enumerate(unknown):
                     zero = b.and_(mask, b.fcmp_ordered("==", r.load(found, k), number(0.0)))
                     away = b.and_(zero, r.less(r.load(self.d0, k), number(0.0)))

@@ -1,9 +1,9 @@
 """Surfaces at which a model's rates have a kink or a jump, found in its expressions.
 
 ``sign(g)``, ``Abs(g)`` and every comparison inside of a condition change at ``g = 0``. Each such ``g`` that depends on
-states or time is a *surface*. The expressions are rewritten for one side of it: the sign of ``g`` becomes a symbol of its own, the
-*side*, which a kernel holds constant during a step and changes where the step crosses the surface. So the rates of a step
-are smooth, whatever the model is made of, and a crossing is the zero of a smooth function.
+states or time is a *surface*. The expressions are rewritten for one side of it: the sign of ``g`` becomes a symbol of its
+own, the *side*, which a kernel holds constant during a step and changes where the step crosses the surface. So the rates of
+a step are smooth, whatever the model is made of, and a crossing is the zero of a smooth function.
 
 Not found, and so not located: surfaces inside of tables, and points at which a root of a sum of squares is singular.
 """
