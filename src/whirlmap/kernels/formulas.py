@@ -63,16 +63,22 @@ def numpy_text(formula: Formula) -> str:
     """Write a formula as the source of a Python function, ``formula``, of NumPy arrays."""
     expressions = [normal_form(e) for e in formula.expressions]
     functions = {type(call).__name__ for e in expressions for call in e.atoms(_called())}
+    names = {q.name for a in formula.arguments for q in ([a] if isinstance(a, Symbol) else a)}
     made = lambdify(
         [a if isinstance(a, Symbol) else list(a) for a in formula.arguments],
         expressions,
         modules=[dict.fromkeys(functions, None), "numpy"],
         printer=_Printer({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}),
         cse=formula.share,
+        dummify=not names.isdisjoint(_NAMES) or None,  # a parameter named exp would hide the function
     )
     head, body = inspect.getsource(made).split("(", 1)
     assert head.startswith("def "), head
     return f"def formula({body}"
+
+
+#: What the text of a formula may call by name.
+_NAMES: dict[str, Any] = {**vars(np), "erf": erf, "erfc": erfc}
 
 
 class _Printer(NumPyPrinter):
@@ -129,7 +135,7 @@ def _is_text(data: Any) -> bool:
 
 
 def _function(text: str, calls: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
-    namespace: dict[str, Any] = {**vars(np), "erf": erf, "erfc": erfc, **calls}
+    namespace: dict[str, Any] = {**_NAMES, **calls}
     exec(text, namespace)
     made: Callable[..., Any] = namespace["formula"]
     return made
