@@ -75,7 +75,9 @@ def _fault(e: Any) -> str:
     if isinstance(e, (*_FORM, *FUNCTIONS)):
         return ""
     known = ", ".join(f.__name__ for f in FUNCTIONS if f is not sp.Piecewise)
-    return f"{e} cannot be computed: {type(e).__name__} is not among the functions that models may use, which are {known}, when"
+    return (
+        f"{e} cannot be computed: {type(e).__name__} is not among the functions that models may use, which are {known}, when"
+    )
 
 
 def _of_unknown(e: Any) -> str:

@@ -7,17 +7,19 @@ case file holds parameters beside its own keys.
 #: Keys of a case file that are not entries.
 CASE_KEYS = ("model", "extends", "description", "start", "switches")
 
+_RESULTS = """
+    point direction quantity bearing state period exponent draw place other motions machine design window time step turn
+    section regime status period_T period_common return_distance lyapunov lyapunov_error lyapunov_periods confidence
+    winding end_time end_state start_found settled_after accelerated steps step_error step_verdict evaluation
+    minimum maximum mean rms peak_to_peak max_eccentricity min_film max_load hysteresis common_multiple
+    attractor attractor_of member indicator outcome vote start_state start_regime start_status
+    amplitude tooth_contact verdict margin probability front rpm
+    frequency power density floor line_frequency line_power line_present line_floor line_fraction broadband_fraction
+    mode growth damping_ratio whirl line clock equilibrium
+"""
+
 #: Dimensions and variables of the Datasets that have varied parameters or states for dimensions.
-RESULTS = frozenset(
-    "point direction quantity bearing state period exponent draw place other motions machine design window time step turn"
-    " section regime status period_T period_common return_distance lyapunov lyapunov_error lyapunov_periods confidence"
-    " winding end_time end_state start_found settled_after accelerated steps step_error step_verdict"
-    " minimum maximum mean rms peak_to_peak max_eccentricity min_film max_load hysteresis common_multiple evaluated"
-    " attractor attractor_of member indicator outcome vote start_state start_regime start_status"
-    " amplitude tooth_contact verdict margin probability front rpm"
-    " frequency power density floor line_frequency line_power line_present line_floor line_fraction broadband_fraction"
-    " mode eigenvalue damping_ratio equilibrium shape".split()
-)
+RESULTS = frozenset(_RESULTS.split())
 
 
 def fault(name: str) -> str:

@@ -1,7 +1,8 @@
 """Guarded terms that hide what is infinite or no number where it is not chosen: ``when(x > 1, sqrt(x - 1))``.
 
-A kernel computes every branch and selects. That is right for values; by the chain rule, however, the slope of a branch that is
-not chosen would be multiplied by zero, and zero times infinity is no number. Such terms are differentiated branch by branch.
+A kernel computes every branch and selects. That is right for values; by the chain rule, however, the slope of a branch that
+is not chosen would be multiplied by zero, and zero times infinity is no number. Such terms are differentiated branch by
+branch.
 """
 
 from sympy import Abs, Expr, Function, Piecewise, Symbol, asinh, atan, cos, erf, erfc, sign, sin, tanh

@@ -17,7 +17,8 @@ from whirlmap.kernels.sines import Sines
 #: Functions of the C library: they work on one lane at a time, and belong outside of a right-hand side where possible.
 LIBRARY = {
     name: name for name in (
-        "exp", "log", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc",
+        "exp", "log", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf",
+        "erfc",
     )
 } | {"power": "pow"}  # fmt: skip
 
