@@ -2,7 +2,7 @@
 
 The truth is the expression as SymPy holds it, evaluated node by node as a real number with its slopes (dual numbers) in 40
 digits. What is complex there is NaN, and comparisons with NaN are false. Every node is also moved by a rounding or so, at
-random: how far the result moves by that is the error that is allowed. ``WHIRLMAP_MODELS=500`` tries more than the suite does.
+random: how far the result moves by that is the error that is allowed. ``WHIRLMAP_MODELS=500`` tries more than the suite.
 """
 
 import os
@@ -12,11 +12,11 @@ import mpmath as mp
 import numpy as np
 import pytest
 import sympy as sp
-from hypothesis import HealthCheck, Phase, assume, given, settings
+from hypothesis import HealthCheck, Phase, assume, given, reject, settings
 from hypothesis import strategies as st
 from sympy.core.relational import Relational
 
-from whirlmap.equations import Model, Parameter, State, when
+from whirlmap.equations import Model, Parameter, State, allowed, when
 from whirlmap.integrate.system import System
 
 EXPRESSIONS = 5 * int(os.environ.get("WHIRLMAP_MODELS", "6"))
@@ -47,9 +47,13 @@ LEAVES = [x, y, x, y, a, b, sp.Rational(1, 2), sp.Integer(2), sp.Float(0.7)]
 def expressions(draw, depth=3):
     if depth == 0 or draw(st.integers(0, 6)) == 0:
         return draw(st.sampled_from(LEAVES))
-    if draw(st.booleans()):
-        return draw(st.sampled_from(ONE))(draw(expressions(depth - 1)))
-    return draw(st.sampled_from(TWO))(draw(expressions(depth - 1)), draw(expressions(depth - 1)))
+    one = draw(st.booleans())
+    make = draw(st.sampled_from(ONE if one else TWO))
+    parts = [draw(expressions(depth - 1)) for _ in range(1 if one else 2)]
+    try:
+        return make(*parts)
+    except (TypeError, ValueError):  # SymPy compares no complex numbers
+        return reject()
 
 
 class Dual:
@@ -155,7 +159,8 @@ def evaluated(rates, X, Y, noise=0.0, seed=0):
 
 
 def check(rates, places):
-    system = System(Model("random", (x, y), (a, b), dict(zip((x, y), rates, strict=True))), VALUES)
+    clocks = {"a": a, "b": b}  # reads both, whichever the expressions do
+    system = System(Model("random", (x, y), (a, b), dict(zip((x, y), rates, strict=True)), clocks=clocks), VALUES)
     with np.errstate(all="ignore"):
         got = np.concatenate([system.rhs(0.0, places)[:, None], system.jacobian(0.0, places)], axis=1)
         reference = system.reference_rhs(0.0, places)
@@ -194,7 +199,7 @@ def digits():
 @given(expressions(), expressions(), st.integers(0, 2**32 - 1))
 def test_rates_and_jacobian_of_any_expression(first, second, seed):
     rates = [sp.sympify(e) + s for e, s in ((first * second, y), (first + second, x))]
-    assume(not any(e.has(sp.I, sp.zoo, sp.nan, sp.oo, sp.AccumBounds) for e in rates))
+    assume(not allowed.fault(rates))  # complex constants such as asin(2) are refused where a model is declared
     places = np.random.default_rng(seed).uniform(-2, 2, (2, POINTS))
     check(rates, places)
 

@@ -18,7 +18,8 @@ LARGEST = 1e30
 #: What is said about a state that is asked for at another time.
 DELAYS = (
     "a state at the present time is its name alone, {name}, and one of an earlier time cannot be had: whirlmap solves"
-    " ordinary differential equations; expected a chain of states that lag one after the other, or a Pade approximation of the delay"
+    " ordinary differential equations; expected a chain of states that lag one after the other, or a Pade approximation of"
+    " the delay"
 )
 
 

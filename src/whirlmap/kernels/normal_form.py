@@ -8,7 +8,23 @@ kink or a jump) then has three functions to know.
 from typing import Any
 
 from sympy import (
-    And, Heaviside, Integer, Max, Min, Not, Or, Piecewise, Pow, Rational, acos, acosh, asin, atanh, log, sign, sympify,
+    And,
+    Heaviside,
+    Integer,
+    Max,
+    Min,
+    Not,
+    Or,
+    Piecewise,
+    Pow,
+    Rational,
+    acos,
+    acosh,
+    asin,
+    atanh,
+    log,
+    sign,
+    sympify,
 )  # fmt: skip
 from sympy.core.expr import Expr
 from sympy.core.relational import Relational
