@@ -27,7 +27,8 @@ TABLE = Table("wave", ("u",), ("f",), sines, sines, lambda p: (np.linspace(-2, 2
 
 
 def model(name, rate, **more):
-    return Model(name, (angle, v), (a, b), {angle: rate, v: sp.Integer(-1)}, **more)
+    used = tuple(p for p in (a, b) if rate.has(p))
+    return Model(name, (angle, v), used, {angle: rate, v: sp.Integer(-1)}, **more)
 
 
 def test_a_cyclic_state_that_is_no_number_ends_its_point():

@@ -18,7 +18,8 @@ c0, s0, c1, s1 = (sp.Symbol(n, real=True) for n in ("c0", "s0", "c1", "s1"))
 
 
 def model(equations, parameters=(a, b, omega, nu, chi), harmonics=(), **more):
-    return Model("sink", tuple(equations), tuple(parameters), equations, harmonics=harmonics, **more)
+    used = set().union(*(sp.sympify(e).free_symbols for e in (*equations.values(), *harmonics)))
+    return Model("sink", tuple(equations), tuple(p for p in parameters if p in used), equations, harmonics=harmonics, **more)
 
 
 # --- harmonics ---------------------------------------------------------------------------------------------

@@ -72,6 +72,7 @@ def systems(draw):
     model = Model(
         name="random", states=states, parameters=(a, b, omega, order), equations=rates,
         harmonics=(omega, order * omega), outputs={"size": Output(sp.sqrt(sum(s**2 for s in states)), "1", "size")},
+        clocks={"a": a, "b": b},  # reads both, whichever the terms do
         stops=stops, bound=draw(st.sampled_from([1.2, 20.0])), tables=tuple(q for q in (LINE, PLANE) if q.name in used),
     )  # fmt: skip
     ratio = Fraction(draw(st.integers(-3, 7)) or 1, draw(st.sampled_from([1, 2, 3, 7])))

@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any, cast
 
 import numpy as np
@@ -12,6 +13,7 @@ from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.loading import pieces
+from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import method as method_named
 from whirlmap.results.provenance import provenance
@@ -117,13 +119,8 @@ def make_ensemble(
         steps = UNFORCED_STEPS
     if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
         raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
-    orders = system.orders
-    if orders is None:
-        raise RangeError(
-            f"{system.model.name}: a harmonic's order is not a ratio p/q with q up to 10000, so steps cannot be locked"
-            " to the forcing; give orders as ratios of integers"
-        )
     values = parameter_values(system, vary or {})
+    orders = _shared_orders(system, values, vary or {})
     if starts is None:
         x, found = start_states(system.model, values)
         for name, value in system.start.items():
@@ -144,6 +141,18 @@ def make_ensemble(
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
     return ensemble, found
+
+
+def _shared_orders(system: System, values: Array, vary: Mapping[str, ArrayLike]) -> tuple[Fraction, ...]:
+    """Orders of the harmonics of all points of one ensemble."""
+    groups = order_groups(system, values, vary)
+    if len(groups) > 1:
+        raise RangeError(
+            f"{system.model.name}: with {' and '.join(vary)} varied the forcing has common periods of"
+            f" {groups[0].common_multiple} to {groups[-1].common_multiple} T, but what is asked for needs one; bifurcation"
+            " diagrams and maps can have several, or ask for one point at a time"
+        )
+    return groups[0].orders
 
 
 def tangent_steps(ensemble: Ensemble) -> NDArray[np.int64]:

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf, erfc
 from sympy import Expr, Symbol, lambdify
 from sympy.printing.numpy import NumPyPrinter
 
@@ -63,16 +62,22 @@ def numpy_text(formula: Formula) -> str:
     """Write a formula as the source of a Python function, ``formula``, of NumPy arrays."""
     expressions = [normal_form(e) for e in formula.expressions]
     functions = {type(call).__name__ for e in expressions for call in e.atoms(_called())}
+    names = {q.name for a in formula.arguments for q in ([a] if isinstance(a, Symbol) else a)}
     made = lambdify(
         [a if isinstance(a, Symbol) else list(a) for a in formula.arguments],
         expressions,
         modules=[dict.fromkeys(functions, None), "numpy"],
         printer=_Printer({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}),
         cse=formula.share,
+        dummify=not names.isdisjoint({*vars(np), *SPECIAL}) or None,  # a parameter named exp would hide the function
     )
     head, body = inspect.getsource(made).split("(", 1)
     assert head.startswith("def "), head
     return f"def formula({body}"
+
+
+#: Functions that the text of a formula may call beside those of NumPy: SciPy is imported where one of them is.
+SPECIAL = ("erf", "erfc")
 
 
 class _Printer(NumPyPrinter):
@@ -129,7 +134,11 @@ def _is_text(data: Any) -> bool:
 
 
 def _function(text: str, calls: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
-    namespace: dict[str, Any] = {**vars(np), "erf": erf, "erfc": erfc, **calls}
+    namespace: dict[str, Any] = {**vars(np), **calls}
+    if any(f"{name}(" in text for name in SPECIAL):
+        from scipy import special
+
+        namespace |= {name: getattr(special, name) for name in SPECIAL}
     exec(text, namespace)
     made: Callable[..., Any] = namespace["formula"]
     return made

@@ -7,7 +7,25 @@ kink or a jump) then has three functions to know.
 
 from typing import Any
 
-from sympy import And, Heaviside, Integer, Max, Min, Not, Or, Piecewise, Pow, Rational, sign, sympify
+from sympy import (
+    And,
+    Heaviside,
+    Integer,
+    Max,
+    Min,
+    Not,
+    Or,
+    Piecewise,
+    Pow,
+    Rational,
+    acos,
+    acosh,
+    asin,
+    atanh,
+    log,
+    sign,
+    sympify,
+)  # fmt: skip
 from sympy.core.expr import Expr
 from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
@@ -15,6 +33,9 @@ from sympy.logic.boolalg import Boolean, BooleanAtom, BooleanFunction
 
 from whirlmap.equations.quantities import State, t
 from whirlmap.errors import ModelError
+
+#: Functions that are real numbers for some real arguments only.
+PARTIAL = (log, asin, acos, acosh, atanh)
 
 
 def normal_form(expression: Any) -> Expr:
@@ -36,7 +57,7 @@ def normal_form(expression: Any) -> Expr:
     ModelError
         A ``Piecewise`` has no default, or a condition is no relation between expressions.
     """
-    return sympify(expression).replace(lambda e: isinstance(e, Max | Min | Heaviside | Piecewise | Pow), _rewritten)
+    return sympify(expression).replace(lambda e: isinstance(e, Max | Min | Heaviside | Piecewise | Pow | sign), _rewritten)
 
 
 def _rewritten(e: Any) -> Expr:
@@ -45,18 +66,32 @@ def _rewritten(e: Any) -> Expr:
     if isinstance(e, Max | Min):
         e = _extreme(e)
     elif isinstance(e, Heaviside):
-        e = _step(*e.args)
+        e = normal_form(_step(*e.args))
+    elif isinstance(e, sign) and _may_be_nan(x := e.args[0]):
+        e = Piecewise((Integer(1), x > 0), (Integer(-1), x < 0), (x, True))  # zero itself, or NaN
     return _piecewise(e) if isinstance(e, Piecewise) else e  # SymPy writes a Piecewise within a relation as ITE
 
 
 def _extreme(e: Max | Min) -> Expr:
-    """The first argument that no later one exceeds. What may be NaN stands last, where failed comparisons end."""
-    arguments = sorted(e.args, key=lambda a: (not a.is_number, a.has(State) or a.has(t)))  # stable, so SymPy's order else
+    """The first argument that no later one exceeds, and NaN where one of them is NaN.
+
+    Failed comparisons end at the last argument, so one that may be NaN stands there; beside a second one the default is the
+    sum of both.
+    """
+    arguments = sorted(e.args, key=lambda a: (not a.is_number, _may_be_nan(a), a.has(State) or a.has(t)))  # stable
     relation = (lambda a, b: a >= b) if isinstance(e, Max) else (lambda a, b: a <= b)
+    if len(arguments) > 1 and _may_be_nan(arguments[-2]):
+        cases = [(a, And(*(relation(a, other) for other in arguments if other != a))) for a in arguments]
+        return Piecewise(*cases, (sum(a for a in arguments if _may_be_nan(a)), True))
     cases = [
         (value, And(*(relation(value, other) for other in arguments[i + 1 :]))) for i, value in enumerate(arguments[:-1])
     ]  # fmt: skip
     return Piecewise(*cases, (arguments[-1], True))
+
+
+def _may_be_nan(e: Expr) -> bool:
+    """Whether an expression may be no real number where its symbols are finite."""
+    return bool(e.atoms(*PARTIAL)) or any(not p.exp.is_integer and not p.base.is_nonnegative for p in e.atoms(Pow))
 
 
 def _step(x: Expr, at_zero: Expr) -> Expr:

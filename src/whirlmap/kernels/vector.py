@@ -6,7 +6,7 @@ from llvmlite import ir
 from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow, cos, sin
 from sympy import sign as sympy_sign
 from sympy.core.relational import Relational
-from sympy.logic.boolalg import And, Not, Or
+from sympy.logic.boolalg import ITE, And, BooleanAtom, Not, Or
 
 from whirlmap.errors import ModelError
 from whirlmap.kernels.powers import inverse, power, product_of_roots, quarters_of, root
@@ -17,7 +17,8 @@ from whirlmap.kernels.sines import Sines
 #: Functions of the C library: they work on one lane at a time, and belong outside of a right-hand side where possible.
 LIBRARY = {
     name: name for name in (
-        "exp", "log", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf", "erfc",
+        "exp", "log", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf",
+        "erfc",
     )
 } | {"power": "pow"}  # fmt: skip
 
@@ -144,4 +145,8 @@ class VectorCode:
             return out
         if isinstance(condition, Not):
             return b.xor(self.truth(condition.args[0]), ir.Constant(MASK, [1] * LANES))
+        if isinstance(condition, ITE):
+            return b.select(*(self.truth(a) for a in condition.args))
+        if isinstance(condition, BooleanAtom):
+            return ir.Constant(MASK, [int(bool(condition))] * LANES)
         raise ModelError(f"condition {condition} cannot be lowered")

@@ -139,6 +139,8 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
     beside.tick_params(labelleft=False)
     common = int(ds.attrs.get("common_multiple", 1))
     counted = "T" if common == 1 else f"common periods of {common}T"
+    if "common_multiple" in ds:
+        counted = "common periods, which differ between points"
     fig.legend(handles=_legend(ds, quantity), loc="outside lower center", ncols=4, title=f"periods are counted in {counted}")
     if title:
         fig.suptitle(title)

@@ -4,7 +4,7 @@ The numbers of a point depend on its own parameters and start alone: not on the 
 order, nor on the number of threads.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -20,11 +20,13 @@ from whirlmap.analysis.settling import POOL, Settling
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
+from whirlmap.sweep.measured import RETURNS, Measured, joined
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -36,28 +38,6 @@ SHRINK, PATIENCE = 1e-9, 4
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
 POOLS = 2
-
-#: Arrays over the points of `Returns` that can be replaced by those of a later look.
-RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated")
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What was measured of points, before it becomes a Dataset; arrays of shape (point,) beside those of `Returns`."""
-
-    returns: Returns
-    status: NDArray[np.int8]
-    end_time: Array
-    exponent: Array
-    exponent_error: Array
-    exponent_periods: NDArray[np.int64]
-    confidence: Array
-    winding: Array
-    start_found: NDArray[np.bool_]
-    steps: NDArray[np.int64]
-    step_error: Array
-    step_verdict: NDArray[np.int8]
-
 
 @dataclass(frozen=True)
 class Labelling:
@@ -84,7 +64,30 @@ class Labelling:
         starts: Array | None = None,
         progress: Progress | None = None,
     ) -> tuple[Measured, Ensemble]:
-        """Measure points, each from its own start; the ensemble stands where they were left."""
+        """Measure points, each from its own start.
+
+        Returns
+        -------
+        measured : Measured
+        ensemble : Ensemble
+            Stands where the points were left. Where the common periods of points differ, those of one length are measured
+            together, and this is the ensemble of the longest.
+        """
+        columns = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in values.items()}
+        groups = order_groups(system, parameter_values(system, columns), columns)
+        parts = []
+        for group in groups:
+            at = group.members
+            some = {name: column[at] for name, column in columns.items()}
+            begin = None if starts is None else starts[:, at]
+            measured, ensemble = self._measure(system, some, begin, progress)
+            parts.append(measured)
+        return (parts[0] if len(parts) == 1 else joined(parts, [group.members for group in groups])), ensemble
+
+    def _measure(
+        self, system: System, values: Mapping[str, Array], starts: Array | None, progress: Progress | None
+    ) -> tuple[Measured, Ensemble]:
+        """Measure points that have the same orders of harmonics."""
         cyclic = cyclic_states(system)
         ensemble, start_found = make_ensemble(
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
@@ -114,7 +117,8 @@ class Labelling:
         return Measured(
             replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
-            ensemble.step_verdict,
+            ensemble.step_verdict, np.full(ensemble.points, ensemble.common_multiple),
+            np.where(ensemble.running, ensemble.x, np.nan),
         ), ensemble  # fmt: skip
 
     def _returns(
@@ -256,7 +260,7 @@ def label_points(
         )  # fmt: skip
         part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
         if ends:
-            left = np.where(ensemble.running, ensemble.x, np.nan).T
+            left = measured.end_state.T
             part["end_state"] = variable(("point", "state"), left, "1", "state at the end of the run, at phase zero")
             part = part.assign_coords(state=names_coordinate("state", system.states, "state"))
         parts.append(part)
@@ -264,7 +268,7 @@ def label_points(
     s = labelling.settling
     attributes = run_attributes(
         system, ensemble, varied=" ".join(columns), transient=s.transient, most=s.most, tolerance=s.tolerance,
-        common_multiple=ensemble.common_multiple, lyapunov_periods=lyapunov,
+        lyapunov_periods=lyapunov, **shared_common_multiple(system, columns, ensemble),
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the last batch; this is of all
     return with_attributes(ds, attributes | {"accuracy_not_met": doubtful(ds["step_verdict"].values) or None})
@@ -276,6 +280,7 @@ def points_dataset(
     """Dataset of measured points over ``point``, without attributes; ``kept`` are the states whose section was kept."""
     model = system.model
     data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes)
+    data |= common_multiple_variable("point", system, columns, measured)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
@@ -313,6 +318,18 @@ def section_variable(dim: str, system: System, measured: Measured, kept: Sequenc
         (dim, "period", "state"), measured.returns.section.transpose(2, 0, 1), "1", "section point, once per T",
         unit_of_each=" ".join(system.model.states[k].unit for k in rows),
     )  # fmt: skip
+
+
+def shared_common_multiple(system: System, varied: Iterable[str], ensemble: Ensemble) -> dict[str, int]:
+    """Attribute that says how many T the common period is, where it is the same for all points."""
+    return {} if orders_vary(system.model, varied) else {"common_multiple": ensemble.common_multiple}
+
+
+def common_multiple_variable(dim: str, system: System, varied: Iterable[str], measured: Measured) -> dict[str, Any]:
+    """Variable that says so for each point, where it may differ."""
+    if not orders_vary(system.model, varied):
+        return {}
+    return {"common_multiple": variable(dim, measured.common, "T", "common period of all harmonics")}
 
 
 def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
