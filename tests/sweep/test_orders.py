@@ -22,9 +22,10 @@ x, v, y, w = (State(n, "1", n) for n in ("x", "v", "y", "w"))
 a, b, c, d, r = (Parameter(n, "1", n) for n in ("a", "b", "c", "d", "r"))
 order = Parameter("order", "1", "order of a harmonic", order=True)
 SETTLING = Settling(transient=40, keep=16)
+FIFTH = sp.Rational(1, 5)
 
 
-def oscillator(harmonics, force, parameters=(a, b), damping=sp.Rational(1, 5), **more):
+def oscillator(harmonics, force, parameters=(a, b), damping=FIFTH, **more):
     equations = {x: v, v: force - damping * v - x}
     return Model("linear", (x, v), tuple(parameters), equations, harmonics=tuple(harmonics), swing=(x,), **more)
 
@@ -38,7 +39,9 @@ TWO = oscillator((a, b), cos(a * t) + cos(b * t) / 2)
 #: Model, fixed values, swept parameter and values, frequencies and forces of the terms at one value.
 SYSTEMS = {
     "slow one swept": (TWO, {"a": 1.0, "b": 0.5}, "b", [0.4, 0.45, 0.5, 0.55, 0.6], lambda q: [(1, 1), (q, 0.5)]),
-    "the swept one becomes the fastest": (TWO, {"a": 1.0, "b": 0.5}, "b", [0.75, 1.25, 1.5, 2.0], lambda q: [(1, 1), (q, 0.5)]),
+    "the swept one becomes the fastest": (
+        TWO, {"a": 1.0, "b": 0.5}, "b", [0.75, 1.25, 1.5, 2.0], lambda q: [(1, 1), (q, 0.5)]
+    ),
     "both the same": (TWO, {"a": 1.0, "b": 0.5}, "b", [0.8, 1.2], lambda q: [(1, 1), (q, 0.5)]),
     "fast one swept": (TWO, {"a": 2.0, "b": 0.5}, "a", [0.75, 1.0, 1.75], lambda q: [(q, 1), (0.5, 0.5)]),
     "sum and difference": (
@@ -122,8 +125,9 @@ def test_a_diagram_in_batches_and_both_ways_is_the_diagram_at_once():
 
 def test_a_map_over_both_frequencies(tmp_path):
     ds = regime_map(
-        load(TWO, a=1.0, b=0.5), {"a": [1.0, 1.5], "b": [0.25, 0.5, 1.0]}, settling=SETTLING, lyapunov=0, store=tmp_path / "map"
-    )
+        load(TWO, a=1.0, b=0.5), {"a": [1.0, 1.5], "b": [0.25, 0.5, 1.0]}, settling=SETTLING, lyapunov=0,
+        store=tmp_path / "map",
+    )  # fmt: skip
     expected = [[truth([(p, 1), (q, 0.5)]) for q in (0.25, 0.5, 1.0)] for p in (1.0, 1.5)]
     assert ds["common_multiple"].values.tolist() == [[period for _, period in row] for row in expected]
     np.testing.assert_allclose(ds["rms"].sel(quantity="x"), [[rms for rms, _ in row] for row in expected], rtol=1e-5)

@@ -9,13 +9,13 @@ from sympy.core.relational import Relational
 from sympy.functions.elementary.piecewise import ExprCondPair
 from sympy.logic.boolalg import BooleanAtom, BooleanFunction
 
-from whirlmap.equations.pieces import tabulated
+from whirlmap.equations.pieces import magnitude, tabulated
 from whirlmap.equations.quantities import DELAYS, State, t
 
 #: Functions of everything.
 FUNCTIONS = (
     sp.sin, sp.cos, sp.tan, sp.asin, sp.acos, sp.atan, sp.atan2, sp.sinh, sp.cosh, sp.tanh, sp.asinh, sp.acosh, sp.atanh,
-    sp.exp, sp.log, sp.erf, sp.erfc, sp.Abs, sp.sign, sp.Heaviside, sp.Max, sp.Min, sp.Piecewise,
+    sp.exp, sp.log, sp.erf, sp.erfc, sp.Abs, sp.sign, sp.Heaviside, sp.Max, sp.Min, magnitude, sp.Piecewise,
 )  # fmt: skip
 #: Functions of parameters alone: of a state they jump at endlessly many places.
 STEPS = (sp.floor, sp.ceiling, sp.Mod, sp.frac)
