@@ -8,12 +8,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.saltation import refuse_jumps
+from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.loading import pieces
-from whirlmap.integrate.system import System
+from whirlmap.integrate.scales import largest_of, likeness, start_sizes
+from whirlmap.integrate.system import System, periods
 from whirlmap.kernels.methods import method as method_named
 from whirlmap.results.provenance import provenance
 
@@ -27,8 +30,13 @@ TANGENT_STEPS = 16
 #: divergence to 1e-6, and crossings are located as well as the method allows.
 UNFORCED_STEPS = 400
 
-#: Start states of one swarm differ by this much of one, so that they end on one attractor but decorrelate in chaos.
+#: Start states of one swarm differ by this part of the sizes of their states, so that they end on one attractor but decorrelate
+#: in chaos.
 SWARM = 1e-6
+
+
+#: Phases of the forcing at which the rates at a start are asked.
+PHASES = 8
 
 
 def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
@@ -101,7 +109,8 @@ def make_ensemble(
     method : str, optional
         ``dop853`` for forced, ``rk4`` for unforced models where absent.
     swarm : bool
-        Move every start by `SWARM` in its own fixed random direction (zero for the first point).
+        Move every start by `SWARM` of the sizes of its states (`first_sizes`) in its own fixed random direction (the first
+        point stays).
 
     Returns
     -------
@@ -136,7 +145,8 @@ def make_ensemble(
     if swarm:
         kicks = np.random.default_rng(7).normal(size=x.shape)
         kicks[:, 0] = 0
-        x = x + SWARM * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
+        size = first_sizes(system.model, values, x)
+        x = x + SWARM * size * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
     chosen = method_named(method or ("dop853" if forced else "rk4"))
     wanted = (ACCURACY if accuracy is None else accuracy) if steps is None else None
     options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted}
@@ -147,6 +157,22 @@ def make_ensemble(
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
     return ensemble, found
+
+
+def first_sizes(model: Model, values: Array, x: Array) -> Array:
+    """Sizes of the states at a start, shape (state, point): those that `start_sizes` sees, and how far the rates carry in T/2 pi.
+
+    Zero where a state is at rest at zero together with all that are alike to it.
+    """
+    period, n = periods(model, values), x.shape[1]
+    size = start_sizes(model, period, x)
+    evaluate = Evaluator.of(model, values, jacobian=False)
+    for phase in range(PHASES if model.forced else 1):
+        rates = evaluate(phase * period / PHASES, x, np.arange(n))[0]
+        size = np.maximum(size, np.where(np.isfinite(rates), np.abs(rates) * period / (2 * np.pi), 0.0))
+    like = likeness(model)
+    weight = like.weights(period)
+    return largest_of(like.group, size * weight) / weight
 
 
 def tangent_steps(ensemble: Ensemble) -> NDArray[np.int64]:

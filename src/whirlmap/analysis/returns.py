@@ -19,9 +19,10 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
-from whirlmap.analysis.settling import Settled, Settling, positive, settle
+from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.integrate.accuracy import choose_steps
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import FLOOR, scales
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 
@@ -179,7 +180,7 @@ def _settle_unforced(
         begin = ensemble.x[:, left]
         segment = ensemble.advance(window, members=left, save_every=1, extremes=True, progress=progress)
         assert segment.extremes is not None
-        scale[:, left] = (segment.extremes["maximum"] - segment.extremes["minimum"])[:states]
+        scale[:, left] = sizes_of(ensemble, left, segment.extremes)
         waited[left] += window
         x = np.concatenate([begin[None], segment.saved])
         alive = ensemble.running[left]
@@ -190,8 +191,8 @@ def _settle_unforced(
             columns = np.flatnonzero(count == shared)
             these = left[columns]
             found = return_multiple.find(
-                points[:shared][:, :, columns], scale=positive(scale[:, these]), tolerance=settling.tolerance,
-                most=int(min(window, shared)) // 2, cyclic=cyclic,
+                points[:shared][:, :, columns], scale=scale[:, these], tolerance=settling.tolerance,
+                most=int(min(window, shared)) // 2, cyclic=cyclic, alike=False,
             )  # fmt: skip
             multiple[these], distance[these] = found["multiple"], found["distance"]
         left = left[ensemble.running[left] & (multiple[left] == 0)]
@@ -199,6 +200,13 @@ def _settle_unforced(
             break
         window = min(2 * window, 2 * settling.most)
     return Settled(multiple, distance, scale, waited, np.zeros(n, dtype=np.bool_))
+
+
+def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:
+    """Sizes of the states of some points over a recorded stretch (`scales`); NaN where a point has ended."""
+    low, high = (extremes[name][: ensemble.model.dimension] for name in ("minimum", "maximum"))
+    magnitude = np.maximum(np.abs(low), np.abs(high))
+    return scales(ensemble.model, ensemble.period[members], high - low, magnitude, share=share)
 
 
 def _periods_in_T(
@@ -210,7 +218,7 @@ def _periods_in_T(
     if fits.size and common > 1:
         found = period_in_T.find(
             section[:, :, fits], multiple[fits], common_over_T=common, scale=scale[:, fits],
-            tolerance=10 * settling.tolerance, cyclic=cyclic,
+            tolerance=10 * settling.tolerance, cyclic=cyclic, alike=False,
         )  # fmt: skip
         out[fits] = np.where(found["period"] > 0, found["period"], out[fits])
     return out

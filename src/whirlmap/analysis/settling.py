@@ -31,6 +31,7 @@ from whirlmap.analysis.periodicity import period_of
 from whirlmap.analysis.return_search import search_windows
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales
 from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
@@ -39,6 +40,9 @@ Integers = NDArray[np.int64]
 #: Common periods between two looks at a point, at first; later the largest power of two that is at most a
 #: `SELDOM`-th of those it has run, up to `MOST`: what Python does for a look costs a small model more than the periods.
 ROUND, SELDOM, MOST = 4, 8, 32
+#: Part of the largest magnitude that a state has had at all which counts as its magnitude: one that has died out
+#: does not return by its own size.
+PAST = 1e-3
 #: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
 POOL = 128
 
@@ -98,7 +102,7 @@ class Settled:
         The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
         where it ended.
     scale : array, shape (state, point)
-        Range of each state since the look before the last; one where it did not move, or the point ended.
+        Size of each state since the look before the last (`integrate.scales`).
     waited : array of int
         Common periods run, trials included.
     accelerated : array of bool
@@ -221,6 +225,7 @@ class _Pool:
         kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
         self.history = np.full((self.size, -(-kept // ROUND) * ROUND, states), np.nan)
         self.low, self.high = np.empty((self.size, states)), np.empty((self.size, states))  # since the last look
+        self.largest = np.empty((self.size, states))  # magnitude since the beginning
         self.slot = np.full(n, -1, dtype=np.intp)
         self.free = list(range(self.size))
         self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
@@ -245,6 +250,7 @@ class _Pool:
                 entering.append(self.waiting)
             self.waiting += 1
         self.forget(np.array(entering, dtype=np.intp))
+        self.largest[self.slot[entering]] = np.abs(self.ensemble.x[:, entering]).T
         self.active = np.concatenate([self.active, np.array(entering, dtype=np.intp)])
 
     def forget(self, points: NDArray[np.intp]) -> None:
@@ -282,7 +288,7 @@ class _Pool:
     def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Look at points that are due; returns which of them are done."""
         s, slot, trying = self.settled, self.slot[at], self.trials.multiple[at] > 0
-        s.scale[:, at] = np.where(running[:, None], positive(self.high[slot] - self.low[slot]), 1.0).T
+        s.scale[:, at] = self.sizes(at, running)
         self.forget(at)
         plain = at
         if trying.any():
@@ -296,6 +302,14 @@ class _Pool:
         if self.accelerate:
             self.trials.begin(at[~done & ~trying], self.ran, self.history, s.scale)
         return done
+
+    def sizes(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> Array:
+        """What differences of points are divided by, since their last look: `scales`; one where they have ended."""
+        slot, e = self.slot[at], self.ensemble
+        low, high = (np.where(running, side[slot].T, 0.0) for side in (self.low, self.high))
+        magnitude = np.maximum(np.abs(low), np.abs(high))
+        self.largest[slot] = np.maximum(self.largest[slot], magnitude.T)
+        return scales(e.model, e.period[at], high - low, np.maximum(magnitude, PAST * self.largest[slot].T))
 
     def search(self, points: NDArray[np.intp]) -> None:
         """Search the windows of points that are due."""
@@ -314,8 +328,3 @@ def windows(settling: Settling) -> list[int]:
     while out[-1] < 2 * settling.most:
         out.append(min(2 * out[-1], 2 * settling.most))
     return out
-
-
-def positive(size: Array) -> Array:
-    """Ranges, with those of states that do not move at all made one: their differences are zero anyway."""
-    return np.where(size > 0, size, 1.0)

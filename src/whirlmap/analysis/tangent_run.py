@@ -14,7 +14,7 @@ from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
 
-#: Relative and absolute error of the largest exponent at which its run stops.
+#: Errors of the largest exponent at which its run stops: relative, and in units of 2 pi/T.
 ENOUGH = (0.02, 0.002)
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
@@ -39,6 +39,8 @@ class TangentRun:
         Common periods.
     stopped : str
         Why the run stopped.
+    rate : float
+        2 pi/T, what an exponent is small against.
     """
 
     value: Array
@@ -48,6 +50,7 @@ class TangentRun:
     alive: NDArray[np.bool_]
     periods: int
     stopped: str
+    rate: float
 
     def contraction(self, *, forced: bool) -> float | None:
         """Rate at which the motion contracts to a cycle; None where it does not, or that was not measured.
@@ -57,7 +60,7 @@ class TangentRun:
         k = 0 if forced else 1
         if k >= self.value.size or not self.value[k] < -3 * self.error[k]:
             return None
-        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1]):
+        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1] * self.rate):
             return None
         return float(self.value[k])
 
@@ -139,10 +142,11 @@ def exponents_to_error(
 
     Notes
     -----
-    The run doubles until the error is below `ENOUGH` of the exponent, or of one. The error is the largest of the
+    The run doubles until the error is below `ENOUGH` of the exponent, or of 2 pi/T. The error is the largest of the
     scatter between runs, the block error within them, and a quarter of the difference between the halves of the
     record, which shows tangent vectors that still turn into place.
     """
+    rate = 2 * np.pi / float(ensemble.period.max())  # of one operating point
     pieces: list[Array] = []
     sections: list[Array] = []
     done, stretch = 0, min(max(FIRST_STRETCH // ensemble.common_multiple, BLOCKS, least), most)
@@ -157,7 +161,7 @@ def exponents_to_error(
         if not good.any():
             reason = "no run went on to the end"
             break
-        if error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1]):
+        if error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1] * rate):
             reason = "error small enough"
             break
         if done >= most:
@@ -167,7 +171,7 @@ def exponents_to_error(
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
     mean = rates[:, order][:, :, good].mean(axis=2) if good.any() else np.full(rates.shape[:2], np.nan)
     running = np.cumsum(mean, axis=0) / np.arange(1, done + 1)[:, None]
-    return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason)
+    return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason, rate)
 
 
 def _swarm_mean(rates: Array) -> tuple[Array, Array]:

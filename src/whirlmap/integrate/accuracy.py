@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.ensemble import Ensemble, Segment
+from whirlmap.integrate.scales import scales
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -89,8 +90,8 @@ def choose_steps(
     Parameters
     ----------
     accuracy : float
-        Largest error over one common period (of an unforced model: one typical time), for each state relative to
-        the larger of one and its largest absolute value at the ends of T.
+        Largest error over one common period (of an unforced model: one typical time), for each state relative to its
+        range over it, or to the largest of those that it is alike to (`scales`).
     members : array of int, optional
         Indices of the points; all of them where absent. The result is theirs, in their order.
 
@@ -143,10 +144,11 @@ def _stalled(history: Array, i: int) -> NDArray[np.bool_]:
 
 @dataclass(frozen=True)
 class _Trial:
-    """One common period of some points with some steps."""
+    """One common period of some points with some steps; ``size`` is what their differences are divided by."""
 
     steps: int
     sections: Array
+    size: Array
     status: NDArray[np.int8]
     end: Array
 
@@ -158,21 +160,22 @@ class _Trial:
             ensemble.model, ensemble.values[:, members], ensemble.x[:, members], orders=ensemble.orders, steps=steps,
             method=ensemble.method, workers=ensemble.workers, redo=False,
         )  # fmt: skip
-        begin = ensemble.turns[members]
+        begin, start = ensemble.turns[members], part.x.copy()
         part.turns = begin.copy()
-        sections = part.advance(part.common_multiple, save_periods=1, progress=progress).saved
-        return cls(steps, sections, part.status, part.end_time / part.period - begin)
+        run = part.advance(part.common_multiple, save_periods=1, extremes=True, progress=progress)
+        return cls(steps, run.saved, motion_sizes(part, run, start), part.status, part.end_time / part.period - begin)
 
     def keep(self, which: NDArray[np.bool_]) -> "_Trial":
-        return _Trial(self.steps, self.sections[:, :, which], self.status[which], self.end[which])
+        return _Trial(
+            self.steps, self.sections[:, :, which], self.size[:, which], self.status[which], self.end[which]
+        )
 
     def difference(self, finer: "_Trial") -> Array:
         """Largest scaled difference of every point; infinite where only one of the two ended, or either failed."""
         with np.errstate(invalid="ignore"):
             gap = np.abs(self.sections - finer.sections)
         seen = np.isfinite(gap)
-        scale = np.maximum(1.0, np.where(seen, np.abs(finer.sections), 0.0).max(axis=0, initial=0.0))
-        out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / scale).max(axis=0)
+        out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / finer.size).max(axis=0)
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
@@ -181,3 +184,18 @@ class _Trial:
         diverged &= (apart <= 1 / self.steps) & (self.end >= FEW / self.steps)
         out = np.where(contact, np.maximum(out, apart), out)
         return np.where(ended & ~contact & ~diverged, np.inf, out)
+
+
+def motion_sizes(ensemble: Ensemble, run: Segment, start: Array) -> Array:
+    """Size of the motion of every point over a run that tracked extremes, shape (state, point); see `scales`.
+
+    A run that ended is judged by the section points that it reached.
+    """
+    assert run.extremes is not None
+    n = ensemble.model.dimension
+    points = np.concatenate([start[None], run.saved])
+    known = np.isfinite(points)
+    least = np.fmin(run.extremes["minimum"][:n], np.where(known, points, np.inf).min(axis=0))
+    most = np.fmax(run.extremes["maximum"][:n], np.where(known, points, -np.inf).max(axis=0))
+    magnitude = np.maximum(np.abs(least), np.abs(most))
+    return scales(ensemble.model, ensemble.period, most - least, magnitude, share=1.0)

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
+from whirlmap.integrate.scales import limits
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.methods import RK4, Method
 from whirlmap.kernels.routine import LANES
@@ -84,6 +85,8 @@ class Ensemble:
         unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
     accuracy : float, optional
         What the steps were chosen for (`choose_steps`); absent where they were given.
+    beyond : array, shape (state, point), optional
+        Sizes beyond which states have diverged; those of the start where absent (`scales.limits`).
 
     Attributes
     ----------
@@ -99,6 +102,8 @@ class Ensemble:
         Periods T that each point has run.
     point_steps : array of int, shape (point,)
         Steps per T of each point.
+    limits : array, shape (state, point)
+        Sizes beyond which states have diverged.
     step_error, step_verdict : arrays, shape (point,)
         Measured error of these steps, or of the fewer that would do once settled, and whether it meets the accuracy; NaN
         and zero where the steps were given.
@@ -118,6 +123,7 @@ class Ensemble:
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
+        beyond: Array | None = None,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -130,7 +136,7 @@ class Ensemble:
         self.orders, self.workers = orders, workers or cores()
         self.points = n
         self.period = periods(model, values)
-        self.values = values
+        self.values, self.limits = values, limits(model, self.period, x) if beyond is None else beyond
         self.status = np.zeros(n, dtype=np.int8)
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
@@ -184,6 +190,7 @@ class Ensemble:
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
             orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
+            beyond=self.limits[:, members],
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:
