@@ -8,7 +8,6 @@ from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate import scales as sizes
 
 
-
 def scales(orbit, extent, cyclic=None):
     """Of a position and an angle, or of two positions that are added."""
     x, y = State("x", "1", "x", cyclic=(cyclic or {}).get(0)), State("y", "1", "y")

@@ -1,7 +1,7 @@
 """Models in other units: lengths in nanometres, time in microseconds. A twin has the labels and the numbers of its original.
 
-The twin of a model is declared by substitution: each state that is a length is ``length`` times as large a number, each velocity
-``length / time`` times, and the clock counts ``time`` times as many units.
+The twin of a model is declared by substitution: each state that is a length is ``length`` times as large a number, each
+velocity ``length / time`` times, and the clock counts ``time`` times as many units.
 """
 
 from dataclasses import replace
@@ -30,7 +30,8 @@ CASES = {
     "roessler": ({}, "c", 2.5, 6.0),
 }
 QUICK = [(Fraction(1, 10**9), Fraction(10**6)), (Fraction(1000), Fraction(1, 10**6))]
-SLOW = [(length, time) for length in map(Fraction, ("1e-9", "1e-6", "1e3", "1")) for time in map(Fraction, ("1e-6", "1e6", "1"))]
+LENGTHS, TIMES = (tuple(map(Fraction, f)) for f in (("1e-9", "1e-6", "1e3", "1"), ("1e-6", "1e6", "1")))
+SLOW = [(length, time) for length in LENGTHS for time in TIMES]
 
 
 def original(case):
@@ -92,14 +93,14 @@ def compare(case, length, time, count, moved):
         for i in np.flatnonzero(~same)
     ]
     regime = ours["regime"].values
-    regular = same & np.isin(regime, (Regime.periodic, Regime.quasi_periodic))
+    # A chaotic transient ends on one of several motions (mirrored, or whole turns apart), and takes its own time to that.
+    regular = same & (regime == Regime.periodic) & (ours["settled_after"].values == theirs["settled_after"].values)
+    assert not (regime == Regime.periodic).any() or regular.sum() >= 0.8 * (regime == Regime.periodic).sum()
     states = len(factor)
     size = ours["peak_to_peak"].values[:, :states]
     for name in ("minimum", "maximum", "mean", "rms"):
         apart = np.abs(theirs[name].values[:, :states] / factor - ours[name].values[:, :states])
-        tolerance = 1e-6 * np.maximum(size, 1e-6 * np.abs(ours[name].values[:, :states]))[regular]
-        if system.model.forced:
-            assert (apart[regular] <= tolerance + 1e-12 * size.max(initial=0)).all(), (name, case)
+        assert (apart[regular] <= 1e-6 * size[regular].max(axis=0, initial=0)).all(), (name, case)
     chaotic = same & (regime == Regime.chaotic)
     scaled = float(time) * theirs["lyapunov"].values, float(time) * theirs["lyapunov_error"].values
     apart = np.abs(scaled[0] - ours["lyapunov"].values)[chaotic]
@@ -117,4 +118,5 @@ def test_a_model_in_other_units_has_the_same_labels(case):
 @pytest.mark.parametrize("case", CASES)
 @pytest.mark.parametrize(("length", "time"), SLOW[:-1])
 def test_a_model_in_any_units_has_the_same_labels(case, length, time):
-    compare(case, length, time, 200, 1)
+    """Other roundings move the end of chaotic transients: one point in 100 at most."""
+    compare(case, length, time, 200, 2)

@@ -85,8 +85,8 @@ def on_set(
     own = np.ptp(known, axis=0) if scale is None else np.array(scale, dtype=float)
     for k in cyclic or {}:
         own[k] = 1.0  # of its cosine and sine
-    still = FLOOR * np.abs(known).max(axis=0)
-    own = np.maximum(own, np.where(still > 0, still, 1.0))
+    own = np.maximum(own, FLOOR * np.abs(known).max(axis=0))
+    own = np.where(own > 0, own, 1.0)
     spread = np.concatenate([np.full(2 if k in (cyclic or {}) else 1, own[k]) for k in range(own.size)])
     placed = placed / spread
     tree = cKDTree(placed)

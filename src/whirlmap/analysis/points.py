@@ -30,8 +30,8 @@ TANGENT_STEPS = 16
 #: divergence to 1e-6, and crossings are located as well as the method allows.
 UNFORCED_STEPS = 400
 
-#: Start states of one swarm differ by this part of the sizes of their states, so that they end on one attractor but decorrelate
-#: in chaos.
+#: Start states of one swarm differ by this part of the sizes of their states, so that they end on one attractor but
+#: decorrelate in chaos.
 SWARM = 1e-6
 
 
@@ -160,7 +160,7 @@ def make_ensemble(
 
 
 def first_sizes(model: Model, values: Array, x: Array) -> Array:
-    """Sizes of the states at a start, shape (state, point): those that `start_sizes` sees, and how far the rates carry in T/2 pi.
+    """Sizes of the states at a start, shape (state, point): `start_sizes`, and how far the rates carry them in T/2 pi.
 
     Zero where a state is at rest at zero together with all that are alike to it.
     """

@@ -287,7 +287,7 @@ class _Pool:
 
     def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Look at points that are due; returns which of them are done."""
-        s, slot, trying = self.settled, self.slot[at], self.trials.multiple[at] > 0
+        s, trying = self.settled, self.trials.multiple[at] > 0
         s.scale[:, at] = self.sizes(at, running)
         self.forget(at)
         plain = at

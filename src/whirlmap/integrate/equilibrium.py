@@ -55,8 +55,8 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     """Solve rates = 0 with all forcing off, each point on its own.
 
     Damped Newton on the compiled kernel with its own Jacobian: the step is halved until every gap stays open and the
-    residual falls; a point ends when its step is below `SMALL` of the states' sizes, or is given up after `MOST_STEPS`: those
-    that the states, or states that are alike to them (`scales`), have had on the way. Points that this leaves
+    residual falls; a point ends when its step is below `SMALL` of the sizes that the states, or those alike to them
+    (`scales`), have had on the way, or is given up after `MOST_STEPS`. Points that this leaves
     without an equilibrium (journals carried close to the wall) are first run to rest from the guess (`_run_to_rest`). What
     is found is the rest state of the kernel: as good as the tables of its films.
 
@@ -118,7 +118,7 @@ def _run_to_rest(rates: _Rates, points: NDArray[np.intp], x: Array) -> Array:
     f, jacobian = rates(x, points)
     for _ in range(RUN):
         matrix = np.eye(x.shape[0]) / step[:, None, None] - jacobian
-        moves = np.isfinite(f).all(axis=0) & np.isfinite(matrix).all(axis=(1, 2))
+        moves = np.asarray(np.isfinite(f).all(axis=0) & np.isfinite(matrix).all(axis=(1, 2)))
         moves[moves] = np.linalg.slogdet(matrix[moves])[0] != 0
         change = np.zeros_like(x)
         change[:, moves] = np.linalg.solve(matrix[moves], f[:, moves].T[..., None])[..., 0].T

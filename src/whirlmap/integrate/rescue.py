@@ -24,10 +24,11 @@ SHORTEST = 10
 BISECTIONS = 50
 #: Substeps of every trial of the bisection.
 TRIAL_STEPS = 4
-#: A gap that has shrunk to this part of its size over the step at the bracket's open end is an event; above it, the step failed
-#: for another reason.
+#: A gap that has shrunk to this part of its size over the step at the bracket's open end is an event; above it, the step
+#: failed for another reason.
 CLOSED = 1e-6
-#: Part of its bound, and growth since the start where the model declares none, from which a point has diverged whose steps fail.
+#: Part of its bound, and growth since the start where the model declares none, from which a point has diverged whose
+#: steps fail.
 NEAR, GROWN = 1e-2, 1e6
 
 

@@ -11,8 +11,8 @@ therefore compared with a size that has the same one, and that changes with it:
    one where what counts is the motion as a whole (errors of steps, displacements of start states).
 
 Alike are states that the model adds up or compares: two of them that stand in one sum with the same factor and the same
-power (x^2 + y^2, x - y), or that are declared with the same unit other than "1". States that nothing links have sizes of their
-own. All of this changes in proportion when the unit of a length or of time changes, so that the labels stay.
+power (x^2 + y^2, x - y), or that are declared with the same unit other than "1". States that nothing links have sizes of
+their own. All of this changes in proportion when the unit of a length or of time changes, so that the labels stay.
 """
 
 from collections.abc import Iterable, Sequence
@@ -151,45 +151,27 @@ def largest_of(kind: Integers, size: Array) -> Array:
 
 def _likeness(model: Model) -> dict[str, list[Any]]:
     states = list(model.states)
-    index = {s: k for k, s in enumerate(states)}
-    parent, order, factor = list(range(len(states))), [0] * len(states), [1.0] * len(states)
-    children: dict[int, int] = {}
-    for s in states:
+    index: dict[Any, int] = {s: k for k, s in enumerate(states)}
+    position: dict[int, tuple[int, float]] = {}  # of each rate that is a state, and the factor between them
+
+    def root(k: int) -> tuple[int, int, float]:
+        order, factor = 0, 1.0
+        while k in position:
+            k, times = position[k]
+            order, factor = order + 1, factor / times
+        return k, order, factor
+
+    for k, s in enumerate(states):
         number, rate = sympify(model.equations[s]).as_coeff_Mul()
-        if rate in index and index[rate] not in children and number != 0 and index[rate] != index[s]:
-            children[index[rate]] = index[s]
-            factor[index[rate]] = abs(float(number))
-    for k in list(children):
-        seen, at = [k], children[k]
-        while at in children and at not in seen:
-            seen.append(at)
-            at = children[at]
-        if at in seen:  # x' = y, y' = x: a ring has no position
-            del children[k]
-    for k in range(len(states)):
-        at, total = k, 1.0
-        while at in children:
-            order[k], total, at = order[k] + 1, total * factor[at], children[at]
-        parent[k] = at
-    for k in range(len(states)):
-        factor[k] = factor[k] if k in children else 1.0
-    chain = [1.0] * len(states)
-    for k in range(len(states)):
-        at = k
-        while at in children:
-            chain[k], at = chain[k] * factor[at], children[at]
-    group = list(parent)
-
-    def join(a: int, b: int) -> None:
-        one, other = group[a], group[b]
-        for k, g in enumerate(group):
-            if g == other:
-                group[k] = one
-
+        # A ring, x' = y and y' = -x, has one position: the first.
+        if rate in index and number != 0 and index[rate] not in position and root(k)[0] != index[rate]:
+            position[index[rate]] = k, 1 / abs(float(number))
+    coordinate, order, factor = (list(part) for part in zip(*map(root, range(len(states))), strict=True))
+    group = list(coordinate)
     for a, b in _linked(model, states):
-        if order[a] == order[b] and chain[a] == chain[b]:
-            join(a, b)
-    return {"coordinate": parent, "group": group, "order": order, "factor": chain}
+        if order[a] == order[b] and factor[a] == factor[b]:
+            group = [group[a] if g == group[b] else g for g in group]
+    return {"coordinate": coordinate, "group": group, "order": order, "factor": factor}
 
 
 def _linked(model: Model, states: list[Any]) -> Iterable[tuple[int, int]]:
@@ -227,5 +209,5 @@ def _power_of_state(term: Expr, known: dict[Symbol, int]) -> tuple[int, Any] | N
     base, power = found[0].as_base_exp()
     if base not in known or not power.is_number:
         return None
-    others = sorted((str(f) for f in factors if f is not found[0]))
+    others = sorted(str(f) for f in factors if f is not found[0])
     return known[base], (str(abs(number)), tuple(others), str(power))

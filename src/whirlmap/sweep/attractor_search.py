@@ -144,7 +144,10 @@ class Search:
         """Give a start to the known set that its trace ends on, or make it a new one with all starts that lie on it."""
         f = self.found
         last = trace[-RECORD:, :, None]
-        known = [n for n, (t, kind) in self.traces.items() if on_set(last, t, self.cyclic, smooth=kind, scale=self._scale_of(t))[0]]
+        known = [
+            n for n, (t, kind) in self.traces.items()
+            if on_set(last, t, self.cyclic, smooth=kind, scale=self._scale_of(t))[0]
+        ]  # fmt: skip
         if known:  # it came there later than its record
             f.of[start] = known[0]
             return
