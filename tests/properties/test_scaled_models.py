@@ -23,7 +23,7 @@ CASES = {
     "duffing": ({}, "gamma", 0.2, 0.65),
     "pendulum": ({}, "g", 0.9, 1.5),
     "van_der_pol": ({}, "omega", 0.6, 1.6),
-    "gear_backlash": ({"zeta": 0.05}, "Omega", 0.6, 1.4),
+    "gear_backlash": ({"zeta": 0.1}, "Omega", 0.6, 1.4),
     "jeffcott": ({"b": 0.1}, "s", 0.6, 1.6),
     "gear-psfd/reference": ({"psi": 0.0}, "s", 0.5, 3.5),
     "lorenz": ({}, "rho", 20.0, 160.0),

@@ -15,7 +15,7 @@ from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.loading import pieces
-from whirlmap.integrate.scales import largest_of, likeness, start_sizes
+from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
 from whirlmap.integrate.system import System, periods
 from whirlmap.kernels.methods import method as method_named
 from whirlmap.results.provenance import provenance
@@ -154,8 +154,12 @@ def make_ensemble(
         return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
     rungs = choose_steps(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
     least = TANGENT_STEPS if tangents else 1
+    cyclic = np.array([s.cyclic is not None for s in system.model.states])[:, None]
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
+    if system.model.bound is None:  # of a start at rest the motion itself says what is large
+        unknown = ~np.isfinite(ensemble.limits) & np.isfinite(rungs.size) & ~cyclic
+        ensemble.limit(np.where(unknown, GROWTH * rungs.size, ensemble.limits))
     return ensemble, found
 
 

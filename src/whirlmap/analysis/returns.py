@@ -1,7 +1,9 @@
 """Settle many operating points, say which of them are periodic, and after how many T, and record their sections.
 
-Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled state is asked again whether
-they meet it: a point that needs more of them settles on with these (the start says little of a whirl that has grown since).
+Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled motion is asked again whether
+they meet it, over the whole of its return: a point that needs more of them settles on with these (the start says little of a
+whirl that has grown since), and a point that has ended is run again with more (`endings`). Where the accuracy is not met, a
+return is one to the error of the steps.
 Then all points record their section once per T for the diagram; in periodic points it gives the smallest number of T.
 Extremes come from steps no longer than T/`EXTREMES_STEPS`, over one return, or the whole record where nothing returns.
 
@@ -18,9 +20,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.endings import confirm_ends, restarted
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.settling import Settled, Settling, settle
-from whirlmap.integrate.accuracy import choose_steps
+from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import FLOOR, scales
 from whirlmap.results.regime import Regime
@@ -33,6 +36,12 @@ Integers = NDArray[np.int64]
 EXTREMES_STEPS = 48
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
+#: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.
+CHECKED, OPEN = 8, 4
+#: Error of its steps from which a settled motion is not that of the equations: the point begins anew, with more of them.
+LOST = 1e-2
+#: Steps with which points are confirmed whose method has lost its order.
+CONFIRMED = LADDER[-1]
 #: Points that are recorded in one batch.
 RECORDED = 4096
 
@@ -89,9 +98,7 @@ def settle_and_record(
         States whose section is returned; all of them where absent. The search for the smallest return sees them all.
     """
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
-    settled = (_settle_accurately if ensemble.model.forced else _settle_unforced)(
-        ensemble, settling, longest, cyclic, progress
-    )
+    settled = _settle_accurately(ensemble, settling, longest, cyclic, progress)
     common, forced = ensemble.common_multiple, ensemble.model.forced
     periods = common * max(-(-settling.keep // common), 2)
     rows = list(range(ensemble.model.dimension) if kept is None else kept)
@@ -142,30 +149,85 @@ def _settle_accurately(
     ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
-    """Settle, and settle on with more steps where the settled motion needs them."""
-    settled = settle(ensemble, settling, longest=longest, cyclic=cyclic, progress=progress)
+    """Settle, and settle on with more steps where the settled motion, or what lies before an end, needs them."""
+    how = _settle_forced if ensemble.model.forced else _settle_unforced
+
+    def settle(part: Ensemble, members: NDArray[np.intp]) -> None:
+        wide = np.fmax(ensemble.step_error[members] / settling.tolerance, 1.0)
+        again = how(part, settling, longest[members], wide, cyclic, progress)
+        again.accelerated[:] |= settled.accelerated[members]
+        settled.take(again, members)
+
+    def settle_on(part: Ensemble, members: NDArray[np.intp]) -> None:
+        start, began = part.x.copy(), part.turns.copy()
+        settle(part, members)
+        if part.accuracy is not None:
+            confirm_ends(part, start, began, lambda again, which: settle(again, members[which]))
+        if part is not ensemble:
+            ensemble.absorb(part, members)
+
+    settled, everything = Settled.none(ensemble), np.arange(ensemble.points)
+    start, began = ensemble.x.copy(), ensemble.turns.copy()
+    settle_on(ensemble, everything)
     if ensemble.accuracy is None:
         return settled
     # Points that did not return are asked too: steps that are too long may be why. One that returned has settled.
-    left = np.flatnonzero(ensemble.running)
+    left = everything
     for _ in range(MORE_STEPS):
         left = left[ensemble.running[left]]
-        rungs = choose_steps(ensemble, ensemble.accuracy, members=left, progress=progress)
-        more = rungs.steps > ensemble.point_steps[left]
-        ensemble.step_error[left], ensemble.step_verdict[left] = rungs.error, rungs.verdict
-        left = left[more]
+        steps, first = _steps_of_settled(ensemble, left, settled.multiple, progress)
+        more = steps > ensemble.point_steps[left]
+        left, steps, lost = left[more], steps[more], first[more] > LOST
         if not left.size:
             break
-        part = ensemble.subset(left, steps=rungs.steps[more])
-        again = settle(part, settling, longest=longest[left], cyclic=cyclic, progress=progress)
-        ensemble.absorb(part, left)
-        again.accelerated[:] |= settled.accelerated[left]
-        settled.take(again, left)
+        for at in (np.flatnonzero(~lost), np.flatnonzero(lost)):
+            if at.size:
+                here = left[at]
+                again = lost[at[0]]
+                part = restarted(ensemble, here, start, began, steps[at]) if again else ensemble.subset(here, steps=steps[at])
+                settle_on(part, here)
     return settled
 
 
+def _steps_of_settled(
+    ensemble: Ensemble, members: NDArray[np.intp], multiple: Integers, progress: Callable[[int], None] | None
+) -> tuple[Integers, Array]:
+    """Steps that settled points need, and the error of those that they took, over all of the common periods that they return after, up to `CHECKED`.
+
+    Points that do not return are asked over `OPEN` common periods. Those whose method has lost its order are confirmed with
+    `CONFIRMED` steps, and their error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    """
+    assert ensemble.accuracy is not None
+    steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
+    sections = np.where(multiple[members] > 0, np.minimum(multiple[members], CHECKED), OPEN)
+    met = ensemble.step_verdict[members] == Verdict.met
+    for count in np.unique(sections[met]):
+        at = np.flatnonzero(met & (sections == count))
+        here = members[at]
+        rungs = choose_steps(
+            ensemble, ensemble.accuracy, members=here, least=steps[at], sections=int(count), progress=progress
+        )
+        ensemble.step_error[here], ensemble.step_verdict[here] = rungs.error, rungs.verdict
+        steps[at], first[at] = np.maximum(steps[at], rungs.steps), rungs.first
+    rough = np.flatnonzero(ensemble.step_verdict[members] == Verdict.nonsmooth)
+    steps[rough] = np.maximum(steps[rough], CONFIRMED)
+    there = rough[ensemble.point_steps[members[rough]] >= CONFIRMED]
+    if there.size:
+        here = members[there]
+        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=np.full(here.size, LADDER[-2]), progress=progress)
+        ensemble.step_error[here] = tried.error
+    return steps, first
+
+
+def _settle_forced(
+    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
+    progress: Callable[[int], None] | None,
+) -> Settled:  # fmt: skip
+    return settle(ensemble, settling, longest=longest, wide=wide, cyclic=cyclic, progress=progress)
+
+
 def _settle_unforced(
-    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
+    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
     n, states = ensemble.points, ensemble.model.dimension
@@ -180,7 +242,7 @@ def _settle_unforced(
         begin = ensemble.x[:, left]
         segment = ensemble.advance(window, members=left, save_every=1, extremes=True, progress=progress)
         assert segment.extremes is not None
-        scale[:, left] = sizes_of(ensemble, left, segment.extremes)
+        scale[:, left] = sizes_of(ensemble, left, segment.extremes) * wide[left]
         waited[left] += window
         x = np.concatenate([begin[None], segment.saved])
         alive = ensemble.running[left]
@@ -199,7 +261,7 @@ def _settle_unforced(
         if window >= 2 * settling.most:
             break
         window = min(2 * window, 2 * settling.most)
-    return Settled(multiple, distance, scale, waited, np.zeros(n, dtype=np.bool_))
+    return Settled(multiple, distance * wide, scale, waited, np.zeros(n, dtype=np.bool_))
 
 
 def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:

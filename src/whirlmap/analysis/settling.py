@@ -102,7 +102,7 @@ class Settled:
         The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
         where it ended.
     scale : array, shape (state, point)
-        Size of each state since the look before the last (`integrate.scales`).
+        Size of each state since the look before the last (`integrate.scales`), times how wide the tolerance is.
     waited : array of int
         Common periods run, trials included.
     accelerated : array of bool
@@ -114,6 +114,13 @@ class Settled:
     scale: Array
     waited: Integers
     accelerated: NDArray[np.bool_]
+
+    @classmethod
+    def none(cls, ensemble: Ensemble) -> "Settled":
+        """Points that have not begun."""
+        n, states = ensemble.points, ensemble.model.dimension
+        none = np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan)
+        return cls(*none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_))
 
     def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
         """Take over how some points settled that have settled on, in place; the time they waited adds up."""
@@ -133,6 +140,7 @@ def settle(
     settling: Settling,
     *,
     longest: Integers | None = None,
+    wide: Array | None = None,
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Settled:
@@ -142,6 +150,8 @@ def settle(
     ----------
     longest : array of int, shape (point,), optional
         Common periods after which each point is given up; `Settling.longest` where absent.
+    wide : array, shape (point,), optional
+        Tolerance of each point over that of the settling.
     cyclic : mapping of state index to period, optional
         States that are angles.
 
@@ -152,7 +162,8 @@ def settle(
     """
     common = ensemble.common_multiple
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
-    pool = _Pool(ensemble, settling, longest, period_of(cyclic, ensemble.model.dimension))
+    wide = np.ones(ensemble.points) if wide is None else wide
+    pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))
     while pool.active.size:
         segment = ensemble.advance(
             pool.stretch() * common, members=pool.active, save_periods=common, extremes=True, progress=progress
@@ -160,12 +171,14 @@ def settle(
         assert segment.extremes is not None
         pool.take(segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
     refused = pool.trials.refuse_unproved()
+    kept = np.setdiff1d(np.arange(ensemble.points), refused)
     if refused.size:
         part = ensemble.subset(refused)
         plainly = replace(settling, accelerate=False)
-        again = settle(part, plainly, longest=longest[refused], cyclic=cyclic, progress=progress)
+        again = settle(part, plainly, longest=longest[refused], wide=wide[refused], cyclic=cyclic, progress=progress)
         ensemble.absorb(part, refused)
         pool.settled.take(again, refused)
+    pool.settled.distance[kept] *= wide[kept]
     return pool.settled
 
 
@@ -215,11 +228,11 @@ def _take_over(
 class _Pool:
     """Points that run now, with their last section points, and the queue of those that wait."""
 
-    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, period: Array) -> None:
+    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, period: Array) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
         self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
-        self.waiting = 0
+        self.wide, self.waiting = wide, 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
         kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
@@ -230,10 +243,7 @@ class _Pool:
         self.free = list(range(self.size))
         self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
         self.next = looks(self.ran, longest)
-        self.settled = Settled(
-            np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64),
-            np.zeros(n, dtype=np.bool_),
-        )  # fmt: skip
+        self.settled = Settled.none(ensemble)
         self.windows = np.array(windows(settling))
         self.tolerance = np.array([settling.tolerance])
         self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(max(self.history.shape[1], states))
@@ -309,7 +319,8 @@ class _Pool:
         low, high = (np.where(running, side[slot].T, 0.0) for side in (self.low, self.high))
         magnitude = np.maximum(np.abs(low), np.abs(high))
         self.largest[slot] = np.maximum(self.largest[slot], magnitude.T)
-        return scales(e.model, e.period[at], high - low, np.maximum(magnitude, PAST * self.largest[slot].T))
+        size = scales(e.model, e.period[at], high - low, np.maximum(magnitude, PAST * self.largest[slot].T))
+        return size * self.wide[at]
 
     def search(self, points: NDArray[np.intp]) -> None:
         """Search the windows of points that are due."""

@@ -181,6 +181,11 @@ class Ensemble:
         """Number of T in the common period."""
         return lcm(*(o.denominator for o in self.orders)) if self.orders else 1
 
+    def limit(self, limits: Array) -> None:
+        """Set the sizes beyond which states have diverged, shape (state, point)."""
+        self.limits = limits
+        self._group()
+
     def subset(self, members: NDArray[np.intp], *, steps: int | Integers | None = None) -> "Ensemble":
         """Return an ensemble of some of the points, at their present states; `absorb` takes it back.
 
@@ -320,7 +325,8 @@ def _statistics(sums: Array, steps: Integers, running: NDArray[np.bool_]) -> dic
     """Extremes, mean and rms of what `fold` summed; NaN for points that did not run to the end."""
     reference, low, high, total, squares = sums
     mean = total / steps
-    variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
+    with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away
+        variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
     out = {"minimum": low, "maximum": high, "mean": reference + mean, "rms": np.sqrt(variance)}
     if running.all():
         return out

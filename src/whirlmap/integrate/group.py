@@ -119,8 +119,9 @@ class Group:
         less = rows - sums[:, 0]
         sums[:, 1] = np.minimum(sums[:, 1], rows)
         sums[:, 2] = np.maximum(sums[:, 2], rows)
-        sums[:, 3] += less
-        sums[:, 4] += less**2
+        with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away
+            sums[:, 3] += less
+            sums[:, 4] += less**2
         run.sums[block, :, :, lane] = sums
 
 
