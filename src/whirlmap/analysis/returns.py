@@ -40,6 +40,8 @@ MORE_STEPS = 3
 CHECKED, OPEN = 8, 4
 #: Error of its steps from which a settled motion is not that of the equations: the point begins anew, with more of them.
 LOST = 1e-2
+#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not return.
+SLACK = 10.0
 #: Steps with which points are confirmed whose method has lost its order.
 CONFIRMED = LADDER[-1]
 #: Points that are recorded in one batch.
@@ -177,29 +179,35 @@ def _settle_accurately(
         left = left[ensemble.running[left]]
         steps, first = _steps_of_settled(ensemble, left, settled.multiple, progress)
         more = steps > ensemble.point_steps[left]
-        left, steps, lost = left[more], steps[more], first[more] > LOST
+        left, steps, first = left[more], steps[more], first[more]
         if not left.size:
             break
-        for at in (np.flatnonzero(~lost), np.flatnonzero(lost)):
-            if at.size:
-                here = left[at]
-                again = lost[at[0]]
-                part = restarted(ensemble, here, start, began, steps[at]) if again else ensemble.subset(here, steps=steps[at])
-                settle_on(part, here)
+        lost = first > LOST
+        on = ~lost & (settled.multiple[left] == 0) & (first <= SLACK * ensemble.accuracy)
+        for which, how_on in ((on, "stays"), (~lost & ~on, "settles"), (lost, "begins")):
+            here = left[which]
+            if not here.size:
+                continue
+            part = ensemble.subset(here, steps=steps[which])
+            if how_on == "stays":
+                ensemble.absorb(part, here)
+                continue
+            settle_on(restarted(ensemble, here, start, began, steps[which]) if how_on == "begins" else part, here)
     return settled
 
 
 def _steps_of_settled(
     ensemble: Ensemble, members: NDArray[np.intp], multiple: Integers, progress: Callable[[int], None] | None
 ) -> tuple[Integers, Array]:
-    """Steps that settled points need, and the error of those that they took, over all of the common periods that they return after, up to `CHECKED`.
+    """Steps that settled points need, and the error of those that they took.
 
-    Points that do not return are asked over `OPEN` common periods. Those whose method has lost its order are confirmed with
-    `CONFIRMED` steps, and their error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    They are asked over all of the common periods that they return after, up to `CHECKED`; where they do not, over `OPEN`.
+    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their error is that of fewer ones. Errors and verdicts of the ensemble are set.
     """
     assert ensemble.accuracy is not None
     steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
-    sections = np.where(multiple[members] > 0, np.minimum(multiple[members], CHECKED), OPEN)
+    # Few different numbers of sections, for points with the same are tried together: 1, `OPEN` and `CHECKED`.
+    sections = np.where(multiple[members] == 1, 1, np.where(multiple[members] <= OPEN, OPEN, CHECKED))
     met = ensemble.step_verdict[members] == Verdict.met
     for count in np.unique(sections[met]):
         at = np.flatnonzero(met & (sections == count))

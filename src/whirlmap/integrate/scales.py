@@ -140,10 +140,16 @@ def limits(model: Model, period: Array, x: Array) -> Array:
 def largest_of(kind: Integers, size: Array) -> Array:
     """Largest size among the states of each kind, given back to each of its states."""
     out = np.empty_like(size)
-    for which in np.unique(kind):
-        rows = kind == which
+    for rows in _rows_of(kind.tobytes()):
         out[rows] = size[rows].max(axis=0)
     return out
+
+
+@lru_cache(maxsize=256)
+def _rows_of(kind: bytes) -> tuple[Integers, ...]:
+    """Rows of each kind: asked at every look at a motion, of few models."""
+    kinds = np.frombuffer(kind, dtype=np.int64)
+    return tuple(np.flatnonzero(kinds == which) for which in np.unique(kinds))
 
 
 # --- what the expressions say --------------------------------------------------------------------------------
