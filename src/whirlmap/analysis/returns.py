@@ -19,13 +19,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.endings import confirm_ends, restarted
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
+from whirlmap.integrate.turns import with_turns
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 
@@ -42,6 +44,11 @@ CHECKED, OPEN = 8, 4
 LOST = 1e-2
 #: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not return.
 SLACK = 10.0
+#: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most, and
+#: how many times longer or shorter than a turn a typical time may be.
+TURNS, SOUGHT, FAR_OFF = 4, 16_384, 2.0
+#: Motion in a typical time, over the size of a state, below which a point is at rest.
+STILL = 1e-12
 #: Steps with which points are confirmed whose method has lost its order.
 CONFIRMED = LADDER[-1]
 #: Points that are recorded in one batch.
@@ -238,38 +245,90 @@ def _settle_unforced(
     ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
-    n, states = ensemble.points, ensemble.model.dimension
+    settled = Settled.none(ensemble)
     transient = longest - settling.longest + settling.transient
-    for times in np.unique(transient[transient > 0]):
-        ensemble.advance(int(times), members=np.flatnonzero(transient == times), progress=progress)
-    multiple, distance = np.zeros(n, dtype=np.int64), np.full(n, np.nan)
-    scale, waited = np.full((states, n), np.nan), transient.astype(np.int64)
+    _run_transient(ensemble, np.arange(ensemble.points), transient, settled, progress)
+    _learn_turns(ensemble, transient, settled, progress)
+    settled.scale[:] = np.nan
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:
-        begin = ensemble.x[:, left]
-        segment = ensemble.advance(window, members=left, save_every=1, extremes=True, progress=progress)
-        assert segment.extremes is not None
-        scale[:, left] = sizes_of(ensemble, left, segment.extremes) * wide[left]
-        waited[left] += window
-        x = np.concatenate([begin[None], segment.saved])
-        alive = ensemble.running[left]
-        values, h = ensemble.values[:, left], ensemble.period[left] / ensemble.steps
-        points, times = crossings(ensemble.model, values, x, h)
-        count = np.where(alive, np.isfinite(times).sum(axis=0), 0)
+        begin, section = ensemble.subset(left), ensemble.subset(left)
+        points, times, _ = run_with_crossings(section, window, progress=progress)
+        extremes = begin.advance(window, extremes=True, progress=progress).extremes
+        assert extremes is not None
+        ensemble.absorb(section, left)
+        settled.scale[:, left] = sizes_of(ensemble, left, extremes) * wide[left]
+        settled.waited[left] += window
+        count = np.where(ensemble.running[left], np.isfinite(times).sum(axis=0), 0)
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
             columns = np.flatnonzero(count == shared)
             these = left[columns]
             found = return_multiple.find(
-                points[:shared][:, :, columns], scale=scale[:, these], tolerance=settling.tolerance,
+                points[:shared][:, :, columns], scale=settled.scale[:, these], tolerance=settling.tolerance,
                 most=int(min(window, shared)) // 2, cyclic=cyclic, alike=False,
             )  # fmt: skip
-            multiple[these], distance[these] = found["multiple"], found["distance"]
-        left = left[ensemble.running[left] & (multiple[left] == 0)]
+            settled.multiple[these], settled.distance[these] = found["multiple"], found["distance"] * wide[these]
+        left = left[ensemble.running[left] & (settled.multiple[left] == 0)]
         if window >= 2 * settling.most:
             break
         window = min(2 * window, 2 * settling.most)
-    return Settled(multiple, distance * wide, scale, waited, np.zeros(n, dtype=np.bool_))
+    return settled
+
+
+def _run_transient(
+    ensemble: Ensemble, members: NDArray[np.intp], transient: Integers, settled: Settled, progress: Callable[[int], None] | None
+) -> None:
+    for times in np.unique(transient[members][transient[members] > 0]):
+        ensemble.advance(int(times), members=members[transient[members] == times], progress=progress)
+    settled.waited[members] += transient[members]
+
+
+def _learn_turns(
+    ensemble: Ensemble, transient: Integers, settled: Settled, progress: Callable[[int], None] | None
+) -> None:
+    """Give points whose typical time is far from that of a turn the latter, in place, with steps for it, and their transient.
+
+    Turns are timed between crossings of the section. A point is run on, twice as long each time, until it has met `TURNS` of
+    them, or for `SOUGHT` typical times: what has not turned by then keeps its own.
+    """
+    if ensemble.model.section is None:
+        return
+    left, length = np.flatnonzero(ensemble.running), TURNS + 1
+    while left.size and length <= SOUGHT:
+        section = ensemble.subset(left)
+        _, times, _ = run_with_crossings(section, length, progress=progress)
+        ensemble.absorb(section, left)
+        settled.waited[left] += length
+        count = np.isfinite(times).sum(axis=0)
+        seen = np.flatnonzero((count >= TURNS) & ensemble.running[left])
+        turn = np.array([times[count[k] - 1, k] - times[0, k] for k in seen]) / (count[seen] - 1)
+        ratio = turn / ensemble.period[left[seen]]
+        wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF)
+        if wrong.any():
+            here = left[seen[wrong]]
+            steps = np.ceil(ensemble.point_steps[here] * ratio[wrong]).astype(np.int64)
+            part = with_turns(ensemble.subset(here, steps=np.maximum(steps, 1)), turn[wrong])
+            if ensemble.accuracy is not None:
+                rungs = choose_steps(part, ensemble.accuracy, sections=OPEN, progress=progress)
+                part = part.subset(np.arange(here.size), steps=rungs.steps)
+                part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
+            whole = transient[here]
+            for times_here in np.unique(whole[whole > 0]):
+                part.advance(int(times_here), members=np.flatnonzero(whole == times_here), progress=progress)
+            ensemble.absorb(part, here)
+            settled.waited[here] += whole
+        moves = _moves(ensemble, left)
+        left = left[(count < TURNS) & ensemble.running[left] & moves]
+        length *= 2
+
+
+def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether the rates still carry a state anywhere in a typical time, beyond rounding."""
+    x, period = ensemble.x[:, members], ensemble.period[members]
+    rates = np.abs(Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)(0.0, x, np.arange(members.size))[0])
+    size = scales(ensemble.model, period, np.zeros_like(x), np.abs(x)) / FLOOR
+    return np.asarray((rates * period > STILL * size).any(axis=0))
 
 
 def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
 from whirlmap.integrate.ensemble import Ensemble
@@ -18,8 +18,6 @@ Array = NDArray[np.float64]
 ENOUGH = (0.02, 0.002)
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
-#: Typical times of an unforced model whose steps are kept at once while crossings are sought.
-CHUNK = 16
 
 
 @dataclass(frozen=True)
@@ -92,31 +90,11 @@ def run_with_section(
         segment = ensemble.advance(periods * common, save_periods=common, progress=progress)
         growth, section = segment.growth, segment.saved
     else:
-        growth, section = _with_crossings(ensemble, periods, progress)
+        section, _, growth = run_with_crossings(ensemble, periods, progress=progress)
     local = growth.reshape(periods, -1, ensemble.tangents, ensemble.points).sum(axis=1)
     rates = local / (common * ensemble.period)
     rates[:, :, ensemble.status != Status.ok] = np.nan
     return rates, section
-
-
-def _with_crossings(
-    ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
-) -> tuple[Array, Array]:
-    growth: list[Array] = []
-    found: list[list[Array]] = [[] for _ in range(ensemble.points)]
-    for first in range(0, periods, CHUNK):
-        begin = ensemble.x.copy()
-        segment = ensemble.advance(min(CHUNK, periods - first), save_every=1, progress=progress)
-        growth.append(segment.growth)
-        steps = np.concatenate([begin[None], segment.saved])
-        points, times = crossings(ensemble.model, ensemble.values, steps, ensemble.period / ensemble.steps)
-        for k in range(ensemble.points):
-            found[k].append(points[np.isfinite(times[:, k]), :, k])
-    joined = [np.concatenate(parts) for parts in found]
-    section = np.full((max(map(len, joined), default=0), ensemble.model.dimension, ensemble.points), np.nan)
-    for k, p in enumerate(joined):
-        section[: len(p), :, k] = p
-    return np.concatenate(growth), section
 
 
 def _shared(section: Array, running: NDArray[np.bool_]) -> Array:

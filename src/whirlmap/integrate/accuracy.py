@@ -195,7 +195,7 @@ class _Trials:
         x = np.where(np.isfinite(x), x, np.tile(self.starts[0][:, points], self.sections))
         part = Ensemble(
             e.model, e.values[:, at], x, orders=e.orders, steps=steps, method=e.method, workers=e.workers, redo=False,
-            beyond=e.limits[:, at],
+            beyond=e.limits[:, at], turn=e.period[at],
         )  # fmt: skip
         part.turns = e.turns[at]
         begin = part.turns.copy()

@@ -87,6 +87,8 @@ class Ensemble:
         What the steps were chosen for (`choose_steps`); absent where they were given.
     beyond : array, shape (state, point), optional
         Sizes beyond which states have diverged; those of the start where absent (`scales.limits`).
+    turn : array, shape (point,), optional
+        T of each point of an unforced model, in place of its typical time.
 
     Attributes
     ----------
@@ -124,6 +126,7 @@ class Ensemble:
         redo: bool = True,
         accuracy: float | None = None,
         beyond: Array | None = None,
+        turn: Array | None = None,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -135,7 +138,7 @@ class Ensemble:
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
         self.orders, self.workers = orders, workers or cores()
         self.points = n
-        self.period = periods(model, values)
+        self.period = periods(model, values) if turn is None else np.array(turn, dtype=float)
         self.values, self.limits = values, limits(model, self.period, x) if beyond is None else beyond
         self.status = np.zeros(n, dtype=np.int8)
         self.end_time = np.full(n, np.nan)
@@ -195,7 +198,7 @@ class Ensemble:
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
             orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
-            beyond=self.limits[:, members],
+            beyond=self.limits[:, members], turn=self.period[members],
         )  # fmt: skip
         part._y = self._y[:, members].copy()
         for name in _POINT_ARRAYS:
@@ -207,8 +210,9 @@ class Ensemble:
         self._y[:, members] = part._y
         for name in _POINT_ARRAYS:
             getattr(self, name)[members] = getattr(part, name)
-        if not np.array_equal(self.point_steps[members], part.point_steps):
-            self.point_steps[members] = part.point_steps
+        old, new = (np.stack([e.point_steps[at], e.period[at]]) for e, at in ((self, members), (part, slice(None))))
+        if not np.array_equal(old, new):
+            self.point_steps[members], self.period[members] = part.point_steps, part.period
             self._group()
 
     def advance(
