@@ -3,7 +3,18 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis.attractors import on_orbit, on_set, scales
+from whirlmap.analysis.attractors import on_orbit, on_set
+from whirlmap.equations import Model, Parameter, State, cos, t
+from whirlmap.integrate import scales as sizes
+
+
+def scales(orbit, extent, cyclic=None):
+    """Of a position and an angle, or of two positions that are added."""
+    x, y = State("x", "1", "x", cyclic=(cyclic or {}).get(0)), State("y", "1", "y")
+    w = Parameter("w", "1", "w")
+    model = Model("two", (x, y), (w,), {x: y - x, y: cos(w * t) - y}, harmonics=(w,))
+    return sizes.scales(model, np.ones(1), np.array(extent)[:, None], np.abs(orbit).max(axis=0)[:, None])[:, 0]
+
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

@@ -56,7 +56,7 @@ def expected(section, ran, looked, longest, scale, period):
         if not due or ran < window or multiple:
             continue
         x = section[ran - window : ran]
-        size = sizes(x, scale, period)
+        size = scale
         apart = [(difference(x[m:], x[:-m], period) / size).max() for m in range(1, window // 2 + 1)]
         returns = np.flatnonzero(np.array(apart) < TOLERANCE)
         distance = np.nan
@@ -64,7 +64,7 @@ def expected(section, ran, looked, longest, scale, period):
             m, distance = int(returns[0]) + 1, apart[returns[0]]
             longer = section[ran - (2 * window if ran >= 2 * window <= RING else window) : ran]
             if left_of_approach(x, m, size, period) <= TOLERANCE and not shorter(
-                longer, m, sizes(longer, scale, period), period
+                longer, m, scale, period
             ):
                 multiple = m
         elif ran >= longest and window == WINDOWS[-1]:
@@ -99,7 +99,7 @@ def test_the_search_of_all_windows(states, cyclic):
     period = np.full(states, np.inf)
     period[0] = TURN if cyclic else np.inf
     section = random_sections(rng, points, states, 100)
-    scale = rng.uniform(0.5, 2, (states, points)) * (rng.random((states, points)) > 0.1)
+    scale = rng.uniform(0.5, 2, (states, points)) * np.where(rng.random((states, points)) > 0.1, 1.0, 1e-6)
     ran = rng.integers(8, 100, points) // 4 * 4
     looked, longest = np.maximum(ran - rng.integers(1, 9, points) * 4, 0), ran + rng.integers(-4, 5, points)
     slot = rng.permutation(points)
@@ -186,7 +186,7 @@ def approach(section, scale, period, needed):
         if len(section) < m * DIFFERENCES + 1:
             break
         x = section[-m * DIFFERENCES - 1 :: m]
-        size = sizes(x, scale, period)
+        size = scale
         d = np.diff(x, axis=0)
         around = np.where(np.isfinite(period), period, 1.0)
         d = np.where(np.isfinite(period), d - around * np.rint(d / around), d) / size

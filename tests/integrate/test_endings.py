@@ -118,6 +118,7 @@ TOY = Model(  # one model, so that it is compiled once: a spring, a blow-up, a r
     harmonics=(w, w / 3),
     outputs={"reach": Output(y + v / 100, "1", "reach")},
     stops={"contact": Stop(1 + y + 1e9 * b, "wall", reachable=0 * k)},  # b = 1 takes the wall away
+    bound=1e6,
 )
 
 

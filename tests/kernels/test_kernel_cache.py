@@ -48,7 +48,7 @@ def test_equal_models_have_equal_source():
 @pytest.mark.parametrize(
     "changed",
     [
-        {"coefficient": 1.5}, {"coefficient": 1.0000001}, {"name": "other"}, {"bound": 1e5}, {"gap": 3},
+        {"coefficient": 1.5}, {"coefficient": 1.0000001}, {"name": "other"}, {"gap": 3},
         {"swapped": True}, {"outputs": {"e": Output(x**2, "1", "energy")}},
     ],
     ids=str,

@@ -54,14 +54,13 @@ class _Passed:
     {
         "members": "ints", "chosen": "int", "slot": "ints", "points": "doubles", "rows": "int", "states": "int", "n": "int",
         "needed": "ints", "multiple": "ints", "leading": "doubles", "period": "doubles", "tolerance": "doubles",
-        "scale": "doubles", "own": "doubles", "size": "doubles", "room": "doubles", "distance": "doubles",
-        "change": "doubles",
+        "scale": "doubles", "own": "doubles", "size": "doubles", "distance": "doubles", "change": "doubles",
     },
     parts=PARTS,
 )  # fmt: skip
 def _distances(
     members: Integers, chosen: int, slot: Integers, points: Array, rows: int, states: int, n: int, needed: Integers,
-    multiple: Integers, leading: Array, period: Array, tolerance: Array, scale: Array, own: Array, size: Array, room: Array,
+    multiple: Integers, leading: Array, period: Array, tolerance: Array, scale: Array, own: Array, size: Array,
     distance: Array, change: Array,
 ) -> None:  # fmt: skip
     """Largest scaled distance of runs from their first return, infinite where a condition fails; their last change.
@@ -74,7 +73,7 @@ def _distances(
         for k in range(states):
             own[k] = scale[k * n + p]
         distance[j] = np.inf
-        if not sized(points, base, rows, 0, count, 1, states, period, own, size, room):
+        if not sized(points, base, rows, 0, count, 1, states, own, size):
             continue
         last = place(base, 0, count - 1, rows, states)
         change[j] = step(points, last, last - m * states, states, period, size)
@@ -132,7 +131,7 @@ class Trials:
         self._before = np.full((states, size), np.nan)
         self.needed = np.array([0, *map(self.needs, range(1, LONGEST_RETURN + 1))])
         self.points = np.full((size, self.needs(LONGEST_RETURN) + 1, states), np.nan)
-        self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(states)
+        self._own, self._size = np.empty(states), np.empty(states)
         self._fit = room_for_approaches(states)
         self._passed: list[_Passed] = []
 
@@ -189,7 +188,7 @@ class Trials:
         _distances(
             members=members[alive], chosen=alive.size, slot=self.slot, points=self.points, rows=self.points.shape[1],
             states=self.period.size, n=self.slot.size, needed=self.needed, multiple=self.multiple, leading=self._leading,
-            period=self.period, tolerance=self.tolerance, scale=size, own=self._own, size=self._size, room=self._room,
+            period=self.period, tolerance=self.tolerance, scale=size, own=self._own, size=self._size,
             distance=found[0], change=found[1],
         )  # fmt: skip
         distance[alive], change[alive] = found

@@ -40,14 +40,14 @@ def worth_it(m: int, largest: Array, needed: int, tolerance: float) -> bool:
     {
         "due": "ints", "chosen": "int", "slot": "ints", "history": "doubles", "ring": "int", "states": "int", "n": "int",
         "ran": "ints", "needed": "ints", "period": "doubles", "tolerance": "doubles", "scale": "doubles", "own": "doubles",
-        "size": "doubles", "magnitude": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles",
+        "size": "doubles", "d": "doubles", "largest": "doubles", "step": "doubles",
         "room": "doubles", "multiple": "ints", "x": "doubles", "leading": "doubles",
     },
     parts=(*return_search.PARTS, *extrapolation.PARTS, worth_it),
 )  # fmt: skip
 def _ends(
     due: Integers, chosen: int, slot: Integers, history: Array, ring: int, states: int, n: int, ran: Integers,
-    needed: Integers, period: Array, tolerance: Array, scale: Array, own: Array, size: Array, magnitude: Array, d: Array,
+    needed: Integers, period: Array, tolerance: Array, scale: Array, own: Array, size: Array, d: Array,
     largest: Array, step: Array, room: Array, multiple: Integers, x: Array, leading: Array,
 ) -> None:  # fmt: skip
     """Shortest return of each point over which its approach has a limit, that limit (due point, state), and its modulus."""
@@ -61,7 +61,7 @@ def _ends(
             if ran[p] < count:
                 break
             begin = (ran[p] - count) % ring
-            if not sized(history, base, ring, begin, count, m, states, period, own, size, magnitude):
+            if not sized(history, base, ring, begin, count, m, states, own, size):
                 continue
             for i in range(DIFFERENCES):
                 largest[i] = 0.0
@@ -83,9 +83,9 @@ def _ends(
 
 def room_for_approaches(states: int) -> dict[str, Array]:
     """Room that `ends_of_approaches` needs."""
-    own, size, magnitude, step = np.empty((4, states))
+    own, size, step = np.empty((3, states))
     return {
-        "own": own, "size": size, "magnitude": magnitude, "step": step, "d": np.empty((DIFFERENCES, states)),
+        "own": own, "size": size, "step": step, "d": np.empty((DIFFERENCES, states)),
         "largest": np.empty(DIFFERENCES), "room": room_for_fit(states),
     }  # fmt: skip
 

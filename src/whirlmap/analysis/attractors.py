@@ -10,6 +10,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.integrate.scales import FLOOR
+
 Array = NDArray[np.float64]
 
 #: Part of each state's range within which a point is the same as one of a periodic orbit: the accuracy of the steps and
@@ -20,26 +22,6 @@ SPACINGS = 4.0
 #: Neighbours that say in which directions a smooth set goes on there: those in which they spread by more than `FLAT` of the
 #: largest spread; and how far, over the range of the set, the nearest may be.
 NEIGHBOURS, FLAT, GAP = 12, 0.1, 0.03
-#: A range below this part of the largest range, or of the state's own magnitude, is one that does not count.
-FLOOR = 1e-6
-
-
-def scales(orbit: Array, extent: Array, cyclic: Mapping[int, float] | None = None) -> Array:
-    """Range of each state by which differences are divided, shape (state,).
-
-    Parameters
-    ----------
-    orbit : array, shape (time, state)
-        Its points, for their magnitude.
-    extent : array, shape (state,)
-        Range of each state over the whole motion; an angle's is at most its period.
-    """
-    size = np.array(extent, dtype=float)
-    magnitude = np.abs(orbit).max(axis=0)
-    for k, period in (cyclic or {}).items():
-        size[k], magnitude[k] = min(size[k], period), period
-    size = np.maximum(size, FLOOR * np.maximum(magnitude, size.max()))
-    return np.where(size > 0, size, 1.0)
 
 
 def on_orbit(states: Array, orbit: Array, scale: Array, cyclic: Mapping[int, float] | None = None) -> NDArray[np.bool_]:
@@ -52,6 +34,7 @@ def on_orbit(states: Array, orbit: Array, scale: Array, cyclic: Mapping[int, flo
     orbit : array, shape (m, state)
         All points of the orbit at that phase.
     scale : array, shape (state,)
+        What differences of each state are divided by (`whirlmap.integrate.scales`).
 
     Returns
     -------
@@ -68,8 +51,9 @@ def on_orbit(states: Array, orbit: Array, scale: Array, cyclic: Mapping[int, flo
 
 
 def on_set(
-    records: Array, known: Array, cyclic: Mapping[int, float] | None = None, *, smooth: bool = False
-) -> NDArray[np.bool_]:
+    records: Array, known: Array, cyclic: Mapping[int, float] | None = None, *, smooth: bool = False,
+    scale: Array | None = None,
+) -> NDArray[np.bool_]:  # fmt: skip
     """Whether runs are on the set that a long record traces.
 
     Parameters
@@ -81,6 +65,8 @@ def on_set(
     smooth : bool
         The set is a smooth curve or surface, as of quasi-periodic motion: distances are taken across it, for near a
         resonance its points leave gaps that are wider than their usual spacing.
+    scale : array, shape (state,), optional
+        What differences of each state are divided by (`whirlmap.integrate.scales`); its range where absent.
 
     Returns
     -------
@@ -96,9 +82,12 @@ def on_set(
     from scipy.spatial import cKDTree
 
     placed = _coordinates(known, cyclic)
-    spread = np.ptp(placed, axis=0)
-    moves = spread > FLOOR * np.maximum(spread.max(), np.abs(placed).max(axis=0))
-    spread = np.where(moves, spread, np.maximum(spread.max(), np.abs(placed).max(axis=0)))
+    own = np.ptp(known, axis=0) if scale is None else np.array(scale, dtype=float)
+    for k in cyclic or {}:
+        own[k] = 1.0  # of its cosine and sine
+    own = np.maximum(own, FLOOR * np.abs(known).max(axis=0))
+    own = np.where(own > 0, own, 1.0)
+    spread = np.concatenate([np.full(2 if k in (cyclic or {}) else 1, own[k]) for k in range(own.size)])
     placed = placed / spread
     tree = cKDTree(placed)
     own = tree.query(placed, k=2)[0][:, 1]

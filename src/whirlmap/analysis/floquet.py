@@ -9,6 +9,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import UNKNOWN
+from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
@@ -87,7 +88,8 @@ def floquet_multipliers(
     trivial = -1 if system.model.forced else int(np.abs(value - 1).argmin())
     others = np.delete(log_modulus, trivial) if trivial >= 0 else log_modulus
     plain = [s.cyclic is None for s in system.model.states]
-    size = np.maximum(np.ptp(orbit[plain], axis=1), 1e-12)
+    period = np.array([system.period])
+    size = scales(system.model, period, np.ptp(orbit, axis=1)[:, None], np.abs(orbit).max(axis=1)[:, None])[plain, 0]
     units = {"units": "1"}
     return Findings(
         {

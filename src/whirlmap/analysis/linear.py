@@ -5,14 +5,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.points import first_sizes
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import variants
 from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.system import System
-from whirlmap.kernels.reference import reference_rates
 
-#: Half-width of the central differences; extrapolated once, so that their error is of order STEP^4.
-STEP = 1e-4
+#: How far to either side of an equilibrium a kink of the rates is looked for, over the sizes of the states.
+STEP = 1e-6
+#: Change of the derivatives from one side to the other, over their own size, that is a kink: smooth ones change by `STEP`.
+KINK = 1e-3
 
 
 @dataclass(frozen=True)
@@ -73,21 +77,38 @@ def linearised(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
     """Equilibria (state, point), Jacobians (point, row, column) of the unforced rates there, and where they were found.
 
-    Jacobians are central differences of the reference kernel with one step of Richardson's extrapolation; those of
-    points without an equilibrium are NaN.
+    Jacobians are those of the compiled kernel, in closed form; at a kink of the rates, where there is no derivative, central
+    differences over both of its sides. Those of points without an equilibrium are NaN.
     """
     if model.start != "equilibrium":
         raise RangeError(f"{model.name} declares no static equilibrium (start = {model.start}) to linearise about")
     x, found = start_states(model, values)
-    n, at = x.shape[0], np.flatnonzero(found)
+    n = x.shape[0]
     jacobian = np.full((values.shape[1], n, n), np.nan)
-    if at.size:
-        # every (width, moved state, point) in one call; the smooth functions, so that differences see no table's knots
-        widths = STEP * np.array([1.0, -1.0, 2.0, -2.0])
-        moved = x[:, None, None, at] + widths[:, None, None] * np.eye(n)[:, None, :, None]
-        tables = "samples" if model.tables else "read"
-        rates = reference_rates(model, forced=False, tables=tables)
-        many = rates(0.0, moved.reshape(n, -1), np.tile(values[:, at], 4 * n)).reshape(moved.shape)
-        near, far = (many[:, 0] - many[:, 1]) / (2 * STEP), (many[:, 2] - many[:, 3]) / (4 * STEP)
-        jacobian[at] = ((4 * near - far) / 3).transpose(2, 0, 1)
+    for form, members in variants(model, values):
+        at = members[found[members]]
+        if at.size:
+            jacobian[at] = _jacobians(form, values[:, at], x[:, at])
     return x, jacobian, found
+
+
+def _jacobians(
+    model: Model, values: NDArray[np.float64], x: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Jacobians of the unforced rates, shape (point, row, column)."""
+    n, points = x.shape
+    size = first_sizes(model, values, x)
+    # Every (side, moved state, point) in one call, the point itself last.
+    sides = STEP * np.array([1.0, -1.0])
+    moved = x[:, None, None, :] + sides[:, None, None] * (np.eye(n)[:, :, None] * size[:, None, :])[:, None]
+    many = np.concatenate([moved.reshape(n, -1), x], axis=1)
+    evaluate = Evaluator.of(model, values, jacobian=True)
+    rates, slopes = evaluate(0.0, many, np.tile(np.arange(points), 2 * n + 1), forced=False)
+    closed = slopes[:, :, -points:]
+    up, down = np.moveaxis(slopes[:, :, :-points].reshape(n, n, 2, n, points), 2, 0)
+    whole = (np.abs(closed) * size).sum(axis=1)[:, None, None, :]  # what a row comes to when all states move by their sizes
+    change = np.abs(up - down) * size[:, None, :]
+    kinked = (change > KINK * whole).any(axis=1)  # (row, moved state, point)
+    ahead, behind = np.moveaxis(rates[:, :-points].reshape(n, 2, n, points), 1, 0)
+    width = np.where(size > 0, 2 * STEP * size, 1.0)  # a state of no size was not moved, and shows no kink
+    return np.where(kinked, (ahead - behind) / width, closed).transpose(2, 0, 1)

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.dimension import STATUS, correlation_dimension
 from whirlmap.analysis.evidence import moving_coordinates
 from whirlmap.analysis.floquet import STEPS, floquet_multipliers
@@ -202,10 +202,7 @@ def multipliers(system: System, part: Ensemble, multiple: int, period: int, data
 
 def _closed_orbit(one: Ensemble, multiple: int) -> tuple[Array, float] | None:
     """A section point of an unforced orbit, and the time to its return ``multiple`` crossings later."""
-    length = 2 * ceil(multiple) + 2
-    begin = one.x.copy()
-    steps = np.concatenate([begin[None], one.advance(length, save_every=1).saved])
-    points, times = crossings(one.model, one.values, steps, one.period / one.steps)
+    points, times, _ = run_with_crossings(one, 2 * ceil(multiple) + 2)
     if times.shape[0] <= multiple or not np.isfinite(times[multiple, 0]):
         return None
     return points[0, :, 0], float(times[multiple, 0] - times[0, 0])

@@ -21,7 +21,7 @@ from whirlmap.results.regime import Regime
 
 Array = NDArray[np.float64]
 
-#: Error of the largest exponent, relative and absolute, with which a labelled point stops.
+#: Error of the largest exponent, relative and in units of 2 pi/T, with which a labelled point stops.
 ENOUGH = (0.05, 0.005)
 #: Points that run together: their section points are kept until they are judged.
 TOGETHER = 512
@@ -109,7 +109,7 @@ def _judge(
         found.periods[at] = done
         unsure = np.flatnonzero((found.regime[at] == Regime.undecided) & run.running)
         _vote(run, unsure, at, done, [np.concatenate(sections[p]) for p in left[unsure]], cyclic, found)
-        target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1])
+        target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1] * 2 * np.pi / run.period)
         open_ = found.regime[at] == Regime.undecided
         if contraction_ends:
             open_ &= ~contracts(found.exponent[at], found.error[at], done * run.common_multiple * run.period)

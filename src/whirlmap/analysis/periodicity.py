@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.return_search import FLOOR, nearest_returns, with_floors
+from whirlmap.analysis.return_search import nearest_returns
 from whirlmap.errors import RangeError
+from whirlmap.integrate.scales import FLOOR
 from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
@@ -32,6 +33,7 @@ def return_multiple(
     most: int = 64,
     cyclic: Mapping[int, float] | None = None,
     floor: float = FLOOR,
+    alike: bool = True,
 ) -> Findings:
     """Smallest number of common periods after which each lane's section points repeat.
 
@@ -53,9 +55,13 @@ def return_multiple(
     cyclic : mapping of state index to period, optional
         States, such as a pendulum's angle, whose differences are taken modulo a period.
     floor : float
-        No scale is smaller than this fraction of the state's largest magnitude, nor than this fraction of the
-        lane's largest scale. A state that hardly moves must not decide by its rounding errors: with the
-        defaults, differences below 1e-12 of its magnitude, or of the largest motion, never forbid a return.
+        No scale is smaller than this fraction of the state's largest magnitude, nor, where the states are alike,
+        than this fraction of the lane's largest scale. A state that hardly moves must not decide by its rounding
+        errors: with the defaults, differences below 1e-12 of its magnitude, or of the largest motion, never
+        forbid a return.
+    alike : bool
+        Whether all states have one unit, so that one can be small beside another. What a model says of that comes
+        with ``scale`` (`whirlmap.integrate.scales`).
 
     Returns
     -------
@@ -87,7 +93,7 @@ def return_multiple(
         )
     period = _periods(cyclic, x.shape[1])
     finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
-    size = _scales(x, scale, period, floor, finite)
+    size = _scales(x, scale, period, floor, finite, alike=alike)
     multiple, distance, nearest, deciding = nearest_returns(x, size, period, tolerance, most)
     drift = np.full(x.shape[2], np.nan)
     for m in np.unique(nearest[finite]):
@@ -118,6 +124,7 @@ def period_in_T(
     tolerance: float = 1e-6,
     cyclic: Mapping[int, float] | None = None,
     floor: float = FLOOR,
+    alike: bool = True,
 ) -> Findings:
     """Smallest number n of periods T after which lanes that return at the common period repeat.
 
@@ -130,7 +137,7 @@ def period_in_T(
         ``multiple`` of ``return_multiple``; 0 where nothing returned.
     common_over_T : int
         The common period in T: 8 in the paper's clock, 40 for 20 and 40 teeth.
-    scale, tolerance, cyclic, floor
+    scale, tolerance, cyclic, floor, alike
         As in ``return_multiple``; use the same.
 
     Returns
@@ -158,7 +165,7 @@ def period_in_T(
         raise RangeError(f"multiple must hold {x.shape[2]} whole numbers >= 0, one per lane; got {m!r}.")
     period = _periods(cyclic, x.shape[1])
     finite = np.asarray(np.isfinite(x).all(axis=(0, 1)))
-    size = _scales(x, scale, period, floor, finite)
+    size = _scales(x, scale, period, floor, finite, alike=alike)
     n, distance = np.zeros(m.size, np.int64), np.full(m.size, np.nan)
     status = np.where(~finite, 2, np.where(m == 0, 1, 0)).astype(np.int8)
     status[(status == 0) & (m * common_over_T > x.shape[0])] = 3
@@ -224,6 +231,8 @@ def _scales(
     period: NDArray[np.float64],
     floor: float,
     finite: NDArray[np.bool_],
+    *,
+    alike: bool,
 ) -> NDArray[np.float64]:
     """Scale of each state and lane, floors applied; 1 in lanes that are not finite (they are not judged)."""
     if not floor > 0:
@@ -247,7 +256,10 @@ def _scales(
         own = np.broadcast_to(given, (states, lanes))[:, finite]
         if not (np.isfinite(own) & (own >= 0)).all():
             raise RangeError("scale holds numbers that are negative or not finite.")
-    size[:, finite] = with_floors(own, magnitude, period, floor)
+    floored = np.maximum(own, floor * magnitude)
+    if alike:
+        floored = np.maximum(floored, floor * floored.max(axis=0))
+    size[:, finite] = np.where(floored > 0, floored, 1.0)  # a state that does not move at all: its differences are zero
     return size
 
 

@@ -8,28 +8,33 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.orders import order_groups
-from whirlmap.integrate.system import System
+from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
+from whirlmap.integrate.system import System, periods
+from whirlmap.integrate.turns import choose_unforced_steps
 from whirlmap.kernels.methods import method as method_named
 from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
 
-#: Error over one common period that a forced model's steps are chosen for where the user does not say.
+#: Error over one common period, or a typical time, that steps are chosen for where the user does not say.
 ACCURACY = 1e-6
 #: Least steps per T of tangent vectors where steps are chosen: exponents then sum to the divergence to 1e-6.
 TANGENT_STEPS = 16
-#: Steps of RK4 per typical time of an unforced model where the user does not say: Lorenz's exponents then sum to the
-#: divergence to 1e-6, and crossings are located as well as the method allows.
-UNFORCED_STEPS = 400
-
-#: Start states of one swarm differ by this much of one, so that they end on one attractor but decorrelate in chaos.
+#: Start states of one swarm differ by this part of the sizes of their states, so that they end on one attractor but
+#: decorrelate in chaos.
 SWARM = 1e-6
+
+
+#: Phases of the forcing at which the rates at a start are asked.
+PHASES = 8
 
 
 def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
@@ -85,6 +90,7 @@ def make_ensemble(
     tangents: int = 0,
     workers: int | None = None,
     swarm: bool = False,
+    turn: Array | None = None,
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Build the ensemble of a system at one or many operating points.
 
@@ -95,14 +101,18 @@ def make_ensemble(
     starts : array, shape (state, point), optional
         Start states; where absent the model's default starts, with the system's own start values on top.
     steps : int or array of int, optional
-        Steps per T. Where absent, each point of a forced model gets those that the accuracy asks for
-        (`whirlmap.integrate.accuracy.choose_steps`), and an unforced model gets `UNFORCED_STEPS`.
+        Steps per T. Where absent, each point gets those that the accuracy asks for
+        (`whirlmap.integrate.accuracy.choose_steps`, `whirlmap.integrate.turns.choose_unforced_steps`).
     accuracy : float, optional
-        Error over one common period; `ACCURACY` where absent.
+        Error over one common period, of an unforced model over one typical time; `ACCURACY` where absent.
     method : str, optional
-        ``dop853`` for forced, ``rk4`` for unforced models where absent.
+        ``dop853`` where absent.
     swarm : bool
-        Move every start by `SWARM` in its own fixed random direction (zero for the first point).
+        Move every start by `SWARM` of the sizes of its states (`first_sizes`) in its own fixed random direction (the first
+        point stays).
+
+    turn : array, shape (point,), optional
+        T of the points of an unforced model, where it is known; the typical time where absent.
 
     Returns
     -------
@@ -113,10 +123,6 @@ def make_ensemble(
     forced = system.model.forced
     if steps is not None and accuracy is not None:
         raise RangeError("give steps per T or an accuracy, not both")
-    if not forced and accuracy is not None:
-        raise RangeError(f"{system.model.name} is not forced: give steps, an accuracy is chosen over a common period")
-    if steps is None and not forced:
-        steps = UNFORCED_STEPS
     if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
         raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
     values = parameter_values(system, vary or {})
@@ -130,16 +136,22 @@ def make_ensemble(
     if swarm:
         kicks = np.random.default_rng(7).normal(size=x.shape)
         kicks[:, 0] = 0
-        x = x + SWARM * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
-    chosen = method_named(method or ("dop853" if forced else "rk4"))
+        size = first_sizes(system.model, values, x)
+        x = x + SWARM * size * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
+    chosen = method_named(method or "dop853")
     wanted = (ACCURACY if accuracy is None else accuracy) if steps is None else None
-    options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted}
+    options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted, "turn": turn}
     if wanted is None:
         return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
-    rungs = choose_steps(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
+    choose = choose_steps if forced else choose_unforced_steps
+    rungs = choose(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
     least = TANGENT_STEPS if tangents else 1
+    cyclic = np.array([s.cyclic is not None for s in system.model.states])[:, None]
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
+    if system.model.bound is None:  # of a start at rest the motion itself says what is large
+        unknown = ~np.isfinite(ensemble.limits) & np.isfinite(rungs.size) & ~cyclic
+        ensemble.limit(np.where(unknown, GROWTH * rungs.size, ensemble.limits))
     return ensemble, found
 
 
@@ -153,6 +165,22 @@ def _shared_orders(system: System, values: Array, vary: Mapping[str, ArrayLike])
             " diagrams and maps can have several, or ask for one point at a time"
         )
     return groups[0].orders
+
+
+def first_sizes(model: Model, values: Array, x: Array) -> Array:
+    """Sizes of the states at a start, shape (state, point): `start_sizes`, and how far the rates carry them in T/2 pi.
+
+    Zero where a state is at rest at zero together with all that are alike to it.
+    """
+    period, n = periods(model, values), x.shape[1]
+    size = start_sizes(model, period, x)
+    evaluate = Evaluator.of(model, values, jacobian=False)
+    for phase in range(PHASES if model.forced else 1):
+        rates = evaluate(phase * period / PHASES, x, np.arange(n))[0]
+        size = np.maximum(size, np.where(np.isfinite(rates), np.abs(rates) * period / (2 * np.pi), 0.0))
+    like = likeness(model)
+    weight = like.weights(period)
+    return largest_of(like.group, size * weight) / weight
 
 
 def tangent_steps(ensemble: Ensemble) -> NDArray[np.int64]:

@@ -2,7 +2,7 @@
 
 A section is a stretch of a row of numbers: point i of ``count`` stands at place ``begin`` + i of a ring of ``ring`` places
 that begins at ``base``, its ``states`` numbers side by side. ``period`` holds the period of each state, infinite where it is
-not cyclic; ``size``, room for one number of each state, what its differences are divided by.
+not cyclic; ``size``, room for one number of each state, what its differences are divided by (`integrate.scales`).
 """
 
 import numpy as np
@@ -13,8 +13,6 @@ from whirlmap.analysis.compiled import compiled
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: No scale is smaller than this fraction of its state's largest magnitude, nor of its lane's largest scale.
-FLOOR = 1e-6
 #: Differences smaller than this fraction of the one a whole orbit before have shrunk.
 SHRINKS = 0.99
 #: Differences over fewer periods that are smaller than `SMALL` must repeat to this part of themselves to be an orbit's own:
@@ -46,34 +44,18 @@ def place(base: int, begin: int, i: int, ring: int, states: int) -> int:
     return base + (at - ring if at >= ring else at) * states
 
 
-def floored(size: Array, magnitude: Array, period: Array, states: int, floor: float) -> None:
-    """Apply the floors to scales, in place; a state whose scale is still zero does not move, and gets one."""
-    largest = 0.0
-    for k in range(states):
-        size[k] = max(size[k], floor * (period[k] if period[k] < np.inf else magnitude[k]))
-        largest = max(largest, size[k])
-    for k in range(states):
-        size[k] = max(size[k], floor * largest)
-        if not size[k] > 0:
-            size[k] = 1.0
-
-
 def sized(
-    x: Array, base: int, ring: int, begin: int, count: int, stride: int, states: int, period: Array, scale: Array,
-    size: Array, room: Array,
+    x: Array, base: int, ring: int, begin: int, count: int, stride: int, states: int, scale: Array, size: Array
 ) -> bool:  # fmt: skip
-    """Set sizes to the scales, with the floors over every ``stride``-th point; returns whether these are finite."""
+    """Set sizes to the scales; returns whether every ``stride``-th point is finite."""
     finite = True
     for k in range(states):
-        room[k] = 0.0
         size[k] = scale[k]
     for i in range(0, count, stride):
         at = place(base, begin, i, ring, states)
         for k in range(states):
-            room[k] = max(room[k], abs(x[at + k]))
             if not abs(x[at + k]) < np.inf:
                 finite = False
-    floored(size, room, period, states, FLOOR)
     return finite
 
 
@@ -168,40 +150,10 @@ def shortest(
 
 
 #: These, in the order in which they call each other.
-PARTS = (wrapped, apart, place, floored, sized, step, across, to_limit, shorter_on_its_way, shortest)
+PARTS = (wrapped, apart, place, sized, step, across, to_limit, shorter_on_its_way, shortest)
 
 
 # --- loops --------------------------------------------------------------------------------------------------
-
-
-@compiled(
-    {
-        "lanes": "int", "states": "int", "size": "doubles", "magnitude": "doubles", "period": "doubles", "floor": "doubles",
-        "own": "doubles", "most": "doubles",
-    },
-    parts=(floored,),
-)  # fmt: skip
-def _floored_all(
-    lanes: int, states: int, size: Array, magnitude: Array, period: Array, floor: Array, own: Array, most: Array
-) -> None:
-    """Apply the floors to the scales of many lanes, shape (lane, state); ``own`` and ``most`` are room for one lane's."""
-    for lane in range(lanes):
-        for k in range(states):
-            own[k], most[k] = size[lane * states + k], magnitude[lane * states + k]
-        floored(own, most, period, states, floor[0])
-        for k in range(states):
-            size[lane * states + k] = own[k]
-
-
-def with_floors(size: Array, magnitude: Array, period: Array, floor: float) -> Array:
-    """Scales with their floors, and one for states that do not move; all of shape (state, lane), but ``period``."""
-    out = np.ascontiguousarray(size.T, dtype=np.float64).copy()
-    states = period.size
-    _floored_all(
-        lanes=len(out), states=states, size=out, magnitude=np.ascontiguousarray(magnitude.T), period=period,
-        floor=np.array([floor]), own=np.empty(states), most=np.empty(states),
-    )  # fmt: skip
-    return out.T
 
 
 @compiled(
@@ -296,7 +248,7 @@ def search_windows(
             begin = (ran[p] - window) % ring
             most = max(window // 2, 1)
             distance[p] = np.nan
-            if not sized(history, base, ring, begin, window, 1, states, period, own, size, room):
+            if not sized(history, base, ring, begin, window, 1, states, own, size):
                 continue
             m = shortest(history, base, ring, begin, window, most, states, period, size, tolerance[0])
             if m == 0:
@@ -310,7 +262,7 @@ def search_windows(
             if to_limit(history, base, ring, begin, window, m, states, period, size) <= tolerance[0]:
                 length = 2 * window if ran[p] >= 2 * window and 2 * window <= ring else window
                 begin = (ran[p] - length) % ring
-                finite = sized(history, base, ring, begin, length, 1, states, period, own, size, room)
+                finite = sized(history, base, ring, begin, length, 1, states, own, size)
                 if finite and not shorter_on_its_way(
                     history, base, ring, begin, length, m, states, period, size, room
                 ):

@@ -1,7 +1,9 @@
 """Settle many operating points, say which of them are periodic, and after how many T, and record their sections.
 
-Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled state is asked again whether
-they meet it: a point that needs more of them settles on with these (the start says little of a whirl that has grown since).
+Forced models settle as `settling` says. Where the steps follow an asked accuracy, the settled motion is asked again whether
+they meet it, over the whole of its return: a point that needs more of them settles on with these (the start says little of a
+whirl that has grown since), and a point that has ended is run again with more (`endings`). Where the accuracy is not met, a
+return is one to the error of the steps.
 Then all points record their section once per T for the diagram; in periodic points it gives the smallest number of T.
 Extremes are those of cubics between steps (`Ensemble.advance`), over one return, or the whole record where nothing
 returns. The steps are `FINER` times shorter than the accuracy asks for, and no longer than T/`EXTREMES_STEPS`: a peak is
@@ -19,11 +21,15 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.crossing import run_with_crossings
+from whirlmap.analysis.endings import confirm_ends, restarted
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
-from whirlmap.analysis.settling import Settled, Settling, positive, settle
-from whirlmap.integrate.accuracy import choose_steps
+from whirlmap.analysis.settling import Settled, Settling, settle
+from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.scales import FLOOR, scales
+from whirlmap.integrate.turns import with_turns
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 
@@ -34,6 +40,19 @@ Integers = NDArray[np.int64]
 FINER, EXTREMES_STEPS = 4, 32
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
+#: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.
+CHECKED, OPEN = 8, 4
+#: Error of its steps from which a settled motion is not that of the equations: the point begins anew, with more of them.
+LOST = 1e-2
+#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not return.
+SLACK = 10.0
+#: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most, and
+#: how many times longer or shorter than a turn a typical time may be.
+TURNS, SOUGHT, FAR_OFF = 4, 16_384, 2.0
+#: Motion in a typical time, over the size of a state, below which a point is at rest.
+STILL = 1e-12
+#: Steps with which points are confirmed whose method has lost its order.
+CONFIRMED = LADDER[-1]
 #: Points that are recorded in one batch.
 RECORDED = 4096
 
@@ -90,9 +109,7 @@ def settle_and_record(
         States whose section is returned; all of them where absent. The search for the smallest return sees them all.
     """
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
-    settled = (_settle_accurately if ensemble.model.forced else _settle_unforced)(
-        ensemble, settling, longest, cyclic, progress
-    )
+    settled = _settle_accurately(ensemble, settling, longest, cyclic, progress)
     common, forced = ensemble.common_multiple, ensemble.model.forced
     periods = common * max(-(-settling.keep // common), 2)
     rows = list(range(ensemble.model.dimension) if kept is None else kept)
@@ -144,64 +161,184 @@ def _settle_accurately(
     ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
-    """Settle, and settle on with more steps where the settled motion needs them."""
-    settled = settle(ensemble, settling, longest=longest, cyclic=cyclic, progress=progress)
+    """Settle, and settle on with more steps where the settled motion, or what lies before an end, needs them."""
+    how = _settle_forced if ensemble.model.forced else _settle_unforced
+
+    def settle(part: Ensemble, members: NDArray[np.intp]) -> None:
+        wide = np.fmax(ensemble.step_error[members] / settling.tolerance, 1.0)
+        again = how(part, settling, longest[members], wide, cyclic, progress)
+        again.accelerated[:] |= settled.accelerated[members]
+        settled.take(again, members)
+
+    def settle_on(part: Ensemble, members: NDArray[np.intp]) -> None:
+        start, began = part.x.copy(), part.turns.copy()
+        settle(part, members)
+        if part.accuracy is not None:
+            confirm_ends(part, start, began, lambda again, which: settle(again, members[which]))
+        if part is not ensemble:
+            ensemble.absorb(part, members)
+
+    settled, everything = Settled.none(ensemble), np.arange(ensemble.points)
+    start, began = ensemble.x.copy(), ensemble.turns.copy()
+    settle_on(ensemble, everything)
     if ensemble.accuracy is None:
         return settled
     # Points that did not return are asked too: steps that are too long may be why. One that returned has settled.
-    left = np.flatnonzero(ensemble.running)
+    left = everything
     for _ in range(MORE_STEPS):
         left = left[ensemble.running[left]]
-        rungs = choose_steps(ensemble, ensemble.accuracy, members=left, progress=progress)
-        more = rungs.steps > ensemble.point_steps[left]
-        ensemble.step_error[left], ensemble.step_verdict[left] = rungs.error, rungs.verdict
-        left = left[more]
+        steps, first = _steps_of_settled(ensemble, left, settled.multiple, progress)
+        more = steps > ensemble.point_steps[left]
+        left, steps, first = left[more], steps[more], first[more]
         if not left.size:
             break
-        part = ensemble.subset(left, steps=rungs.steps[more])
-        again = settle(part, settling, longest=longest[left], cyclic=cyclic, progress=progress)
-        ensemble.absorb(part, left)
-        again.accelerated[:] |= settled.accelerated[left]
-        settled.take(again, left)
+        lost = first > LOST
+        on = ~lost & (settled.multiple[left] == 0) & (first <= SLACK * ensemble.accuracy)
+        for which, how_on in ((on, "stays"), (~lost & ~on, "settles"), (lost, "begins")):
+            here = left[which]
+            if not here.size:
+                continue
+            part = ensemble.subset(here, steps=steps[which])
+            if how_on == "stays":
+                ensemble.absorb(part, here)
+                continue
+            settle_on(restarted(ensemble, here, start, began, steps[which]) if how_on == "begins" else part, here)
     return settled
 
 
-def _settle_unforced(
-    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
+def _steps_of_settled(
+    ensemble: Ensemble, members: NDArray[np.intp], multiple: Integers, progress: Callable[[int], None] | None
+) -> tuple[Integers, Array]:
+    """Steps that settled points need, and the error of those that they took.
+
+    They are asked over all of the common periods that they return after, up to `CHECKED`; where they do not, over `OPEN`.
+    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    """
+    assert ensemble.accuracy is not None
+    steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
+    # Few different numbers of sections, for points with the same are tried together: 1, `OPEN` and `CHECKED`.
+    sections = np.where(multiple[members] == 1, 1, np.where(multiple[members] <= OPEN, OPEN, CHECKED))
+    met = ensemble.step_verdict[members] == Verdict.met
+    for count in np.unique(sections[met]):
+        at = np.flatnonzero(met & (sections == count))
+        here = members[at]
+        rungs = choose_steps(
+            ensemble, ensemble.accuracy, members=here, least=steps[at], sections=int(count), progress=progress
+        )
+        ensemble.step_error[here], ensemble.step_verdict[here] = rungs.error, rungs.verdict
+        steps[at], first[at] = np.maximum(steps[at], rungs.steps), rungs.first
+    rough = np.flatnonzero(ensemble.step_verdict[members] == Verdict.nonsmooth)
+    steps[rough] = np.maximum(steps[rough], CONFIRMED)
+    there = rough[ensemble.point_steps[members[rough]] >= CONFIRMED]
+    if there.size:
+        here = members[there]
+        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=np.full(here.size, LADDER[-2]), progress=progress)
+        ensemble.step_error[here] = tried.error
+    return steps, first
+
+
+def _settle_forced(
+    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
-    n, states = ensemble.points, ensemble.model.dimension
+    return settle(ensemble, settling, longest=longest, wide=wide, cyclic=cyclic, progress=progress)
+
+
+def _settle_unforced(
+    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
+    progress: Callable[[int], None] | None,
+) -> Settled:  # fmt: skip
+    settled = Settled.none(ensemble)
     transient = longest - settling.longest + settling.transient
-    for times in np.unique(transient[transient > 0]):
-        ensemble.advance(int(times), members=np.flatnonzero(transient == times), progress=progress)
-    multiple, distance = np.zeros(n, dtype=np.int64), np.full(n, np.nan)
-    scale, waited = np.full((states, n), np.nan), transient.astype(np.int64)
+    _run_transient(ensemble, np.arange(ensemble.points), transient, settled, progress)
+    _learn_turns(ensemble, transient, settled, progress)
+    settled.scale[:] = np.nan
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:
-        begin = ensemble.x[:, left]
-        segment = ensemble.advance(window, members=left, save_every=1, extremes=True, progress=progress)
-        assert segment.extremes is not None
-        scale[:, left] = (segment.extremes["maximum"] - segment.extremes["minimum"])[:states]
-        waited[left] += window
-        x = np.concatenate([begin[None], segment.saved])
-        alive = ensemble.running[left]
-        values, h = ensemble.values[:, left], ensemble.period[left] / ensemble.steps
-        points, times = crossings(ensemble.model, values, x, h)
-        count = np.where(alive, np.isfinite(times).sum(axis=0), 0)
+        begin, section = ensemble.subset(left), ensemble.subset(left)
+        points, times, _ = run_with_crossings(section, window, progress=progress)
+        extremes = begin.advance(window, extremes=True, progress=progress).extremes
+        assert extremes is not None
+        ensemble.absorb(section, left)
+        settled.scale[:, left] = sizes_of(ensemble, left, extremes) * wide[left]
+        settled.waited[left] += window
+        count = np.where(ensemble.running[left], np.isfinite(times).sum(axis=0), 0)
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
             columns = np.flatnonzero(count == shared)
             these = left[columns]
             found = return_multiple.find(
-                points[:shared][:, :, columns], scale=positive(scale[:, these]), tolerance=settling.tolerance,
-                most=int(min(window, shared)) // 2, cyclic=cyclic,
+                points[:shared][:, :, columns], scale=settled.scale[:, these], tolerance=settling.tolerance,
+                most=int(min(window, shared)) // 2, cyclic=cyclic, alike=False,
             )  # fmt: skip
-            multiple[these], distance[these] = found["multiple"], found["distance"]
-        left = left[ensemble.running[left] & (multiple[left] == 0)]
+            settled.multiple[these], settled.distance[these] = found["multiple"], found["distance"] * wide[these]
+        left = left[ensemble.running[left] & (settled.multiple[left] == 0)]
         if window >= 2 * settling.most:
             break
         window = min(2 * window, 2 * settling.most)
-    return Settled(multiple, distance, scale, waited, np.zeros(n, dtype=np.bool_))
+    return settled
+
+
+def _run_transient(
+    ensemble: Ensemble, members: NDArray[np.intp], transient: Integers, settled: Settled, progress: Callable[[int], None] | None
+) -> None:
+    for times in np.unique(transient[members][transient[members] > 0]):
+        ensemble.advance(int(times), members=members[transient[members] == times], progress=progress)
+    settled.waited[members] += transient[members]
+
+
+def _learn_turns(
+    ensemble: Ensemble, transient: Integers, settled: Settled, progress: Callable[[int], None] | None
+) -> None:
+    """Give points whose typical time is far from that of a turn the latter, in place, with steps for it, and their transient.
+
+    Turns are timed between crossings of the section. A point is run on, twice as long each time, until it has met `TURNS` of
+    them, or for `SOUGHT` typical times: what has not turned by then keeps its own.
+    """
+    if ensemble.model.section is None:
+        return
+    left, length = np.flatnonzero(ensemble.running), TURNS + 1
+    while left.size and length <= SOUGHT:
+        section = ensemble.subset(left)
+        _, times, _ = run_with_crossings(section, length, progress=progress)
+        ensemble.absorb(section, left)
+        settled.waited[left] += length
+        count = np.isfinite(times).sum(axis=0)
+        seen = np.flatnonzero((count >= TURNS) & ensemble.running[left])
+        turn = np.array([times[count[k] - 1, k] - times[0, k] for k in seen]) / (count[seen] - 1)
+        ratio = turn / ensemble.period[left[seen]]
+        wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF)
+        if wrong.any():
+            here = left[seen[wrong]]
+            steps = np.ceil(ensemble.point_steps[here] * ratio[wrong]).astype(np.int64)
+            part = with_turns(ensemble.subset(here, steps=np.maximum(steps, 1)), turn[wrong])
+            if ensemble.accuracy is not None:
+                rungs = choose_steps(part, ensemble.accuracy, sections=OPEN, progress=progress)
+                part = part.subset(np.arange(here.size), steps=rungs.steps)
+                part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
+            whole = transient[here]
+            for times_here in np.unique(whole[whole > 0]):
+                part.advance(int(times_here), members=np.flatnonzero(whole == times_here), progress=progress)
+            ensemble.absorb(part, here)
+            settled.waited[here] += whole
+        moves = _moves(ensemble, left)
+        left = left[(count < TURNS) & ensemble.running[left] & moves]
+        length *= 2
+
+
+def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
+    """Whether the rates still carry a state anywhere in a typical time, beyond rounding."""
+    x, period = ensemble.x[:, members], ensemble.period[members]
+    rates = np.abs(Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)(0.0, x, np.arange(members.size))[0])
+    size = scales(ensemble.model, period, np.zeros_like(x), np.abs(x)) / FLOOR
+    return np.asarray((rates * period > STILL * size).any(axis=0))
+
+
+def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:
+    """Sizes of the states of some points over a recorded stretch (`scales`); NaN where a point has ended."""
+    low, high = (extremes[name][: ensemble.model.dimension] for name in ("minimum", "maximum"))
+    magnitude = np.maximum(np.abs(low), np.abs(high))
+    return scales(ensemble.model, ensemble.period[members], high - low, magnitude, share=share)
 
 
 def _periods_in_T(
@@ -213,7 +350,7 @@ def _periods_in_T(
     if fits.size and common > 1:
         found = period_in_T.find(
             section[:, :, fits], multiple[fits], common_over_T=common, scale=scale[:, fits],
-            tolerance=10 * settling.tolerance, cyclic=cyclic,
+            tolerance=10 * settling.tolerance, cyclic=cyclic, alike=False,
         )  # fmt: skip
         out[fits] = np.where(found["period"] > 0, found["period"], out[fits])
     return out

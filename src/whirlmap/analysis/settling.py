@@ -30,6 +30,7 @@ from whirlmap.analysis.periodicity import period_of
 from whirlmap.analysis.return_search import search_windows
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales
 from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
@@ -38,6 +39,9 @@ Integers = NDArray[np.int64]
 #: Common periods between two looks at a point, at first; later the largest power of two that is at most a
 #: `SELDOM`-th of those it has run, up to `MOST`: what Python does for a look costs a small model more than the periods.
 ROUND, SELDOM, MOST = 4, 8, 32
+#: Part of the largest magnitude that a state has had at all which counts as its magnitude: one that has died out
+#: does not return by its own size.
+PAST = 1e-3
 #: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
 POOL = 128
 
@@ -97,7 +101,7 @@ class Settled:
         The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
         where it ended.
     scale : array, shape (state, point)
-        Range of each state since the look before the last; one where it did not move, or the point ended.
+        Size of each state since the look before the last (`integrate.scales`), times how wide the tolerance is.
     waited : array of int
         Common periods run, trials included.
     accelerated : array of bool
@@ -109,6 +113,13 @@ class Settled:
     scale: Array
     waited: Integers
     accelerated: NDArray[np.bool_]
+
+    @classmethod
+    def none(cls, ensemble: Ensemble) -> "Settled":
+        """Points that have not begun."""
+        n, states = ensemble.points, ensemble.model.dimension
+        none = np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan)
+        return cls(*none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_))
 
     def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
         """Take over how some points settled that have settled on, in place; the time they waited adds up."""
@@ -128,6 +139,7 @@ def settle(
     settling: Settling,
     *,
     longest: Integers | None = None,
+    wide: Array | None = None,
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Settled:
@@ -137,6 +149,8 @@ def settle(
     ----------
     longest : array of int, shape (point,), optional
         Common periods after which each point is given up; `Settling.longest` where absent.
+    wide : array, shape (point,), optional
+        Tolerance of each point over that of the settling.
     cyclic : mapping of state index to period, optional
         States that are angles.
 
@@ -147,7 +161,8 @@ def settle(
     """
     common = ensemble.common_multiple
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
-    pool = _Pool(ensemble, settling, longest, period_of(cyclic, ensemble.model.dimension))
+    wide = np.ones(ensemble.points) if wide is None else wide
+    pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))
     while pool.active.size:
         segment = ensemble.advance(
             pool.stretch() * common, members=pool.active, save_periods=common, extremes=True, progress=progress
@@ -155,12 +170,14 @@ def settle(
         assert segment.extremes is not None
         pool.take(segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
     refused = pool.trials.refuse_unproved()
+    kept = np.setdiff1d(np.arange(ensemble.points), refused)
     if refused.size:
         part = ensemble.subset(refused)
         plainly = replace(settling, accelerate=False)
-        again = settle(part, plainly, longest=longest[refused], cyclic=cyclic, progress=progress)
+        again = settle(part, plainly, longest=longest[refused], wide=wide[refused], cyclic=cyclic, progress=progress)
         ensemble.absorb(part, refused)
         pool.settled.take(again, refused)
+    pool.settled.distance[kept] *= wide[kept]
     return pool.settled
 
 
@@ -210,24 +227,22 @@ def _take_over(
 class _Pool:
     """Points that run now, with their last section points, and the queue of those that wait."""
 
-    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, period: Array) -> None:
+    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, period: Array) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
         self.accelerate = settling.accelerate and not ensemble.tangents
-        self.waiting = 0
+        self.wide, self.waiting = wide, 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
         kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
         self.history = np.full((self.size, -(-kept // ROUND) * ROUND, states), np.nan)
         self.low, self.high = np.empty((self.size, states)), np.empty((self.size, states))  # since the last look
+        self.largest = np.empty((self.size, states))  # magnitude since the beginning
         self.slot = np.full(n, -1, dtype=np.intp)
         self.free = list(range(self.size))
         self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
         self.next = looks(self.ran, longest)
-        self.settled = Settled(
-            np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan), np.zeros(n, dtype=np.int64),
-            np.zeros(n, dtype=np.bool_),
-        )  # fmt: skip
+        self.settled = Settled.none(ensemble)
         self.windows = np.array(windows(settling))
         self.tolerance = np.array([settling.tolerance])
         self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(max(self.history.shape[1], states))
@@ -244,6 +259,7 @@ class _Pool:
                 entering.append(self.waiting)
             self.waiting += 1
         self.forget(np.array(entering, dtype=np.intp))
+        self.largest[self.slot[entering]] = np.abs(self.ensemble.x[:, entering]).T
         self.active = np.concatenate([self.active, np.array(entering, dtype=np.intp)])
 
     def forget(self, points: NDArray[np.intp]) -> None:
@@ -280,8 +296,8 @@ class _Pool:
 
     def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Look at points that are due; returns which of them are done."""
-        s, slot, trying = self.settled, self.slot[at], self.trials.multiple[at] > 0
-        s.scale[:, at] = np.where(running[:, None], positive(self.high[slot] - self.low[slot]), 1.0).T
+        s, trying = self.settled, self.trials.multiple[at] > 0
+        s.scale[:, at] = self.sizes(at, running)
         self.forget(at)
         plain = at
         if trying.any():
@@ -295,6 +311,15 @@ class _Pool:
         if self.accelerate:
             self.trials.begin(at[~done & ~trying], self.ran, self.history, s.scale)
         return done
+
+    def sizes(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> Array:
+        """What differences of points are divided by, since their last look: `scales`; one where they have ended."""
+        slot, e = self.slot[at], self.ensemble
+        low, high = (np.where(running, side[slot].T, 0.0) for side in (self.low, self.high))
+        magnitude = np.maximum(np.abs(low), np.abs(high))
+        self.largest[slot] = np.maximum(self.largest[slot], magnitude.T)
+        size = scales(e.model, e.period[at], high - low, np.maximum(magnitude, PAST * self.largest[slot].T))
+        return size * self.wide[at]
 
     def search(self, points: NDArray[np.intp]) -> None:
         """Search the windows of points that are due."""
@@ -313,8 +338,3 @@ def windows(settling: Settling) -> list[int]:
     while out[-1] < 2 * settling.most:
         out.append(min(2 * out[-1], 2 * settling.most))
     return out
-
-
-def positive(size: Array) -> Array:
-    """Ranges, with those of states that do not move at all made one: their differences are zero anyway."""
-    return np.where(size > 0, size, 1.0)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
 from whirlmap.integrate.ensemble import Ensemble
@@ -14,12 +14,10 @@ from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
 
-#: Relative and absolute error of the largest exponent at which its run stops.
+#: Errors of the largest exponent at which its run stops: relative, and in units of 2 pi/T.
 ENOUGH = (0.02, 0.002)
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
-#: Typical times of an unforced model whose steps are kept at once while crossings are sought.
-CHUNK = 16
 
 
 @dataclass(frozen=True)
@@ -39,6 +37,8 @@ class TangentRun:
         Common periods.
     stopped : str
         Why the run stopped.
+    rate : float
+        2 pi/T, what an exponent is small against.
     """
 
     value: Array
@@ -48,6 +48,7 @@ class TangentRun:
     alive: NDArray[np.bool_]
     periods: int
     stopped: str
+    rate: float
 
     def contraction(self, *, forced: bool) -> float | None:
         """Rate at which the motion contracts to a cycle; None where it does not, or that was not measured.
@@ -57,7 +58,7 @@ class TangentRun:
         k = 0 if forced else 1
         if k >= self.value.size or not self.value[k] < -3 * self.error[k]:
             return None
-        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1]):
+        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1] * self.rate):
             return None
         return float(self.value[k])
 
@@ -89,31 +90,11 @@ def run_with_section(
         segment = ensemble.advance(periods * common, save_periods=common, progress=progress)
         growth, section = segment.growth, segment.saved
     else:
-        growth, section = _with_crossings(ensemble, periods, progress)
+        section, _, growth = run_with_crossings(ensemble, periods, progress=progress)
     local = growth.reshape(periods, -1, ensemble.tangents, ensemble.points).sum(axis=1)
     rates = local / (common * ensemble.period)
     rates[:, :, ensemble.status != Status.ok] = np.nan
     return rates, section
-
-
-def _with_crossings(
-    ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
-) -> tuple[Array, Array]:
-    growth: list[Array] = []
-    found: list[list[Array]] = [[] for _ in range(ensemble.points)]
-    for first in range(0, periods, CHUNK):
-        begin = ensemble.x.copy()
-        segment = ensemble.advance(min(CHUNK, periods - first), save_every=1, progress=progress)
-        growth.append(segment.growth)
-        steps = np.concatenate([begin[None], segment.saved])
-        points, times = crossings(ensemble.model, ensemble.values, steps, ensemble.period / ensemble.steps)
-        for k in range(ensemble.points):
-            found[k].append(points[np.isfinite(times[:, k]), :, k])
-    joined = [np.concatenate(parts) for parts in found]
-    section = np.full((max(map(len, joined), default=0), ensemble.model.dimension, ensemble.points), np.nan)
-    for k, p in enumerate(joined):
-        section[: len(p), :, k] = p
-    return np.concatenate(growth), section
 
 
 def _shared(section: Array, running: NDArray[np.bool_]) -> Array:
@@ -139,10 +120,11 @@ def exponents_to_error(
 
     Notes
     -----
-    The run doubles until the error is below `ENOUGH` of the exponent, or of one. The error is the largest of the
+    The run doubles until the error is below `ENOUGH` of the exponent, or of 2 pi/T. The error is the largest of the
     scatter between runs, the block error within them, and a quarter of the difference between the halves of the
     record, which shows tangent vectors that still turn into place.
     """
+    rate = 2 * np.pi / float(ensemble.period.max())  # of one operating point
     pieces: list[Array] = []
     sections: list[Array] = []
     done, stretch = 0, min(max(FIRST_STRETCH // ensemble.common_multiple, BLOCKS, least), most)
@@ -157,7 +139,7 @@ def exponents_to_error(
         if not good.any():
             reason = "no run went on to the end"
             break
-        if error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1]):
+        if error[0] <= max(ENOUGH[0] * abs(value[0]), ENOUGH[1] * rate):
             reason = "error small enough"
             break
         if done >= most:
@@ -167,7 +149,7 @@ def exponents_to_error(
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
     mean = rates[:, order][:, :, good].mean(axis=2) if good.any() else np.full(rates.shape[:2], np.nan)
     running = np.cumsum(mean, axis=0) / np.arange(1, done + 1)[:, None]
-    return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason)
+    return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason, rate)
 
 
 def _swarm_mean(rates: Array) -> tuple[Array, Array]:

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import crossings
+from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
@@ -141,7 +141,7 @@ def section(
 
     Notes
     -----
-    Crossings are located on the cubic Hermite interpolant of each step by bisection: fourth order, as the method.
+    Crossings are as exact as the steps (`crossings`).
     """
     import xarray as xr
 
@@ -189,10 +189,8 @@ def _crossings(
     ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
 ) -> tuple[Array, Array]:
     """Crossings in the next ``periods`` typical times: (run, crossing, state), and their times from the start."""
-    begin, h = ensemble.x.copy(), ensemble.period / ensemble.steps
     start = ensemble.turns * ensemble.period
-    x = np.concatenate([begin[None], ensemble.advance(periods, save_every=1, progress=progress).saved])
-    points, times = crossings(ensemble.model, ensemble.values, x, h)
+    points, times, _ = run_with_crossings(ensemble, periods, progress=progress)
     return np.moveaxis(points, 2, 0), (start + times).T
 
 

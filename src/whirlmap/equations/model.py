@@ -109,8 +109,9 @@ class Model:
         Whether a run starts from the states' own start values, or from the static equilibrium with all forcing off.
     start_where_none : mapping of State to float
         Added to the states' start values where no equilibrium is found.
-    bound : float
-        A state beyond this has diverged.
+    bound : float, optional
+        A state beyond this has diverged. Where absent, one that has grown far beyond any motion that could be seen has
+        (`whirlmap.integrate.scales.limits`), whatever the units are.
     tables : tuple of Table
         Tables that the equations use.
     plain : mapping of Parameter to callable
@@ -142,7 +143,7 @@ class Model:
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
     start_where_none: Mapping[State, float] = field(default_factory=dict)
-    bound: float = 1e6
+    bound: float | None = None
     tables: tuple[Table, ...] = ()
     plain: Mapping[Parameter, Callable[[], "Model"]] = field(default_factory=dict)
     checks: tuple[Callable[[Mapping[str, float]], str], ...] = ()

@@ -13,7 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.ensemble import Ensemble, Segment
+from whirlmap.integrate.scales import scales
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -26,6 +27,8 @@ LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768
 FEW = 8
 #: Where the error falls by less than this from a rung to the one at least twice as high, the method has lost its order.
 STALLED = 4.0
+#: The same at the end of the ladder, where no method that keeps its order falls as slowly.
+SLOW = 8.0
 #: The rung from which on a lost order is believed: below it the steps may only be too long for any order to show.
 BELIEVED = 48
 #: Steps of a point whose method has lost its order: between steps a corner moves by their error, and with 64 of them that
@@ -70,11 +73,17 @@ class Rungs:
         Measured error of these steps over one common period; NaN where no two rungs could be compared.
     verdict : array of int, shape (point,)
         `Verdict`.
+    first : array, shape (point,)
+        Error of the rung that was tried first.
+    size : array, shape (state, point)
+        Size of the motion that was tried (`motion_sizes`).
     """
 
     steps: Integers
     error: Array
     verdict: NDArray[np.int8]
+    first: Array
+    size: Array
 
 
 def choose_steps(
@@ -82,6 +91,9 @@ def choose_steps(
     accuracy: float,
     *,
     members: NDArray[np.intp] | None = None,
+    least: Integers | None = None,
+    sections: int = 1,
+    span: int = 1,
     progress: Callable[[int], None] | None = None,
 ) -> Rungs:
     """Find the rung of every point from its present state; the ensemble is not moved.
@@ -89,10 +101,17 @@ def choose_steps(
     Parameters
     ----------
     accuracy : float
-        Largest error over one common period (of an unforced model: one typical time), for each state relative to
-        the larger of one and its largest absolute value at the ends of T.
+        Largest error over one common period (of an unforced model: one typical time), for each state relative to its
+        range over it, or to the largest of those that it is alike to (`scales`).
     members : array of int, optional
         Indices of the points; all of them where absent. The result is theirs, in their order.
+    least : array of int, optional
+        Steps of each of them that are tried first, a rung; the lowest where absent.
+    sections : int
+        Successive common periods, from the present state on and as they are integrated, over each of which the error counts:
+        the largest is met.
+    span : int
+        Common periods of each trial.
 
     Notes
     -----
@@ -109,70 +128,121 @@ def choose_steps(
         raise RangeError(f"accuracy must lie between 1e-13 and 1, not {accuracy}")
     members = np.arange(ensemble.points) if members is None else members
     n = members.size
-    steps = np.full(n, LADDER[0], dtype=np.int64)
+    first = np.zeros(n, dtype=np.intp)
+    if least is not None:
+        first = np.searchsorted(LADDER[:-1], least).clip(max=len(LADDER) - 2)
+    steps = np.array(LADDER, dtype=np.int64)[first]
     error, verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
-    left = np.flatnonzero(ensemble.running[members])
-    verdict[left] = Verdict.stiff
-    before = _Trial.of(ensemble, members[left], LADDER[0], progress)
+    begun, size = np.full(n, np.nan), np.full((ensemble.model.dimension, n), np.nan)
+    running = ensemble.running[members]
+    verdict[running] = Verdict.stiff
     history, kinked = np.full((len(LADDER), n), np.nan), np.zeros(n, dtype=bool)
+    trials = _Trials(ensemble, members, sections, span, progress)
+    left, before = np.zeros(0, dtype=np.intp), None
     for i, rung in enumerate(LADDER[1:]):
-        if not left.size:
-            break
-        now = _Trial.of(ensemble, members[left], rung, progress)
+        entering = np.flatnonzero(running & (first == i))
+        if entering.size:
+            new = trials.run(entering, LADDER[i])
+            left, before = np.concatenate([left, entering]), new if before is None else before.joined(new)
+        if not left.size or before is None:
+            continue
+        now = trials.run(left, rung)
         found = before.difference(now)
         history[i, left] = error[left] = found
+        begun[left], size[:, left] = np.where(first[left] == i, found, begun[left]), now.largest()
         steps[left] = LADDER[i]
         good = found <= accuracy
         kinked[left] |= _stalled(history[:, left], i)
         stalled = kinked[left] & ~good & (LADDER[i] >= KINKED)
         verdict[left[good]], verdict[left[stalled]] = Verdict.met, Verdict.nonsmooth
+        if rung == LADDER[-1]:
+            rough = ~good & _stalled(history[:, left], i, SLOW)
+            verdict[left[rough]] = Verdict.nonsmooth
         stay = ~good & ~stalled
         steps[left[stay]] = rung
         left, before = left[stay], now.keep(stay)
-    return Rungs(steps, error, verdict)
+    return Rungs(steps, error, verdict, begun, size)
 
 
-def _stalled(history: Array, i: int) -> NDArray[np.bool_]:
-    """Whether the error has fallen too slowly since a rung at most half as high."""
+def _stalled(history: Array, i: int, least: float = STALLED) -> NDArray[np.bool_]:
+    """Whether the error has fallen by less than that since a rung at most half as high."""
     half = max((j for j in range(i) if 2 * LADDER[j] <= LADDER[i]), default=None)
     if half is None or LADDER[i] < BELIEVED:
         return np.zeros(history.shape[1], dtype=bool)
-    slow: NDArray[np.bool_] = history[half] < STALLED * history[i]
+    slow: NDArray[np.bool_] = history[half] < least * history[i]
     return slow & np.isfinite(history[i])
+
+
+class _Trials:
+    """Runs of points over some common periods, with any steps, from the section points of their motion."""
+
+    def __init__(
+        self, ensemble: Ensemble, members: NDArray[np.intp], sections: int, span: int, progress: Callable[[int], None] | None
+    ) -> None:
+        self.ensemble, self.members, self.progress = ensemble, members, progress
+        self.periods, self.sections = span * ensemble.common_multiple, sections
+        self.starts = ensemble.x[None, :, members]
+        if sections > 1:
+            along, common = ensemble.subset(members), ensemble.common_multiple
+            saved = along.advance((sections - 1) * common, save_periods=common, progress=progress).saved
+            self.starts = np.concatenate([self.starts, saved])
+
+    def run(self, points: NDArray[np.intp], steps: int) -> "_Trial":
+        """Run some of the members, given by their place among them."""
+        e, at = self.ensemble, np.tile(self.members[points], self.sections)
+        x = np.moveaxis(self.starts[:, :, points], 0, 1).reshape(e.model.dimension, -1)
+        # A motion that ended on the way to a section leaves none: its first one stands in for it.
+        x = np.where(np.isfinite(x), x, np.tile(self.starts[0][:, points], self.sections))
+        part = Ensemble(
+            e.model, e.values[:, at], x, orders=e.orders, steps=steps, method=e.method, workers=e.workers, redo=False,
+            beyond=e.limits[:, at], turn=e.period[at],
+        )  # fmt: skip
+        part.turns = e.turns[at]
+        begin = part.turns.copy()
+        run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
+        end = part.end_time / part.period - begin
+        return _Trial(steps, run.saved, motion_sizes(part, run, x), part.status, end, self.sections)
 
 
 @dataclass(frozen=True)
 class _Trial:
-    """One common period of some points with some steps."""
+    """Some points with some steps; ``size`` is what differences are divided by. Columns are sections by points."""
 
     steps: int
-    sections: Array
+    saved: Array
+    size: Array
     status: NDArray[np.int8]
     end: Array
+    sections: int
 
-    @classmethod
-    def of(
-        cls, ensemble: Ensemble, members: NDArray[np.intp], steps: int, progress: Callable[[int], None] | None
-    ) -> "_Trial":
-        part = Ensemble(
-            ensemble.model, ensemble.values[:, members], ensemble.x[:, members], orders=ensemble.orders, steps=steps,
-            method=ensemble.method, workers=ensemble.workers, redo=False,
-        )  # fmt: skip
-        begin = ensemble.turns[members]
-        part.turns = begin.copy()
-        sections = part.advance(part.common_multiple, save_periods=1, progress=progress).saved
-        return cls(steps, sections, part.status, part.end_time / part.period - begin)
+    def _columns(self, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        return np.tile(which, self.sections)
 
     def keep(self, which: NDArray[np.bool_]) -> "_Trial":
-        return _Trial(self.steps, self.sections[:, :, which], self.status[which], self.end[which])
+        """Some of the points."""
+        k = self._columns(which)
+        return _Trial(self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.sections)
+
+    def largest(self) -> Array:
+        """Size of each point's motion, shape (state, point)."""
+        return np.asarray(self.size.reshape(len(self.size), self.sections, -1).max(axis=1))
+
+    def joined(self, other: "_Trial") -> "_Trial":
+        """These points, and others with the same steps."""
+
+        def both(a: NDArray, b: NDArray) -> NDArray:
+            parts = (v.reshape(*v.shape[:-1], self.sections, -1) for v in (a, b))
+            return np.concatenate(list(parts), axis=-1).reshape(*a.shape[:-1], -1)
+
+        names = ("saved", "size", "status", "end")
+        return _Trial(other.steps, *(both(getattr(self, n), getattr(other, n)) for n in names), self.sections)
 
     def difference(self, finer: "_Trial") -> Array:
         """Largest scaled difference of every point; infinite where only one of the two ended, or either failed."""
         with np.errstate(invalid="ignore"):
-            gap = np.abs(self.sections - finer.sections)
+            gap = np.abs(self.saved - finer.saved)
         seen = np.isfinite(gap)
-        scale = np.maximum(1.0, np.where(seen, np.abs(finer.sections), 0.0).max(axis=0, initial=0.0))
-        out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / scale).max(axis=0)
+        out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / finer.size).max(axis=0)
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
@@ -180,4 +250,20 @@ class _Trial:
         diverged = (self.status == Status.diverged) & (finer.status == Status.diverged)
         diverged &= (apart <= 1 / self.steps) & (self.end >= FEW / self.steps)
         out = np.where(contact, np.maximum(out, apart), out)
-        return np.where(ended & ~contact & ~diverged, np.inf, out)
+        worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
+        return worst
+
+
+def motion_sizes(ensemble: Ensemble, run: Segment, start: Array) -> Array:
+    """Size of the motion of every point over a run that tracked extremes, shape (state, point); see `scales`.
+
+    A run that ended is judged by the section points that it reached.
+    """
+    assert run.extremes is not None
+    n = ensemble.model.dimension
+    points = np.concatenate([start[None], run.saved])
+    known = np.isfinite(points)
+    least = np.fmin(run.extremes["minimum"][:n], np.where(known, points, np.inf).min(axis=0))
+    most = np.fmax(run.extremes["maximum"][:n], np.where(known, points, -np.inf).max(axis=0))
+    magnitude = np.maximum(np.abs(least), np.abs(most))
+    return scales(ensemble.model, ensemble.period, most - least, magnitude, share=1.0)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
+from whirlmap.integrate.scales import limits
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.methods import RK4, Method
 from whirlmap.kernels.routine import LANES
@@ -87,6 +88,10 @@ class Ensemble:
         unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
     accuracy : float, optional
         What the steps were chosen for (`choose_steps`); absent where they were given.
+    beyond : array, shape (state, point), optional
+        Sizes beyond which states have diverged; those of the start where absent (`scales.limits`).
+    turn : array, shape (point,), optional
+        T of each point of an unforced model, in place of its typical time.
 
     Attributes
     ----------
@@ -102,6 +107,8 @@ class Ensemble:
         Periods T that each point has run.
     point_steps : array of int, shape (point,)
         Steps per T of each point.
+    limits : array, shape (state, point)
+        Sizes beyond which states have diverged.
     step_error, step_verdict : arrays, shape (point,)
         Measured error of these steps, or of the fewer that would do once settled, and whether it meets the accuracy; NaN
         and zero where the steps were given.
@@ -123,6 +130,8 @@ class Ensemble:
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
+        beyond: Array | None = None,
+        turn: Array | None = None,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -134,8 +143,8 @@ class Ensemble:
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
         self.orders, self.workers = orders, workers or cores()
         self.points = n
-        self.period = periods(model, values)
-        self.values = values
+        self.period = periods(model, values) if turn is None else np.array(turn, dtype=float)
+        self.values, self.limits = values, limits(model, self.period, x) if beyond is None else beyond
         self.status = np.zeros(n, dtype=np.int8)
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
@@ -189,6 +198,11 @@ class Ensemble:
         """Number of T in the common period."""
         return lcm(*(o.denominator for o in self.orders)) if self.orders else 1
 
+    def limit(self, limits: Array) -> None:
+        """Set the sizes beyond which states have diverged, shape (state, point)."""
+        self.limits = limits
+        self._group()
+
     def subset(self, members: NDArray[np.intp], *, steps: int | Integers | None = None) -> "Ensemble":
         """Return an ensemble of some of the points, at their present states; `absorb` takes it back.
 
@@ -198,6 +212,7 @@ class Ensemble:
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
             orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
+            beyond=self.limits[:, members], turn=self.period[members],
         )  # fmt: skip
         part._y = self._y[: part._y.shape[0], members].copy()
         for name in _POINT_ARRAYS:
@@ -209,8 +224,9 @@ class Ensemble:
         self._y[: part._y.shape[0], members] = part._y
         for name in _POINT_ARRAYS:
             getattr(self, name)[members] = getattr(part, name)
-        if not np.array_equal(self.point_steps[members], part.point_steps):
-            self.point_steps[members] = part.point_steps
+        old, new = (np.stack([e.point_steps[at], e.period[at]]) for e, at in ((self, members), (part, slice(None))))
+        if not np.array_equal(old, new):
+            self.point_steps[members], self.period[members] = part.point_steps, part.period
             self._group()
 
     def advance(
@@ -329,7 +345,8 @@ def _statistics(sums: Array, steps: Integers, running: NDArray[np.bool_]) -> dic
     """Extremes, mean and rms of what `fold` summed; NaN for points that did not run to the end."""
     reference, low, high, total, squares = sums
     mean = total / steps
-    variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
+    with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away
+        variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
     out = {"minimum": low, "maximum": high, "mean": reference + mean, "rms": np.sqrt(variance)}
     if running.all():
         return out

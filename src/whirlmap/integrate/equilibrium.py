@@ -9,6 +9,8 @@ from whirlmap.equations.model import Model
 from whirlmap.integrate.ensemble import variants
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.rescue import stop_function
+from whirlmap.integrate.scales import largest_of, likeness
+from whirlmap.integrate.system import periods
 
 Array = NDArray[np.float64]
 
@@ -18,7 +20,9 @@ MOST_STEPS = 60
 SOLVED = 256
 #: How often a step is halved before its point counts as stuck.
 HALVINGS = 30
-#: Implicit steps of a run to rest, where Newton's method alone finds nothing, and the first of them in units of time.
+#: Newton steps below this part of a state's size are rounding.
+SMALL = 1e-11
+#: Implicit steps of a run to rest, where Newton's method alone finds nothing, and the first of them in units of T/2 pi.
 RUN, FIRST = 120, 0.1
 #: Growth of a step that went well, and shrinking of one that did not.
 GROWS, SHRINKS = 2.0, 0.25
@@ -51,7 +55,8 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
     """Solve rates = 0 with all forcing off, each point on its own.
 
     Damped Newton on the compiled kernel with its own Jacobian: the step is halved until every gap stays open and the
-    residual falls; a point ends when its step is below 1e-11, or is given up after `MOST_STEPS`. Points that this leaves
+    residual falls; a point ends when its step is below `SMALL` of the sizes that the states, or those alike to them
+    (`scales`), have had on the way, or is given up after `MOST_STEPS`. Points that this leaves
     without an equilibrium (journals carried close to the wall) are first run to rest from the guess (`_run_to_rest`). What
     is found is the rest state of the kernel: as good as the tables of its films.
 
@@ -77,11 +82,23 @@ def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArr
 
 
 class _Rates:
-    """Rates of some points with all forcing off, and their Jacobian."""
+    """Rates of some points with all forcing off, and their Jacobian; ``clock`` is T/2 pi, ``weight`` that of `Likeness`."""
 
     def __init__(self, model: Model, values: Array) -> None:
         self.values, self.gaps = values, stop_function(model, "gap")
         self.evaluate = Evaluator.of(model, values, jacobian=True)
+        self.like, period = likeness(model), periods(model, values)
+        self.clock, self.weight = period / (2 * np.pi), self.like.weights(period)
+
+    def residual(self, f: Array, points: NDArray[np.intp]) -> Array:
+        """Size of rates, those of positions and of velocities in one unit."""
+        with np.errstate(over="ignore"):  # what is infinite falls nowhere
+            return np.asarray(np.linalg.norm(f * self.weight[:, points] * self.clock[points], axis=0))
+
+    def sizes(self, seen: Array, points: NDArray[np.intp]) -> Array:
+        """What a Newton step of each state is small against, from the largest values that the states have had."""
+        weight = self.weight[:, points]
+        return np.asarray(largest_of(self.like.group, seen * weight) / weight)
 
     def __call__(self, x: Array, points: NDArray[np.intp]) -> tuple[Array, Array]:
         """Rates, shape (state, column), and Jacobian, (column, row, state); infinite behind a closed gap."""
@@ -97,17 +114,17 @@ def _run_to_rest(rates: _Rates, points: NDArray[np.intp], x: Array) -> Array:
 
     A step is taken where it keeps every gap open and does not raise the rates by more than half; else it is shortened.
     """
-    step = np.full(points.size, FIRST)
+    step = FIRST * rates.clock[points]
     f, jacobian = rates(x, points)
     for _ in range(RUN):
         matrix = np.eye(x.shape[0]) / step[:, None, None] - jacobian
-        moves = np.isfinite(f).all(axis=0) & np.isfinite(matrix).all(axis=(1, 2))
+        moves = np.asarray(np.isfinite(f).all(axis=0) & np.isfinite(matrix).all(axis=(1, 2)))
         moves[moves] = np.linalg.slogdet(matrix[moves])[0] != 0
         change = np.zeros_like(x)
         change[:, moves] = np.linalg.solve(matrix[moves], f[:, moves].T[..., None])[..., 0].T
         trial, slopes = rates(x + change, points)
         good = moves & np.isfinite(slopes).all(axis=(1, 2))
-        good &= np.linalg.norm(trial, axis=0) < 1.5 * np.linalg.norm(f, axis=0)
+        good &= rates.residual(trial, points) < 1.5 * rates.residual(f, points)
         x, f = np.where(good, x + change, x), np.where(good, trial, f)
         jacobian = np.where(good[:, None, None], slopes, jacobian)
         step *= np.where(good, GROWS, SHRINKS)
@@ -118,7 +135,10 @@ def _newton(rates: _Rates, points: NDArray[np.intp], guess: Array) -> tuple[Arra
     def residual(x: Array, at: NDArray[np.intp]) -> tuple[Array, Array]:
         return rates(x, points[at])
 
-    x, found = guess.copy(), np.zeros(points.size, dtype=bool)
+    def norm(f: Array, at: NDArray[np.intp]) -> Array:
+        return rates.residual(f, points[at])
+
+    x, found, seen = guess.copy(), np.zeros(points.size, dtype=bool), np.abs(guess)
     active = np.arange(points.size)
     for _ in range(MOST_STEPS):
         now = x[:, active]
@@ -129,27 +149,29 @@ def _newton(rates: _Rates, points: NDArray[np.intp], guess: Array) -> tuple[Arra
         if active.size == 0:
             break
         step = np.asarray(np.linalg.solve(jacobian, -f.T[..., None])[..., 0].T, dtype=float)
-        size, worse = _halvings(residual, now, step, f, active)
+        size, worse = _halvings(residual, norm, now, step, f, active)
         x[:, active] = np.where(worse, now, now + size * step)
-        small = np.abs(step).max(axis=0) < 1e-11 * (1 + np.abs(now).max(axis=0))
+        seen[:, active] = np.maximum(seen[:, active], np.abs(x[:, active]))
+        small = (np.abs(step) <= SMALL * rates.sizes(seen[:, active], points[active])).all(axis=0)
         found[active[small]] = True  # a step this small cannot lower a residual that is rounding already
         active = active[~small & ~worse]
     return x, found
 
 
 def _halvings(
-    residual: Callable[[Array, NDArray[np.intp]], tuple[Array, Array]], x: Array, step: Array, f: Array,
-    at: NDArray[np.intp],
+    residual: Callable[[Array, NDArray[np.intp]], tuple[Array, Array]], measure: Callable[[Array, NDArray[np.intp]], Array],
+    x: Array, step: Array, f: Array, at: NDArray[np.intp],
 ) -> tuple[Array, NDArray[np.bool_]]:  # fmt: skip
     """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them."""
-    norm, size = np.linalg.norm(f, axis=0), np.ones(at.size)
-    worse = ~(np.linalg.norm(residual(x + step, at)[0], axis=0) < norm)
+    norm, size = measure(f, at), np.ones(at.size)
+    worse = ~(measure(residual(x + step, at)[0], at) < norm)
     left = np.flatnonzero(worse)
     if left.size:
         sizes = 0.5 ** np.arange(1, HALVINGS + 1)[:, None]
         trial = x[:, None, left] + sizes * step[:, None, left]
-        found = residual(trial.reshape(x.shape[0], -1), np.tile(at[left], HALVINGS))[0].reshape(trial.shape)
-        lower = np.linalg.norm(found, axis=0) < norm[left]
+        many = np.tile(at[left], HALVINGS)
+        found = measure(residual(trial.reshape(x.shape[0], -1), many)[0], many).reshape(trial.shape[1:])
+        lower = found < norm[left]
         worse[left] = ~lower.any(axis=0)
         size[left] = sizes[lower.argmax(axis=0), 0]
     return size, worse

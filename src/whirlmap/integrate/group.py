@@ -44,11 +44,14 @@ class Group:
         self.kernel: LaneKernel = lane_kernel(
             model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
         )
-        self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members])
+        limits = ensemble.limits[:, members]
+        self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members], limits)
         self.h = ensemble.period[members] / steps
         self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)
         self._packed: tuple[Points, dict[str, Any]] = np.zeros(0, dtype=np.intp), {}  # of the last call
-        self.rescue = Rescue(model, ensemble.method, ensemble.tangents, ensemble.values[:, members], redo=ensemble.redo)
+        self.rescue = Rescue(
+            model, ensemble.method, ensemble.tangents, ensemble.values[:, members], limits, redo=ensemble.redo
+        )
 
     def advance(
         self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points, *, between: bool
@@ -124,8 +127,9 @@ class Group:
         less = rows - sums[:, 0]
         sums[:, 1] = np.minimum(sums[:, 1], rows)
         sums[:, 2] = np.maximum(sums[:, 2], rows)
-        sums[:, 3] += less
-        sums[:, 4] += less**2
+        with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away
+            sums[:, 3] += less
+            sums[:, 4] += less**2
         run.sums[block, :, :, lane] = sums
 
 

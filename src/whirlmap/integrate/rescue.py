@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
+from whirlmap.integrate.scales import GROWTH
 from whirlmap.kernels.event_location import CHATTERS, STICKS
 from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
@@ -24,8 +25,12 @@ SHORTEST = 10
 BISECTIONS = 50
 #: Substeps of every trial of the bisection.
 TRIAL_STEPS = 4
-#: A gap below this at the bracket's open end is an event; above it, the step failed for another reason.
+#: A gap that has shrunk to this part of its size over the step at the bracket's open end is an event; above it, the step
+#: failed for another reason.
 CLOSED = 1e-6
+#: Part of its bound, and growth since the start where the model declares none, from which a point has diverged whose
+#: steps fail.
+NEAR, GROWN = 1e-2, 1e6
 
 
 @dataclass(frozen=True)
@@ -40,17 +45,19 @@ class Outcome:
 class Rescue:
     """Redoes failed steps of one group of points, all that were lost together.
 
-    1. A lane whose step ends finite, at open gaps but beyond the model's bound, has diverged.
+    1. A lane whose step ends finite, at open gaps but beyond its limits (`scales.limits`), has diverged.
     2. The step is redone in 4, 16, 64, 256 and 1024 shorter ones; a lane that gets through goes on.
     3. Where a gap may physically close, the end is bisected: the last time at which the step still ends at open gaps.
-    4. What is left has diverged if it was near its bound, else it is unresolved.
+    4. What is left has diverged if it was near its bound (`NEAR`) or had grown far (`GROWN`), else it is unresolved.
 
     With ``redo`` off, 2 is left out and 3 is done where the step plainly ended behind a stop.
     """
 
-    def __init__(self, model: Model, method: Method, tangents: int, values: Array, *, redo: bool = True) -> None:
+    def __init__(
+        self, model: Model, method: Method, tangents: int, values: Array, limits: Array, *, redo: bool = True
+    ) -> None:
         self.model, self.method, self.tangents, self.values, self.redo = model, method, tangents, values, redo
-        self.cyclic = np.array([s.cyclic is not None for s in model.states])
+        self.limits, self.near = limits, NEAR if model.bound is not None else GROWN / GROWTH
 
     def mend(
         self, members: NDArray[np.intp], y: Array, time: Array, h: Array, cause: NDArray[np.int64]
@@ -71,9 +78,9 @@ class Rescue:
             return Outcome(status, end, stop)
         n = self.model.dimension
         after, _ = self._march(members, y, time, h, 1)
-        size = np.abs(after[:n][~self.cyclic]).sum(axis=0)
+        size = self._size(members, after[:n])
         closed = self._gaps(members, after[:n]) <= 0
-        diverged = pending & np.isfinite(size) & ~closed.any(axis=0) & (size >= self.model.bound)
+        diverged = pending & np.isfinite(size) & ~closed.any(axis=0) & (size >= 1)
         status[diverged], end[diverged] = Status.diverged, (time + h)[diverged]
         pending &= ~diverged
         # A step that plainly ends behind a gap which can close is an event: shorter steps would only find it again.
@@ -91,7 +98,7 @@ class Rescue:
         if candidates.size:
             self._locate(members, candidates, y, time, h, status, end, stop)
         left = pending & (status == Status.ok)
-        near = np.abs(y[:n][~self.cyclic]).sum(axis=0) > 1e-2 * self.model.bound
+        near = self._size(members, y[:n]) > self.near
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
         end[left] = time[left]
         return Outcome(status, end, stop)
@@ -108,12 +115,17 @@ class Rescue:
             trial, good = self._march(here, begin, time[which], h[which] * middle / TRIAL_STEPS, TRIAL_STEPS)
             low, high = np.where(good, middle, low), np.where(good, high, middle)
             last[:, good] = trial[:, good]
-        gaps = np.where(self._reachable(here), self._gaps(here, last[: self.model.dimension]), np.inf)
-        event = gaps.min(axis=0, initial=np.inf) < CLOSED
+        reachable, n = self._reachable(here), self.model.dimension
+        gaps = np.where(reachable, self._gaps(here, last[:n]), np.inf)
+        # What a gap is small against: its own size where the step begins and, if that is a number, where it ends.
+        end_gaps = np.abs(self._gaps(here, self._march(here, begin, time[which], h[which], 1)[0][:n]))
+        size_of_gaps = np.fmax(np.abs(self._gaps(here, begin[:n])), np.where(np.isfinite(end_gaps), end_gaps, 0.0))
+        left = np.divide(gaps, size_of_gaps, out=np.full_like(gaps, np.inf), where=size_of_gaps > 0)
+        event = left.min(axis=0, initial=np.inf) <= CLOSED
         found = which[event]
         y[:, found] = last[:, event]
         status[found], end[found] = Status.contact, (time[which] + low * h[which])[event]
-        stop[found] = gaps.argmin(axis=0)[event] if gaps.shape[0] else -1
+        stop[found] = left.argmin(axis=0)[event] if left.shape[0] else -1
 
     def _march(
         self, members: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
@@ -123,10 +135,17 @@ class Rescue:
         good = np.zeros((run.shape[0], 1, LANES), dtype=np.int64)
         kernel.march(
             blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), h=blocked(h[None]),
-            **kernel.inputs(self.values[:, members]).blocks(np.arange(points)), steps=steps, good=good,
+            **kernel.inputs(self.values[:, members], self.limits[:, members]).blocks(np.arange(points)), steps=steps,
+            good=good,
             work=kernel.work(),
         )  # fmt: skip
         return unblocked(run, points), unblocked(good, points)[0] != 0
+
+    def _size(self, members: NDArray[np.intp], x: Array) -> Array:
+        """States over their limits, summed as the kernel does; not a number where a state is not finite."""
+        with np.errstate(invalid="ignore"):
+            total: Array = (np.abs(x) / self.limits[:, members]).sum(axis=0)
+        return np.where(np.isfinite(x).all(axis=0), total, np.nan)
 
     def _gaps(self, members: NDArray[np.intp], x: Array) -> Array:
         return self._stops("gap", members, x)

@@ -48,19 +48,23 @@ class LaneKernel:
         """Working memory of one call."""
         return aligned(self.source.sizes.work)
 
-    def inputs(self, values: Array) -> "Inputs":
-        """Prepare the inputs of many points: values of shape (parameter, point)."""
+    def inputs(self, values: Array, limits: Array | None = None) -> "Inputs":
+        """Prepare the inputs of many points: values of shape (parameter, point).
+
+        A step that leaves ``limits``, shape (state, point), is not taken; where they are absent, one that is not finite.
+        """
         n = values.shape[1]
         index = {q.name: i for i, q in enumerate(self.model.parameters)}
         parameters = tuple(values[index[p]] if isinstance(p, str) else np.full(n, p) for p in self.source.tables.values())
         tables = {table.name: table for table in self.model.tables}
         entries, offsets = fill(tuple(tables[name] for name in self.source.tables), parameters, n)
-        return Inputs(self.source.hoisted.evaluate(values), entries, offsets)
+        inside = np.zeros((self.model.dimension, n)) if limits is None else 1 / limits
+        return Inputs(np.concatenate([self.source.hoisted.evaluate(values), inside]), entries, offsets)
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Hoisted parameters, table entries and offsets of many points."""
+    """Hoisted parameters and reciprocal limits, table entries and offsets of many points."""
 
     p: Array
     tables: Array

@@ -144,16 +144,19 @@ class ModelRoutines:
         return r
 
     def examine(self, lines: Straight) -> Routine:
-        """Write ``examine``: whether every gap is open, every state finite and (but for angles) in bounds, as -1 or 0."""
+        """Write ``examine``: whether every gap is open, every state finite and (but for angles) in bounds, as -1 or 0.
+
+        States are summed in units of their limits, whose reciprocals stand behind the parameters.
+        """
         r = Routine(self.module, "examine", {"y": "rows", "p": "rows", "good": "flags"})
         size, cyclic = number(0.0), []
         for i, s in enumerate(self.model.states):
             value = r.absolute(r.load(r.at["y"], i))
             if s.cyclic is None:
-                size = r.add(size, value)
+                size = r.add(size, r.mul(value, r.load(r.at["p"], len(self.hoisted.symbols) + i)))
             else:
                 cyclic.append(r.less(value, number(float("inf"))))
-        good = r.less(size, number(float(self.model.bound)))
+        good = r.less(size, number(1.0))
         for finite in cyclic:
             good = r.b.and_(good, finite)
         for gap in self._results(r, lines):

@@ -148,7 +148,8 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
     sizes = Sizes(
-        states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols), tables=len(model.tables),
+        states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + model.dimension,
+        tables=len(model.tables),
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
         homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs, surfaces=len(found.surfaces),
     )  # fmt: skip

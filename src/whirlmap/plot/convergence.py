@@ -51,7 +51,7 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
     # The first means are of a few periods: they may run off the axis, so that the rest can be read.
     settled = running[len(running) // 10 :]
     bounds = np.concatenate([settled.ravel(), final - errors * error, final + errors * error, [0.0]])
-    size = max(float(np.ptp(bounds)), 4 * errors * float(error.max()), 1e-12)
+    size = max(float(np.ptp(bounds)), 4 * errors * float(error.max()), np.finfo(float).tiny)
     ax.set_ylim(float(bounds.min()) - 0.15 * size, float(bounds.max()) + 0.15 * size)
     ax.set_xlim(0, float(period[-1]))
     ax.set_xlabel("common periods [–]")
@@ -68,5 +68,7 @@ def with_error(value: float, error: float) -> str:
         return f"{value:.4g}".replace("-", "−")
     if error < 1e-4 * abs(value):
         return f"{value:.6g} ± {error:.1g}".replace("-", "−")
-    digits = int(np.clip(1 - np.floor(np.log10(error)), 0, 8))
+    digits = int(max(1 - np.floor(np.log10(error)), 0))
+    if digits > 8:  # of a clock whose unit is long: powers of ten read better than zeros
+        return f"{value:.4g} ± {error:.2g}".replace("-", "−")
     return f"{value:.{digits}f} ± {error:.{digits}f}".replace("-", "−")

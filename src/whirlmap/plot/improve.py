@@ -69,7 +69,7 @@ def _line(ax: Axes, ds: xr.Dataset, name: str, values: np.ndarray, label: str) -
     ax.set_xscale("log" if is_log(coarse) else "linear")
     ax.set(
         xlabel=_label(ds, name), ylabel=label, xlim=cell_edges(coarse, log=is_log(coarse))[[0, -1]],
-        ylim=(0, 1.12 * max(np.nanmax(values), 1e-12)),
+        ylim=(0, 1.12 * max(np.nanmax(values), np.finfo(float).tiny)),
     )  # fmt: skip
 
 

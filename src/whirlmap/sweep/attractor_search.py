@@ -6,11 +6,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.attractors import on_orbit, on_set, scales
+from whirlmap.analysis.attractors import on_orbit, on_set
 from whirlmap.analysis.points import cyclic_states, make_ensemble
 from whirlmap.analysis.returns import settle_and_record
 from whirlmap.analysis.settling import POOL
 from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
@@ -114,9 +115,8 @@ class Search:
         common = ensemble.common_multiple
         orbit = ensemble.advance(m * common, save_periods=common, extremes=True)
         assert orbit.extremes is not None
-        extent = (orbit.extremes["maximum"] - orbit.extremes["minimum"])[rows, 0]
-        points = orbit.saved[:, :, 0]
-        self.orbits[len(self.found.representative)] = points, scales(points, extent, self.cyclic)
+        low, high = (orbit.extremes[name][rows] for name in ("minimum", "maximum"))
+        self.orbits[len(self.found.representative)] = orbit.saved[:, :, 0], self._scale(low, high)
         self._take(returned[:1], self.x[:, first], m)
 
     def _label(self, chosen: NDArray[np.intp]) -> None:
@@ -144,7 +144,10 @@ class Search:
         """Give a start to the known set that its trace ends on, or make it a new one with all starts that lie on it."""
         f = self.found
         last = trace[-RECORD:, :, None]
-        known = [n for n, (t, kind) in self.traces.items() if on_set(last, t, self.cyclic, smooth=kind)[0]]
+        known = [
+            n for n, (t, kind) in self.traces.items()
+            if on_set(last, t, self.cyclic, smooth=kind, scale=self._scale_of(t))[0]
+        ]  # fmt: skip
         if known:  # it came there later than its record
             f.of[start] = known[0]
             return
@@ -153,7 +156,7 @@ class Search:
         left = left[(self.multiple[left] == 0) | (not self.system.model.forced)]
         if left.size:
             records = np.stack([self.records[int(i)] for i in left], axis=2)
-            left = left[on_set(records, trace, self.cyclic, smooth=smooth)]
+            left = left[on_set(records, trace, self.cyclic, smooth=smooth, scale=self._scale_of(trace))]
         self.traces[len(f.representative)] = trace, smooth
         self._take(np.append(left, start), self.x[:, start], multiple)
 
@@ -163,6 +166,14 @@ class Search:
         common = ensemble.common_multiple
         saved = ensemble.advance(TRACE * common, save_periods=common, progress=self.progress).saved
         return np.moveaxis(saved, 2, 0)
+
+    def _scale(self, low: Array, high: Array) -> Array:
+        """What differences of states are divided by, from their extremes, shape (state, 1)."""
+        model, period = self.system.model, np.array([self.system.period])
+        return scales(model, period, high - low, np.maximum(np.abs(low), np.abs(high)))[:, 0]
+
+    def _scale_of(self, trace: Array) -> Array:
+        return self._scale(trace.min(axis=0)[:, None], trace.max(axis=0)[:, None])
 
     def _take(self, members: NDArray[np.intp], state: Array, multiple: int) -> None:
         f = self.found

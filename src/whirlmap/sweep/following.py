@@ -14,6 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.points import cyclic_states
+from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
@@ -26,7 +27,7 @@ Places = NDArray[np.intp]
 #: Part of each state's range within which the extremes of two periodic motions are the same: a motion is carried on while it
 #: still settles at the new speed.
 SAME = 1e-2
-#: Part of the largest range among the states below which differences of a state do not count.
+#: Part of the largest range among the states that are alike (`scales`) below which differences of a state do not count.
 LEAST = 1e-3
 
 
@@ -113,6 +114,7 @@ class _Marks:
 
         states = len(system.states)
         steady = [k for k in range(states) if k not in cyclic_states(system)]  # an angle that turns has no extremes
+        self.model, self.period, self.steady = system.model, system.period, steady
         self.place, status = column("place"), column("status")
         self.kind = np.where(status != Status.ok, 2 + status, column("regime") != Regime.periodic)
         self.low, self.high = column("minimum")[:, steady], column("maximum")[:, steady]
@@ -129,8 +131,8 @@ class _Marks:
 
     def _same(self, a: Places, b: Places) -> NDArray[np.bool_]:
         extent = np.maximum(self.high[a] - self.low[a], self.high[b] - self.low[b])
-        size = np.maximum(np.abs(self.high[a]), np.abs(self.low[a])).max(axis=1, keepdims=True)
-        scale = np.maximum(extent, np.maximum(LEAST * extent.max(axis=1, keepdims=True), 1e-9 * size))
+        size = np.maximum(np.abs(self.high[a]), np.abs(self.low[a]))
+        scale = scales(self.model, np.full(a.size, self.period), extent.T, size.T, share=LEAST, rows=self.steady).T
         apart = np.maximum(np.abs(self.high[a] - self.high[b]), np.abs(self.low[a] - self.low[b]))
         alike = (self.kind[a] != 0) | (apart <= SAME * scale).all(axis=1)
         return np.asarray((self.kind[a] == self.kind[b]) & alike)

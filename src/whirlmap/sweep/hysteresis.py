@@ -6,6 +6,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.attractors import on_set
 from whirlmap.analysis.points import cyclic_states
+from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
@@ -44,11 +45,16 @@ def with_hysteresis(ds: xr.Dataset, system: System, parameter: str) -> xr.Datase
     cyclic = {kept.index(system.states[k]): p for k, p in cyclic_states(system).items() if system.states[k] in kept}
     extent = ds["peak_to_peak"].max("direction").sel(quantity=kept).transpose("quantity", ...).values
     periodic = ran & (labels == Regime.periodic).all(axis=0) & bool(system.model.forced)
-    out[periodic] = _apart(a[:, :, periodic], _last(b)[:, periodic], extent[:, periodic], cyclic) > SAME_BRANCH
+    largest = np.abs(np.stack([s[name].sel(quantity=kept).transpose("quantity", ...).values
+                               for s in (up, down) for name in ("minimum", "maximum")])).max(axis=0)  # fmt: skip
+    period = np.full(labels.shape[1], system.period)
+    scale = scales(system.model, period, extent, largest, rows=[system.states.index(name) for name in kept])
+    out[periodic] = _apart(a[:, :, periodic], _last(b)[:, periodic], scale[:, periodic], cyclic) > SAME_BRANCH
     for k in np.flatnonzero(ran & ~periodic & (out == 0)):
         pair = [side[np.isfinite(side[:, 0, k]), :, k] for side in (a, b)]
         if min(map(len, pair)) >= LEAST:
-            out[k] = not any(on_set(p[:, :, None], q, cyclic)[0] for p, q in (pair, pair[::-1]))
+            same = (on_set(p[:, :, None], q, cyclic, scale=scale[:, k])[0] for p, q in (pair, pair[::-1]))
+            out[k] = not any(same)
     out[np.isin(status, (Status.failed, Status.unresolved)).any(axis=0)] = -1
     flags = {"flag_values": np.array(list(MEANINGS), dtype=np.int8), "flag_meanings": " ".join(MEANINGS.values())}
     ds["hysteresis"] = variable(parameter, out, "1", "whether the branches of the sweeps up and down differ", **flags)
@@ -77,14 +83,12 @@ def _last(section: Array) -> Array:
     return np.take_along_axis(section, ends[None, None, :], axis=0)[0]
 
 
-def _apart(points: Array, other: Array, extent: Array, cyclic: dict[int, float]) -> Array:
+def _apart(points: Array, other: Array, scale: Array, cyclic: dict[int, float]) -> Array:
     """Smallest scaled distance of any of the points (time, state, point) from one other (state, point)."""
-    scale = np.maximum(extent, 1e-6 * np.maximum(extent.max(axis=0, initial=0.0), np.abs(other)))
     apart = points - other
     for k, period in cyclic.items():
-        scale[k] = np.minimum(scale[k], period)
         apart[:, k] -= period * np.rint(apart[:, k] / period)
-    distance = (np.abs(apart) / np.where(scale > 0, scale, 1.0)).max(axis=1, initial=0.0)
+    distance = (np.abs(apart) / scale).max(axis=1, initial=0.0)
     found: Array = np.fmin.reduce(distance, axis=0, initial=np.inf)  # NaN pads what is shorter
     return found
 

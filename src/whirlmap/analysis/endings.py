@@ -1,0 +1,99 @@
+"""Ends of runs that are believed: those that more steps find again.
+
+Steps are chosen where a motion begins. A stop that is reached later, a wall or a stiff contact may ask for many more, and a
+run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from its
+start, twice at most, each time with twice the steps or as many as the motion shortly before its end asks for (`choose_steps`):
+
+1. An end is believed where the next run ends alike, at the same time.
+2. Where the motion before it is chaotic the times differ: then it is believed where all runs end alike.
+3. A point that does not end with more steps goes on with these.
+4. What ends otherwise each time, or diverges though no steps of the ladder meet the accuracy, is unresolved.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.integrate.accuracy import Verdict, choose_steps
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+Points = NDArray[np.intp]
+
+#: Runs after the first one, and how much more steps each takes at least.
+RUNS, MORE = 2, 2
+#: Common periods before an end from which the steps are chosen, and over which they are tried.
+BEFORE, SPAN = 1, 2
+#: Difference of two times of an end, in T, that are the same; of a divergence beside two steps of the coarser run, for it is
+#: seen at the end of a step.
+SAME_TIME = 1e-3
+
+
+def confirm_ends(
+    ensemble: Ensemble, start: Array, began: NDArray[np.int64], settle_again: Callable[[Ensemble, Points], None]
+) -> None:
+    """Run points that have ended again, with more steps, in place: they go on, or their end is believed, or unresolved.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Its steps were chosen for an accuracy.
+    start : array, shape (state, point)
+    began : array of int, shape (point,)
+        The ``turns`` at which the points began there, whole common periods.
+    settle_again : callable
+        ``settle_again(part, members)`` runs a part of the points on from their start as they were run before.
+    """
+    assert ensemble.accuracy is not None
+    left = np.flatnonzero(~ensemble.running)
+    every = [ensemble.status.copy()]
+    for _ in range(RUNS):
+        if not left.size:
+            return
+        steps, stiff = _steps_before_the_end(ensemble, left, start, began)
+        part = restarted(ensemble, left, start, began, np.maximum(MORE * ensemble.point_steps[left], steps))
+        coarse = ensemble.point_steps[left]
+        status, time = ensemble.status[left], ensemble.end_time[left] / ensemble.period[left]
+        settle_again(part, left)
+        ensemble.absorb(part, left)
+        every.append(ensemble.status.copy())
+        with np.errstate(invalid="ignore"):
+            apart = np.abs(part.end_time / part.period - time)
+            alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, 2 / coarse, 0.0))
+        doubt = stiff & (part.status == Status.diverged)
+        ensemble.status[left[doubt]] = Status.unresolved
+        left = left[(part.status != Status.ok) & ~alike & ~doubt]
+    different = (np.array(every)[:, left] != every[-1][left]).any(axis=0)
+    ensemble.status[left[different]] = Status.unresolved
+
+
+def restarted(
+    ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64], steps: NDArray[np.int64]
+) -> Ensemble:
+    """Points back at their start, with other steps."""
+    part = ensemble.subset(members, steps=steps)
+    part.x[:] = start[:, members]
+    part.status[:], part.end_time[:], part.end_stop[:], part.turns[:] = Status.ok, np.nan, -1, began[members]
+    return part
+
+
+def _steps_before_the_end(
+    ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
+    """Steps that the motion just before its end asks for, and where no steps of the ladder meet the accuracy."""
+    assert ensemble.accuracy is not None
+    part = restarted(ensemble, members, start, began, ensemble.point_steps[members])
+    common = part.common_multiple
+    with np.errstate(invalid="ignore"):
+        ended = np.floor(ensemble.end_time[members] / (part.period * common))
+    count = np.where(np.isfinite(ended), ended, 0).astype(np.int64) - began[members] // common
+    count = np.maximum(count - BEFORE, 0)
+    for periods in np.unique(count[count > 0]):
+        part.advance(int(periods) * common, members=np.flatnonzero(count == periods))
+    steps, stiff = np.zeros(members.size, dtype=np.int64), np.zeros(members.size, dtype=bool)
+    at = np.flatnonzero(part.running)
+    rungs = choose_steps(part, ensemble.accuracy, members=at, least=part.point_steps[at], span=SPAN)
+    steps[at], stiff[at] = rungs.steps, rungs.verdict == Verdict.stiff
+    return steps, stiff
