@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.scales import GROWTH
-from whirlmap.kernels.event_location import CHATTERS, STICKS
 from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.saltation import CHATTERS, STICKS
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]

@@ -20,7 +20,6 @@ from whirlmap.errors import ModelError
 from whirlmap.kernels.advancing import Parts, advance
 from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import Entries, Forms, along_code, jacobian_code
-from whirlmap.kernels.event_location import Surfaces
 from whirlmap.kernels.event_location import through as write_through
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.hermite import Between
@@ -31,6 +30,7 @@ from whirlmap.kernels.methods import Method
 from whirlmap.kernels.rates import ModelRoutines, Slopes, Time, direction_name
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import FAST_MATH, LANES
+from whirlmap.kernels.saltation import Surfaces
 from whirlmap.kernels.sines import Sines
 from whirlmap.kernels.sliding import sliding_rates
 from whirlmap.kernels.stepping import Run, Sizes
