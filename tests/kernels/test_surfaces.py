@@ -12,7 +12,7 @@ F, w = Parameter("F", "1", "force"), Parameter("w", "1", "frequency", above=0)
 
 
 def found(force):
-    return sided(Model("found", (x, v), (F, w), {x: v, v: force + cos(w * t)}, harmonics=(w,)))
+    return sided(Model("found", (x, v), (F, w), {x: v, v: force + F * cos(w * t)}, harmonics=(w,)))
 
 
 @pytest.mark.parametrize(

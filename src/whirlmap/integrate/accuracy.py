@@ -234,8 +234,8 @@ class _Trial:
             parts = (v.reshape(*v.shape[:-1], self.sections, -1) for v in (a, b))
             return np.concatenate(list(parts), axis=-1).reshape(*a.shape[:-1], -1)
 
-        names = ("saved", "size", "status", "end")
-        return _Trial(other.steps, *(both(getattr(self, n), getattr(other, n)) for n in names), self.sections)
+        saved, size, status, end = (both(getattr(self, n), getattr(other, n)) for n in ("saved", "size", "status", "end"))
+        return _Trial(other.steps, saved, size, status, end, self.sections)
 
     def difference(self, finer: "_Trial") -> Array:
         """Largest scaled difference of every point; infinite where only one of the two ended, or either failed."""

@@ -8,7 +8,9 @@ a step are smooth, whatever the model is made of, and a crossing is the zero of 
 Not found, and so not located: surfaces inside of tables, and points at which a root of a sum of squares is singular.
 """
 
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -59,13 +61,14 @@ class Sided:
     flat: list[bool] = field(default_factory=list)
 
 
+@lru_cache(maxsize=64)
 def sided(model: Model) -> Sided:
     """Find the surfaces of a model, and rewrite its rates for one side of each."""
     out = Sided()
     moving = {*model.states, t}
     for state in model.states:
         out.rates.append(_odd(_rewritten(normal_form(model.equations[state]), moving, out), out))
-    out.jumps = [_jumps(model, out, k) for k in range(len(out.surfaces))]
+    out.jumps = _jumps(model, out) if out.surfaces else []
     varying = moving | set(out.sides)
     out.flat = [not any(g.diff(s).free_symbols & varying for s in model.states) for g in out.surfaces]
     return out
@@ -117,38 +120,43 @@ def _odd(e: Expr, found: Sided) -> Expr:
     )
 
 
-def _jumps(model: Model, found: Sided, k: int) -> bool:
-    """Whether any rate differs between the two sides of a surface, at random states on it.
+def _jumps(model: Model, found: Sided) -> list[bool]:
+    """Whether any rate differs between the two sides of each surface, at random states on it.
 
     A surface on which no state was found counts as one where rates jump: its crossings then cost more, and nothing else.
     """
-    rng = np.random.default_rng(5)
     symbols = [*model.states, *model.parameters, t]
-    surface = found.surfaces[k]
-    g = lambdify([symbols, found.sides], [surface, *(surface.diff(s) for s in (*model.states, t))], "numpy")
-    both = lambdify([symbols, found.sides], [_without_tables(e) for e in found.rates], "numpy")
-    n, seen = len(model.states), False
+    rates = lambdify([symbols, found.sides], [_without_tables(e) for e in found.rates], "numpy")
+    out = []
+    for k, surface in enumerate(found.surfaces):
+        slopes = [surface.diff(s) for s in (*model.states, t)]
+        g = lambdify([symbols, found.sides], [surface, *slopes], "numpy")
+        differences = list(_differences(g, rates, k, len(model.states), len(symbols), len(found.sides)))
+        out.append(not differences or max(differences) > JUMP)
+    return out
+
+
+def _differences(
+    g: Callable[..., Any], rates: Callable[..., Any], k: int, states: int, symbols: int, sides: int
+) -> Iterator[float]:
+    """Relative differences of the rates between the sides of a surface, at random points put on it by Newton's method."""
+    rng = np.random.default_rng(5)
     for _ in range(SAMPLES):
-        point = rng.uniform(0.4, 1.6, len(symbols))
-        point[:n] *= rng.choice([-1.0, 1.0], n)
-        sides = rng.choice([-1.0, 1.0], len(found.sides))
+        point, side = rng.uniform(0.4, 1.6, symbols), rng.choice([-1.0, 1.0], sides)
+        point[:states] *= rng.choice([-1.0, 1.0], states)
         with np.errstate(all="ignore"):
             for _ in range(NEWTON):
-                value, *slope = (float(v) for v in g(point, sides))
+                value, *slope = (float(v) for v in g(point, side))
                 size = sum(v * v for v in slope)
                 if not (np.isfinite(size) and size > 0):
                     break
-                step = value / size
-                point[:n] -= step * np.array(slope[:n])
-                point[-1] -= step * slope[-1]
+                point[:states] -= value / size * np.array(slope[:states])
+                point[-1] -= value / size * slope[-1]
             if not (np.isfinite(size) and size > 0 and abs(value) <= 1e-12 * (abs(value) + size**0.5)):
                 continue
-            one, other = (np.array(both(point, _with(sides, k, m)), dtype=float) for m in (1.0, -1.0))
+            one, other = (np.array(rates(point, _with(side, k, m)), dtype=float) for m in (1.0, -1.0))
         if np.isfinite(one).all() and np.isfinite(other).all():
-            seen = True
-            if (np.abs(one - other) > JUMP * (np.abs(one) + np.abs(other)).max()).any():
-                return True
-    return not seen
+            yield float(np.abs(one - other).max() / max((np.abs(one) + np.abs(other)).max(), 1e-300))
 
 
 def _with(sides: NDArray[np.float64], k: int, value: float) -> NDArray[np.float64]:
