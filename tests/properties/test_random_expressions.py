@@ -1,7 +1,7 @@
 """Random expressions over all functions that a model may use: compiled rates and Jacobian against mpmath.
 
 The truth is the expression as SymPy holds it, evaluated node by node as a real number with its slopes (dual numbers) in 40
-digits. What is complex there is NaN, and comparisons with NaN are false. Every node is also moved by a rounding or so, at
+digits. What is complex there is NaN; conditions with NaN are not compared. Every node is also moved by a rounding or so, at
 random: how far the result moves by that is the error that is allowed. ``WHIRLMAP_MODELS=500`` tries more than the suite.
 """
 
@@ -17,6 +17,7 @@ from hypothesis import strategies as st
 from sympy.core.relational import Relational
 
 from whirlmap.equations import Model, Parameter, State, allowed, when
+from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System
 
 EXPRESSIONS = 5 * int(os.environ.get("WHIRLMAP_MODELS", "6"))
@@ -123,7 +124,7 @@ class Dual:
             return bool(c)
         if isinstance(c, Relational):
             d = self(c.lhs)[0] - self(c.rhs)[0]
-            self._by(d)
+            self._by(mp.mpf(0) if mp.isnan(d) else d)  # SymPy writes "not >" as "<=", so both fail
             return bool({">": d > 0, "<": d < 0, ">=": d >= 0, "<=": d <= 0, "==": d == 0, "!=": d != 0}[c.rel_op])
         parts = [self.truth(arg) for arg in c.args]
         if isinstance(c, sp.And):
@@ -174,7 +175,7 @@ def check(rates, places):
         with np.errstate(all="ignore"):
             allowed = 20 * np.abs(np.array(noisy) - true).max(axis=0) + 1e-14 * np.abs(true) + 1e-290
         for i in range(2):
-            if np.isnan(true[i, 0]):
+            if np.isnan(true[i, 0]) and near >= 1e-9:
                 assert not np.isfinite(got[i, 0, k]), (rates[i], places[:, k])
             sure = np.isfinite(true[i]) & (np.abs(true[i]) < 1e100) & (allowed[i] < 1e-6 * np.abs(true[i]) + 1e-9)
             if near < 1e-9 or not sure[0]:
@@ -201,6 +202,10 @@ def test_rates_and_jacobian_of_any_expression(first, second, seed):
     rates = [sp.sympify(e) + s for e, s in ((first * second, y), (first + second, x))]
     assume(not allowed.fault(rates))  # complex constants such as asin(2) are refused where a model is declared
     places = np.random.default_rng(seed).uniform(-2, 2, (2, POINTS))
-    check(rates, places)
+    try:
+        check(rates, places)
+    except ModelError as error:  # acos(Max(2, x)) > 0 compares what is real nowhere
+        assume("non-real" not in str(error))
+        raise
 
 

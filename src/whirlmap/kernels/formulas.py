@@ -140,5 +140,5 @@ def _function(text: str, calls: Mapping[str, Callable[..., Any]]) -> Callable[..
 
         namespace |= {name: getattr(special, name) for name in SPECIAL}
     exec(text, namespace)
-    made: Callable[..., Any] = namespace["formula"]
+    made: Callable[..., Any] = np.errstate(all="ignore")(namespace["formula"])  # branches that are not chosen may fail
     return made

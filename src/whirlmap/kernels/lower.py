@@ -14,8 +14,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from sympy import Abs, Add, Expr, Integer, Mul, Symbol, cos, cse, sin, sympify
-from sympy.core.relational import Relational
-from sympy.logic.boolalg import BooleanFunction
+from sympy.logic.boolalg import Boolean
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import magnitude, tabulated
@@ -168,7 +167,7 @@ def _conditions_in_place(
     numbers = []
     for symbol, e in shared:
         e = e.xreplace(truths)
-        if isinstance(e, Relational | BooleanFunction):
+        if isinstance(e, Boolean) and not isinstance(e, Symbol):
             truths[symbol] = e
         else:
             numbers.append((symbol, e))

@@ -36,6 +36,7 @@ from whirlmap.errors import ModelError
 
 #: Functions that are real numbers for some real arguments only.
 PARTIAL = (log, asin, acos, acosh, atanh)
+REWRITTEN = (Max, Min, Heaviside, Piecewise, Pow, sign)
 
 
 def normal_form(expression: Any) -> Expr:
@@ -55,9 +56,12 @@ def normal_form(expression: Any) -> Expr:
     Raises
     ------
     ModelError
-        A ``Piecewise`` has no default, or a condition is no relation between expressions.
+        A ``Piecewise`` has no default, or a condition is no relation between real expressions.
     """
-    return sympify(expression).replace(lambda e: isinstance(e, Max | Min | Heaviside | Piecewise | Pow | sign), _rewritten)
+    try:
+        return sympify(expression).replace(lambda e: isinstance(e, REWRITTEN), _rewritten)
+    except TypeError as error:  # SymPy compares no complex numbers
+        raise ModelError(f"{expression} cannot be computed: {error}") from None
 
 
 def _rewritten(e: Any) -> Expr:
@@ -81,10 +85,11 @@ def _extreme(e: Max | Min) -> Expr:
     arguments = sorted(e.args, key=lambda a: (not a.is_number, _may_be_nan(a), a.has(State) or a.has(t)))  # stable
     relation = (lambda a, b: a >= b) if isinstance(e, Max) else (lambda a, b: a <= b)
     if len(arguments) > 1 and _may_be_nan(arguments[-2]):
-        cases = [(a, And(*(relation(a, other) for other in arguments if other != a))) for a in arguments]
+        cases = [(a, _condition(And(*(relation(a, other) for other in arguments if other != a)))) for a in arguments]
         return Piecewise(*cases, (sum(a for a in arguments if _may_be_nan(a)), True))
     cases = [
-        (value, And(*(relation(value, other) for other in arguments[i + 1 :]))) for i, value in enumerate(arguments[:-1])
+        (value, _condition(And(*(relation(value, other) for other in arguments[i + 1 :]))))
+        for i, value in enumerate(arguments[:-1])
     ]  # fmt: skip
     return Piecewise(*cases, (arguments[-1], True))
 
@@ -123,9 +128,21 @@ def _piecewise(e: Piecewise) -> Expr:
     return Piecewise(*(ExprCondPair(pair.expr, c) for pair, c in zip(e.args, conditions, strict=True)))
 
 
+def _relation(relation: Relational) -> Boolean:
+    """The relation, of a difference to zero where neither side is a number or a symbol.
+
+    SymPy's canonical form of some others alternates between two forever.
+    """
+    if any(side.is_number or side.is_Symbol for side in relation.args):
+        return relation
+    return relation.func(relation.lhs - relation.rhs, 0)
+
+
 def _condition(condition: Boolean) -> Boolean:
     """The condition in And, Or and Not of relations; the same object where it is so already."""
-    if isinstance(condition, Relational | BooleanAtom):
+    if isinstance(condition, Relational):
+        return _relation(condition)
+    if isinstance(condition, BooleanAtom):
         return condition
     if isinstance(condition, And | Or | Not):
         parts = [_condition(a) for a in condition.args]

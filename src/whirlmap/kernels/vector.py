@@ -3,7 +3,7 @@
 from typing import Any
 
 from llvmlite import ir
-from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow, cos, sin
+from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow, cos, sin, zoo
 from sympy import sign as sympy_sign
 from sympy.core.relational import Relational
 from sympy.logic.boolalg import ITE, And, BooleanAtom, Not, Or
@@ -53,7 +53,7 @@ class VectorCode:
     def _write(self, e: Any) -> Value:
         r = self.r
         if e.is_number:
-            return number(float(e))
+            return number(_real(e))
         if isinstance(e, Add):
             return self._sum(e)
         if isinstance(e, Mul):
@@ -150,3 +150,11 @@ class VectorCode:
         if isinstance(condition, BooleanAtom):
             return ir.Constant(MASK, [int(bool(condition))] * LANES)
         raise ModelError(f"condition {condition} cannot be lowered")
+
+
+def _real(constant: Expr) -> float:
+    """A constant of a branch: what is complex there is no real number, and the reciprocal of zero is infinite."""
+    if constant.has(zoo):
+        return float("inf")
+    value = complex(constant)
+    return value.real if value.imag == 0.0 else float("nan")
