@@ -183,8 +183,9 @@ def numba_rhs(model: Model) -> Any:
     body += [f"{name} = {value}" for name, value in made.assignments()]
     body += [f"dy[{i}] = {value}" for i, value in enumerate(made.results())]
     text = NUMBA.format(
-        library=", ".join(CALLED), fast=", ".join(repr(f) for f in FAST_MATH), states=model.dimension, body="\n".join(f"    {b}" for b in body)
-    )
+        library=", ".join(CALLED), fast=", ".join(repr(f) for f in FAST_MATH), states=model.dimension,
+        body="\n".join(f"    {b}" for b in body),
+    )  # fmt: skip
     names: dict[str, Any] = {}
     exec(compile(text, f"rhs of {model.name}", "exec"), names)
     return names["rhs"]

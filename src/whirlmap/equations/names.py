@@ -15,7 +15,8 @@ _RESULTS = """
     attractor attractor_of member indicator outcome vote start starts share share_error outcome_starts outcome_share
     outcome_share_error start_state start_regime start_status zero_one zero_one_low digits winding_error
     amplitude tooth_contact verdict margin probability front rpm
-    frequency frequency_step resolution power density floor line_frequency line_power line_present line_floor line_fraction broadband_fraction
+    frequency frequency_step resolution power density floor line_frequency line_power line_present line_floor
+    line_fraction broadband_fraction
     mode growth damping_ratio whirl line clock equilibrium
 """
 

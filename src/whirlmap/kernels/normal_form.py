@@ -13,6 +13,7 @@ from sympy import (
     Integer,
     Max,
     Min,
+    Mul,
     Not,
     Or,
     Piecewise,
@@ -111,9 +112,11 @@ def _step(x: Expr, at_zero: Expr) -> Expr:
 def _power(e: Pow) -> Expr:
     """Power of a Piecewise as the Piecewise of powers: ``Max(x, 0)**p`` has slope 0, not 0 times infinity, where x < 0."""
     base, exponent = e.args
-    if not isinstance(base, Piecewise) or isinstance(exponent, Integer):
+    factors = [f for f in Mul.make_args(base) if isinstance(f, Piecewise)]
+    if len(factors) != 1 or isinstance(exponent, Integer):
         return e
-    return Piecewise(*((pair.expr**exponent, pair.cond) for pair in base.args))
+    rest = Mul(*(f for f in Mul.make_args(base) if f is not factors[0]))
+    return Piecewise(*(((rest * pair.expr) ** exponent, pair.cond) for pair in factors[0].args))
 
 
 def _piecewise(e: Piecewise) -> Expr:
