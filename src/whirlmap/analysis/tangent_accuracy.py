@@ -28,7 +28,7 @@ TRIAL = 4
 #: a motion contracts several times as fast in some parts of its period as in others.
 APART = 8.0
 #: Most steps per T, and most doublings of them.
-MOST, DOUBLINGS = 8192, 4
+MOST, DOUBLINGS = 8192, 5
 #: Errors of the steps, over the exponent and over one growth in a T, that are small enough: for spectra, and for labels.
 FINE, COARSE = (1e-6, 1e-6), (1e-3, 1e-4)
 #: Fall of the error with twice the steps below which the method has lost its order.
@@ -88,14 +88,17 @@ def tuned(ensemble: Ensemble, wanted: tuple[float, float] = COARSE, *, returns: 
         with np.errstate(invalid="ignore"):
             good = (found <= wanted[0] * size + wanted[1] / ensemble.period[left]).all(axis=0)
             falls = (found < np.maximum(error[:, left] / LEFT / STALLED, found.max(axis=0) / 1e3)).all(axis=0)
+        seen, before = np.isfinite(found).all(axis=0), np.isfinite(error[:, left]).all(axis=0)
         # Where the error does not fall as it should, the rates have corners: more steps cost more than they bring.
-        takes = np.isfinite(found).all(axis=0) & (falls if doubling else True)
-        steps[left[~takes]] //= 2 if doubling else 1
+        stalled = seen & before & ~falls
+        takes = seen & ~stalled
+        steps[left[stalled]] //= 2
         error[:, left[takes]] = LEFT * found[:, takes]
-        if doubling and not returns:
-            error[:, left[~takes]] = 0.0
-        orth[left] = _needed(finer, steps[left])
-        stay = takes & ~good & (2 * steps[left] <= MOST) & (doubling < DOUBLINGS)
+        if not returns:
+            error[:, left[stalled]] = 0.0
+        orth[left[seen]] = _needed(finer[..., seen], steps[left[seen]])
+        # Where a trial ends, its steps are too long for the motion itself.
+        stay = ((takes & ~good) | ~seen) & (2 * steps[left] <= MOST) & (doubling < DOUBLINGS)
         left = left[stay]
         steps[left] *= 2
     everything = np.arange(n)

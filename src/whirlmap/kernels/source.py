@@ -139,6 +139,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
     observed_along = along_code(observed, names, directions, hoisted)
     guards, surfaces = _guards(model, found, names, directions, hoisted)
+    kept = straight(model, pole_guards(model), hoisted)  # before the number of inputs counts
     nodes = tuple(sorted({float(c) for c in method.c}))
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
@@ -148,8 +149,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
-    kept = pole_guards(model)
-    same_side = routines.same_side(straight(model, kept, hoisted)) if kept else None
+    same_side = routines.same_side(kept) if kept.results else None
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + model.dimension,
         tables=len(model.tables),
