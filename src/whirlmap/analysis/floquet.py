@@ -18,8 +18,10 @@ from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
 
-#: Segments of the orbit per T: within one of them no direction may shrink by more than doubles hold.
+#: Segments of the orbit per T to begin with: within one of them no direction may shrink by more than doubles hold.
 SEGMENTS = 4
+#: Largest change of a logarithm, over the larger of it and one, with which segments are short enough; most doublings.
+CLOSE, DOUBLINGS = 1e-9, 6
 #: Least steps of the eighth-order method per T.
 STEPS = 64
 #: Most passes round the orbit until its invariant subspaces stand still, and how still that is.
@@ -39,12 +41,13 @@ def floquet_multipliers(
     duration : float
         Length of the orbit [model's time]: a whole number of T, or the time between returns of an unforced orbit.
     steps : int
-        Steps of DOP853 per T, rounded up to a whole number in each segment.
+        Steps of DOP853 per T to begin with, rounded up to a whole number in each segment.
 
     Returns
     -------
     xr.Dataset
-        Over ``multiplier``, largest modulus first: ``log_modulus``, ``argument`` [rad], ``real`` and ``imaginary``.
+        Over ``multiplier``, largest modulus first: ``log_modulus`` and ``log_modulus_error``, ``argument`` [rad],
+        ``real`` and ``imaginary``.
         ``trivial``, index of the multiplier of an unforced orbit's own time direction (the one nearest 1; -1 for a
         forced system, which has none), with ``trivial_error`` its distance from 1; ``stable``, whether all others lie
         inside the unit circle; ``closure``, how far the orbit misses its start, over its size (cyclic states apart).
@@ -61,7 +64,9 @@ def floquet_multipliers(
     product is never formed: its smallest multipliers would drown in the rounding of the largest. Orthonormal frames are
     carried round the orbit (QR) until the subspaces they span return to themselves; the multipliers are the
     eigenvalues of the diagonal blocks, each a product of triangular blocks with its own scale [lust2001]. Each is good to
-    rounding relative to itself, as long as no direction shrinks by more than about 1e-12 within one segment.
+    rounding relative to itself, as long as no direction shrinks by more than about 1e-12 within one segment. So
+    segments, and the steps with them, are doubled until no logarithm of a modulus changes by more than `CLOSE`;
+    ``log_modulus_error`` is the last change.
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
     """
@@ -72,18 +77,19 @@ def floquet_multipliers(
     turns = duration / system.period
     if system.model.forced and abs(turns - round(turns)) > 1e-9:
         raise RangeError(f"duration is {turns:g} T: an orbit of a forced system lasts a whole number of T")
-    segments = SEGMENTS * ceil(round(turns, 9))
-    each = ceil(steps / SEGMENTS)
-    orbit = np.empty((n, segments + 1))
-    orbit[:, 0] = start
-    h = duration / segments / each
-    matrices = np.empty((segments, n, n))
-    run = _Segment.of(system, h, each)
-    for k in range(segments):
-        orbit[:, k + 1], matrices[k] = run.transition(orbit[:, k], k * each)
-    log_modulus, argument = _eigenvalues_of_product(matrices)
-    order = np.lexsort((-argument, -log_modulus))
-    log_modulus, argument = log_modulus[order], argument[order]
+    whole = ceil(round(turns, 9))
+    segments, each = SEGMENTS, ceil(steps / SEGMENTS)
+    orbit, log_modulus, argument = _round(system, start, duration, segments * whole, each)
+    error = np.full(n, np.inf)
+    for _ in range(DOUBLINGS):
+        segments *= 2
+        orbit, finer, argument = _round(system, start, duration, segments * whole, each)
+        found = np.abs(finer - log_modulus)
+        stalled = not (found < error).any()
+        log_modulus, error = finer, found
+        if stalled or (found <= CLOSE * np.maximum(1.0, np.abs(finer))).all():
+            break
+    segments *= whole
     value = np.exp(log_modulus + 1j * argument)
     trivial = -1 if system.model.forced else int(np.abs(value - 1).argmin())
     others = np.delete(log_modulus, trivial) if trivial >= 0 else log_modulus
@@ -94,6 +100,9 @@ def floquet_multipliers(
     return Findings(
         {
             "log_modulus": ("multiplier", log_modulus, {**units, "long_name": "logarithm of the multiplier's modulus"}),
+            "log_modulus_error": (
+                "multiplier", error, {**units, "long_name": "its change with the last doubling of steps and segments"}
+            ),
             "argument": ("multiplier", argument, {"units": "rad", "long_name": "argument of the multiplier"}),
             "real": ("multiplier", value.real, {**units, "long_name": "real part of the multiplier"}),
             "imaginary": ("multiplier", value.imag, {**units, "long_name": "imaginary part of the multiplier"}),
@@ -112,6 +121,19 @@ def floquet_multipliers(
     )  # fmt: skip
 
 
+def _round(system: System, start: Array, duration: float, segments: int, each: int) -> tuple[Array, Array, Array]:
+    """Orbit (state, segment) from a state on, and logarithms of the moduli and arguments of its multipliers, in order."""
+    n = start.size
+    orbit, matrices = np.empty((n, segments + 1)), np.empty((segments, n, n))
+    orbit[:, 0] = start
+    run = _Segment.of(system, duration / segments / each, each, round(segments * each * system.period / duration))
+    for k in range(segments):
+        orbit[:, k + 1], matrices[k] = run.transition(orbit[:, k], k * each)
+    log_modulus, argument = _eigenvalues_of_product(matrices)
+    order = np.lexsort((-argument, -log_modulus))
+    return orbit, log_modulus[order], argument[order]
+
+
 @dataclass(frozen=True)
 class _Segment:
     """What the run of every segment needs: one lane for each column of its transition matrix."""
@@ -123,12 +145,12 @@ class _Segment:
     steps: int
 
     @classmethod
-    def of(cls, system: System, h: float, steps: int) -> "_Segment":
-        """Prepare segments of so many steps."""
+    def of(cls, system: System, h: float, steps: int, per_T: int) -> "_Segment":
+        """Prepare segments of so many steps, of which one T has ``per_T``."""
         n = system.model.dimension
         kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
         inputs = kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(np.arange(n))
-        waves = Waves.of(system.orders or (), SEGMENTS * steps, kernel.source.nodes)
+        waves = Waves.of(system.orders or (), per_T, kernel.source.nodes)
         return cls(system.model.name, kernel, waves, {"h": blocked(np.full((1, n), h)), **inputs}, steps)
 
     def transition(self, x: Array, begin: int) -> tuple[Array, Array]:

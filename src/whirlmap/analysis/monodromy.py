@@ -40,7 +40,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
             e = Ensemble(
                 ensemble.model, ensemble.values[:, points[these]], ensemble.x[:, points[these]], orders=ensemble.orders,
                 steps=ensemble.point_steps[points[these]], method=ensemble.method, tangents=n, workers=ensemble.workers,
-                orthonormal=False,
+                orthonormal=False, turn=ensemble.period[points[these]],
             )  # fmt: skip
             e.advance(int(m) * e.common_multiple)
             columns = e.vectors[:, :, e.running].transpose(2, 1, 0)

@@ -52,7 +52,7 @@ class Segment:
     saved : array, shape (save, state, point)
         States at the asked steps; NaN once a point has ended.
     growth : array, shape (event, vector, point)
-        Logarithmic growth of the tangent vectors between orthonormalisations.
+        Logarithmic growth of the tangent vectors in each T.
     extremes : dict or None
         ``minimum``, ``maximum``, ``mean``, ``rms`` (about the mean) of every state and output, shape (row, point);
         NaN for points that have ended.
@@ -80,7 +80,10 @@ class Ensemble:
     tangents : int
         Tangent vectors carried along, started from a fixed random orthonormal set.
     orthonormal : bool
-        Whether the tangent vectors are orthonormalised once per T. Where not, they start from the first unit vectors.
+        Whether the tangent vectors are orthonormalised. Where not, they start from the first unit vectors.
+    orth : int or array of int, shape (point,)
+        Orthonormalisations per T, of which the steps are a multiple; more than one where the vectors' growths in one T
+        differ by more than doubles hold (`analysis.tangent_accuracy`).
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
     redo : bool
@@ -102,11 +105,11 @@ class Ensemble:
     end_time : array, shape (point,)
         When a point ended (NaN while it runs), in the model's time.
     end_stop : array of int, shape (point,)
-        Which of the model's stops ended it, else -1.
+        Which of the model's stops ended it, or behind them which pole of its equations (`rescue.end_named`); else -1.
     turns : array of int, shape (point,)
         Periods T that each point has run.
-    point_steps : array of int, shape (point,)
-        Steps per T of each point.
+    point_steps, point_orth : arrays of int, shape (point,)
+        Steps, and orthonormalisations, per T of each point.
     limits : array, shape (state, point)
         Sizes beyond which states have diverged.
     step_error, step_verdict : arrays, shape (point,)
@@ -127,6 +130,7 @@ class Ensemble:
         method: Method = RK4,
         tangents: int = 0,
         orthonormal: bool = True,
+        orth: int | Integers = 1,
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
@@ -141,6 +145,9 @@ class Ensemble:
         self.model, self.method, self.redo, self.accuracy = model, method, redo, accuracy
         self.tangents, self.orthonormal = tangents, orthonormal
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
+        self.point_orth = np.broadcast_to(np.asarray(orth, dtype=np.int64), (n,)).copy()
+        if (self.point_steps % self.point_orth).any():
+            raise RangeError("steps per T must be a multiple of the orthonormalisations per T")
         self.orders, self.workers = orders, workers or cores()
         self.points = n
         self.period = periods(model, values) if turn is None else np.array(turn, dtype=float)
@@ -158,9 +165,10 @@ class Ensemble:
     def _group(self) -> None:
         """Group the points by kernel and steps."""
         self._groups = [
-            Group(self, m, members[self.point_steps[members] == count], int(count))
+            Group(self, m, members[(pairs == pair).all(axis=1)], *map(int, pair))
             for m, members in variants(self.model, self.values)
-            for count in np.unique(self.point_steps[members])
+            for pairs in [np.stack([self.point_steps[members], self.point_orth[members]], axis=1)]
+            for pair in np.unique(pairs, axis=0)
         ]
 
     @property
@@ -203,21 +211,27 @@ class Ensemble:
         self.limits = limits
         self._group()
 
-    def subset(self, members: NDArray[np.intp], *, steps: int | Integers | None = None) -> "Ensemble":
+    def subset(
+        self, members: NDArray[np.intp], *, steps: int | Integers | None = None, orth: int | Integers | None = None
+    ) -> "Ensemble":
         """Return an ensemble of some of the points, at their present states; `absorb` takes it back.
 
-        ``steps`` gives it other steps per T.
+        ``steps`` gives it other steps per T, ``orth`` other orthonormalisations.
         """
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
-            beyond=self.limits[:, members], turn=self.period[members],
+            orthonormal=self.orthonormal, orth=self.point_orth[members] if orth is None else orth, workers=self.workers,
+            redo=self.redo, accuracy=self.accuracy, beyond=self.limits[:, members], turn=self.period[members],
         )  # fmt: skip
         part._y = self._y[: part._y.shape[0], members].copy()
         for name in _POINT_ARRAYS:
             setattr(part, name, getattr(self, name)[members].copy())
         return part
+
+    def copy_states(self, other: "Ensemble") -> None:
+        """Take the states and tangent vectors of an ensemble of the same points, at the same phase."""
+        self._y[:] = other._y
 
     def absorb(self, part: "Ensemble", members: NDArray[np.intp]) -> None:
         """Take over the states of a subset that has run on, by whole common periods, and its steps."""

@@ -34,13 +34,13 @@ class Record:
 
 
 class Group:
-    """Points that share one kernel and one number of steps.
+    """Points that share one kernel, one number of steps and one of orthonormalisations.
 
     The kernel is that of a model's plain form where a parameter is zero, or that of the model itself.
     """
 
-    def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int) -> None:
-        self.ensemble, self.members, self.steps = ensemble, members, steps
+    def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int, orth: int) -> None:
+        self.ensemble, self.members, self.steps, self.orth = ensemble, members, steps, orth
         self.kernel: LaneKernel = lane_kernel(
             model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
         )
@@ -84,8 +84,9 @@ class Group:
         for name in ("saved", "growth", "sums"):
             into, blocks = getattr(record, name), getattr(run, name)
             if into.size:
-                flat = blocks.reshape(run.blocks, into.shape[0] * into.shape[1], LANES)
-                into[:, :, to] = unblocked(flat, at.size).reshape(*into.shape[:2], at.size)
+                flat = unblocked(blocks.reshape(run.blocks, -1, LANES), at.size)
+                # The growth between the orthonormalisations of one T adds up.
+                into[:, :, to] = flat.reshape(into.shape[0], -1, into.shape[1], at.size).sum(axis=1)
 
     def packed(self, local: Points) -> dict[str, Any]:
         """Steps and inputs of some points in blocks; they are often those of the call before."""
@@ -148,8 +149,8 @@ class _Run:
         self.inputs = group.packed(local)
         self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
-        self.growth = np.zeros((self.blocks, record.growth.shape[0], self.count, LANES))
-        self.orth_every = group.steps if record.growth.shape[0] else total + 1
+        self.growth = np.zeros((self.blocks, group.orth * record.growth.shape[0], self.count, LANES))
+        self.orth_every = group.steps // group.orth if record.growth.shape[0] else total + 1
         self.cause = np.zeros((self.blocks, 1, LANES), dtype=np.int64)
         self.reached, self.tally = np.zeros((self.blocks, 1, LANES)), np.zeros((self.blocks, 2, LANES))
         self.folded = 0 if not record.sums.shape[1] else 2 if between else 1

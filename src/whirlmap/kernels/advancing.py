@@ -33,6 +33,8 @@ class Parts:
         Extremes between the ends of a step.
     through : Routine, optional
         A step through surfaces (`event_location`), of a model that has some.
+    same_side : Routine, optional
+        Whether a place is on the side of the poles on which the step began, of a model that has some (`poles`).
     """
 
     rates: Routine
@@ -41,13 +43,14 @@ class Parts:
     examine: Routine
     between: Between
     through: Routine | None
+    same_side: Routine | None
 
 
 def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], parts: Parts) -> None:
     """Write ``advance``.
 
-    A lane stops, and keeps its last good state, before the step that ends at a closed gap, beyond the bound or at
-    something that is not a number; ``failed`` then holds that step's index. Lane ``l`` starts at step ``first[l]``.
+    A lane stops, and keeps its last good state, before the step that ends at a closed gap, beyond the bound, behind a pole
+    or at something that is not a number; ``failed`` then holds that step's index. Lane ``l`` starts at step ``first[l]``.
 
     Arguments of the kernel, rows of `LANES` numbers, one block after the other:
 
@@ -96,7 +99,7 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
     fold = folding(module, sizes.states + sizes.outputs)
     r = Routine(module, "advance_block", {name: kind for name, kind in ARGUMENTS.items() if name != "blocks"})
     b, a = r.b, r.at
-    stepper = Stepper(r, sizes, method, parts.rates, parts.tangent, a["work"])
+    stepper = Stepper(r, sizes, method, parts.rates, parts.tangent, a["work"], None if parts.through else parts.same_side)
     stepper.clear()
     count = a["count"] if vectors else integer(0)
     h = r.load(a["h"])
@@ -157,6 +160,7 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
             else:
                 x = stepper.step(a["y"], h, inputs, waves_at)
                 r.call(parts.examine, y=x, p=a["p"], good=good)
+                stepper.within(good)
                 well = b.icmp_signed("!=", r.load(good), integers(0))
             truth = b.and_(b.icmp_signed("!=", running, integers(0)), b.not_(well))
             r.store(b.select(truth, here, r.load(a["failed"])), a["failed"])

@@ -124,6 +124,7 @@ class _Locator(SurfaceStep):
 
         x = self.stepper.step(a["y"], h, self.inputs, at_stage, first=self.f0)
         r.call(self.of.examine, y=x, p=a["p"], good=self.flag)
+        self.stepper.within(self.flag)
         self._at(done, self.c0)
         guarded = {"p": a["p"], "modes": self.modes, "clock": self.clock}
         r.call(self.of.guards, y=a["y"], c=self.c0, v=self.f0, g=self.g0, rate=self.d0, **guarded)

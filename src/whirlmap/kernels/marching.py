@@ -30,7 +30,7 @@ def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases:
     """
     one = Routine(module, "march_block", {name: kind for name, kind in MARCH.items() if name != "blocks"})
     b, a = one.b, one.at
-    stepper = Stepper(one, sizes, method, parts.rates, parts.tangent, a["work"])
+    stepper = Stepper(one, sizes, method, parts.rates, parts.tangent, a["work"], None if parts.through else parts.same_side)
     stepper.clear()
     h = one.load(a["h"])
     flag, moment = one.local(INTS), one.local(number(0.0).type)
@@ -56,6 +56,7 @@ def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases:
         else:
             x = stepper.step(a["y"], h, inputs, phases_at)
             one.call(parts.examine, y=x, p=a["p"], good=flag)
+            stepper.within(flag)
             one.store(b.and_(one.load(a["good"]), one.load(flag)), a["good"])
             stepper.replace(a["y"], x, sizes.states * (2 if sizes.along else 1), None)
             stepper.vectors(a["y"], h, a["p"], a["count"])

@@ -13,7 +13,7 @@ from whirlmap.kernels.differentiate import Entries, Forms
 from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
 from whirlmap.kernels.roots import Roots
-from whirlmap.kernels.routine import Kind, Routine, Value, number
+from whirlmap.kernels.routine import Kind, Routine, Value, integers, number
 from whirlmap.kernels.sines import Sines
 from whirlmap.kernels.surfaces import side_name
 from whirlmap.kernels.vector import VectorCode
@@ -165,6 +165,21 @@ class ModelRoutines:
         r.done()
         return r
 
+    def same_side(self, lines: Straight) -> Routine:
+        """Write ``same_side``: no lane stays good for which one of these expressions (`poles`) has another sign."""
+        r = Routine(self.module, "same_side", {"before": "rows", "y": "rows", "p": "rows", "good": "flags"})
+        begin, end = self._results(r, lines, states="before"), self._results(r, lines)
+        good = r.b.icmp_signed("!=", r.load(r.at["good"]), integers(0))
+        for old, new in zip(begin, end, strict=True):
+            # Signs, not their product: that of two small numbers is zero.
+            for one, other in ((old, new), (new, old)):
+                wrong = r.b.and_(r.less(one, number(0.0)), r.b.not_(r.less(other, number(0.0))))
+                good = r.b.and_(good, r.b.not_(wrong))
+            good = r.b.and_(good, r.b.fcmp_ordered("!=", new, number(0.0)))
+        r.store(r.b.sext(good, r.at["good"].type.pointee), r.at["good"])
+        r.done()
+        return r
+
     def phases(self, frequencies: Straight) -> Routine:
         """Write ``phases``: cosine and sine of every harmonic, each lane at its own time."""
         r = Routine(self.module, "phases", {"time": "rows", "p": "rows", "c": "rows"})
@@ -243,20 +258,22 @@ class ModelRoutines:
             r.store(value, r.at[rows[i // each]], i % each)
         r.done()
 
-    def _results(self, r: Routine, lines: Straight, known: dict[str, Value] | None = None) -> Sequence[Value]:
-        code = self._code(r, lines.names())
+    def _results(
+        self, r: Routine, lines: Straight, known: dict[str, Value] | None = None, states: str = "y"
+    ) -> Sequence[Value]:
+        code = self._code(r, lines.names(), states)
         code.names |= known or {}
         for symbol, e in split(lines)[0]:
             code.names[symbol.name] = code.value(e)
         return [code.value(e) for e in lines.results]
 
-    def _code(self, r: Routine, names: set[str]) -> VectorCode:
-        return VectorCode(r, self._inputs(r, names), self.roots, self.sines)
+    def _code(self, r: Routine, names: set[str], states: str = "y") -> VectorCode:
+        return VectorCode(r, self._inputs(r, names, states), self.roots, self.sines)
 
-    def _inputs(self, r: Routine, names: set[str]) -> dict[str, Value]:
+    def _inputs(self, r: Routine, names: set[str], states: str = "y") -> dict[str, Value]:
         """Values of the named inputs of a routine."""
         known = {
-            local_name(s): r.load(r.at["y"], i) for i, s in enumerate(self.model.states) if local_name(s) in names
+            local_name(s): r.load(r.at[states], i) for i, s in enumerate(self.model.states) if local_name(s) in names
         }  # fmt: skip
         if "v" in r.at:
             directions = {direction_name(s): i for i, s in enumerate(self.model.states)}

@@ -32,6 +32,8 @@ class Surfaces:
         The test of a step's end; the harmonics after a part of the step.
     between : Between
         Extremes between the ends of a step.
+    same_side : Routine, optional
+        As in `advancing.Parts`.
     """
 
     jumps: Sequence[bool]
@@ -43,6 +45,7 @@ class Surfaces:
     examine: Routine
     harmonics: Routine
     between: Between
+    same_side: Routine | None
 
 
 class SurfaceStep:
@@ -64,7 +67,7 @@ class SurfaceStep:
         self.r, self.sizes, self.method, self.of = r, sizes, method, surfaces
         self.jumps, self.flat = surfaces.jumps, surfaces.flat
         n, k, waves = sizes.states, sizes.surfaces, 2 * sizes.harmonics
-        self.stepper = Stepper(r, sizes, method, surfaces.motion, surfaces.tangent, r.at["work"])
+        self.stepper = Stepper(r, sizes, method, surfaces.motion, surfaces.tangent, r.at["work"], surfaces.same_side)
         self.f0, self.f1, self.f2 = (r.local(LANE, n) for _ in range(3))
         self.g0, self.d0, self.g1, self.d1, self.g2, self.d2, self.change = (r.local(LANE, k) for _ in range(7))
         self.c0, self.c1 = r.local(LANE, waves), r.local(LANE, waves)

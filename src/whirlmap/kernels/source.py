@@ -27,6 +27,7 @@ from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
 from whirlmap.kernels.machine import estimates, fuses
 from whirlmap.kernels.marching import evaluate, march
 from whirlmap.kernels.methods import Method
+from whirlmap.kernels.poles import pole_guards
 from whirlmap.kernels.rates import ModelRoutines, Slopes, Time, direction_name
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import FAST_MATH, LANES
@@ -138,6 +139,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
     observed_along = along_code(observed, names, directions, hoisted)
     guards, surfaces = _guards(model, found, names, directions, hoisted)
+    kept = straight(model, pole_guards(model), hoisted)  # before the number of inputs counts
     nodes = tuple(sorted({float(c) for c in method.c}))
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
@@ -147,6 +149,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
+    same_side = routines.same_side(kept) if kept.results else None
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + model.dimension,
         tables=len(model.tables),
@@ -164,10 +167,10 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         through = write_through(
             module, sizes, method,
             Surfaces(
-                found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between,
+                found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between, same_side,
             ),
         )  # fmt: skip
-    parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through)
+    parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through, same_side)
     if kind == "locked":
         advance(module, sizes, method, nodes, parts)
     else:

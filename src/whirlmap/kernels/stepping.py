@@ -6,7 +6,7 @@ from fractions import Fraction
 from typing import Any, NamedTuple
 
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.routine import Routine, Value, integer, number
+from whirlmap.kernels.routine import INTS, Routine, Value, integer, integers, number
 
 
 class Run(NamedTuple):
@@ -93,10 +93,12 @@ class Stepper:
     """
 
     def __init__(
-        self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value
-    ) -> None:
+        self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value,
+        same_side: Routine | None = None,
+    ) -> None:  # fmt: skip
         self.r, self.sizes, self.method, self.rates, self.tangent = r, sizes, method, rates, tangent
-        self.homes = method.homes(twice=bool(sizes.runs))
+        self.homes, self.same_side = method.homes(twice=bool(sizes.runs)), same_side
+        self.side = r.local(INTS) if same_side else None
         at = 0
 
         def take(rows: int) -> Value:
@@ -131,10 +133,14 @@ class Stepper:
         """
         r, n = self.r, self.sizes.states
         c = r.b.bitcast(self.c, self.rates.at["c"].type)
+        if self.same_side:
+            r.store(integers(-1), self.side)
         along, end = r.row(y, n), self.method.stages
         for stage in range(end):
             at_stage(stage, c)
             point = self._place(stage, y, self.track, h)
+            if stage:
+                self._stay(y, point, inputs["p"])
             where: dict[str, Value] = {"more": self._jacobian(stage)}
             if self.sizes.along:
                 direction = self._place_along(stage, along, self.track_along, h)
@@ -144,9 +150,19 @@ class Stepper:
             if stage == 0 and first is not None:
                 self.replace(first, slopes, n, None)
         self._place(end, y, self.track, h, self.x)
+        self._stay(y, self.x, inputs["p"])
         if self.sizes.along:
             self._place_along(end, along, self.track_along, h, r.row(self.x, n))
         return self.x
+
+    def within(self, good: Value) -> None:
+        """Let no lane stay good whose last step left, in a stage or at its end, the side of a pole on which it began."""
+        if self.same_side:
+            self.r.store(self.r.b.and_(self.r.load(good), self.r.load(self.side)), good)
+
+    def _stay(self, y: Value, place: Value, p: Value) -> None:
+        if self.same_side:
+            self.r.call(self.same_side, before=y, y=place, p=p, good=self.side)
 
     def vectors(self, y: Value, h: Value, p: Value, count: Value, runs: Value | None = None) -> None:
         """Take the tangent vectors behind ``y`` through the last step, in place, in the lanes of ``runs`` (absent: all)."""

@@ -31,7 +31,10 @@ PERIODIC = (
 )  # fmt: skip
 #: Longest period of each of these but the last.
 _UP_TO = np.array([1, 2, 4, 8])
-_OTHERS = (Regime.quasi_periodic, Regime.chaotic, Regime.undecided, Regime.contact, Regime.diverged)
+_OTHERS = (
+    Regime.quasi_periodic, Regime.chaotic, Regime.undecided, Regime.contact, Regime.diverged, Regime.at_rest,
+    Regime.drifting, Regime.growing,
+)  # fmt: skip
 #: How every kind of point looks, by its code.
 LOOKS: tuple[Look, ...] = (
     *PERIODIC, *(REGIMES[r] for r in _OTHERS), *UNFINISHED.values(), Look("not reached", "#FFFFFF", "."),

@@ -23,7 +23,7 @@ class Status(IntEnum):
 SENTENCES = {
     Status.ok: "ran to its end",
     Status.contact: "a journal reached its bearing",
-    Status.diverged: "a state grew beyond the model's bound",
+    Status.diverged: "a state grew beyond the model's bound, or passed through a pole of the equations",
     Status.unresolved: "a step failed, also with steps 1024 times shorter: try more steps per T",
     Status.failed: "could not be computed",
     Status.sticks: "sticks on two surfaces at once, or on one with tangent vectors: that motion is not followed",

@@ -14,7 +14,7 @@ from whirlmap.analysis.teeth import tooth_contact
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
-from whirlmap.results.regime import Regime
+from whirlmap.results.regime import WITHOUT_BOUND, Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import flags
 from whirlmap.sweep.points import label_points
@@ -43,7 +43,7 @@ class Verdict(IntEnum):
 
 REASONS = {
     Regime.quasi_periodic: Verdict.quasi_periodic, Regime.chaotic: Verdict.chaotic, Regime.contact: Verdict.contact,
-    Regime.diverged: Verdict.diverged, Regime.undecided: Verdict.undecided,
+    **dict.fromkeys(WITHOUT_BOUND, Verdict.diverged), Regime.undecided: Verdict.undecided,
 }  # fmt: skip
 
 

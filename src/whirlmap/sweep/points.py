@@ -15,8 +15,9 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.open_points import OpenPoints, judge_open_points
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes
-from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.returns import Returns, first_drift, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
+from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
@@ -38,6 +39,7 @@ SHRINK, PATIENCE = 1e-9, 4
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
 POOLS = 2
+
 
 @dataclass(frozen=True)
 class Labelling:
@@ -93,14 +95,12 @@ class Labelling:
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
         returns = self._returns(ensemble, None, cyclic, progress)
-        winding, exponent, error = (np.full(ensemble.points, np.nan) for _ in range(3))
-        found = OpenPoints(
-            returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0), winding, exponent, error,
-            np.zeros(ensemble.points, dtype=np.int64),
-        )  # fmt: skip
+        found = OpenPoints.none(ensemble.model.dimension, ensemble.points)
+        found.regime[:], found.confidence[:] = returns.regime, np.where(returns.regime == Regime.undecided, 0.0, 1.0)
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
             running = self._judge(system, values, ensemble, open_points, found, cyclic, progress, contraction_ends=True)
+            returns = _label_trends(ensemble, returns, open_points, found)
             undecided = found.regime[open_points] == Regime.undecided
             contracting = undecided & (found.exponent < -3 * found.error)[open_points] & running
             contracting = open_points[contracting]
@@ -114,6 +114,7 @@ class Labelling:
             ]  # fmt: skip
             if again.size:  # they stopped early for an orbit that is not there
                 self._judge(system, values, ensemble, again, found, cyclic, progress, contraction_ends=False)
+                returns = _label_trends(ensemble, returns, again, found)
         return Measured(
             replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
@@ -147,8 +148,8 @@ class Labelling:
             tangents=1, workers=self.workers,
         )  # fmt: skip
         judged = judge_open_points(tangent, self.lyapunov, cyclic, progress, contraction_ends=contraction_ends)
-        for name in ("exponent", "error", "periods", "winding"):
-            getattr(found, name)[points] = getattr(judged, name)
+        for name in ("exponent", "error", "periods", "winding", "growth", "drift", "centre", "reach"):
+            getattr(found, name)[..., points] = getattr(judged, name)
         # A point that reaches contact only now has no time of contact: it stays undecided.
         found.regime[points] = np.where(tangent.running, judged.regime, Regime.undecided)
         found.confidence[points] = np.where(tangent.running, judged.confidence, 0.0)
@@ -181,6 +182,19 @@ class Labelling:
         for name, values in extremes.items():
             values[..., points] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
+
+
+def _label_trends(ensemble: Ensemble, returns: Returns, points: NDArray[np.intp], found: OpenPoints) -> Returns:
+    """Label open points that die away, grow or drift for ever, into ``found`` and the returns."""
+    parts = (found.growth, found.drift, found.centre, found.reach, found.exponent, found.error)
+    ranges = (returns.extremes["maximum"] - returns.extremes["minimum"])[: ensemble.model.dimension, points]
+    endless = label_trends(ensemble, points, Trends(*(a[..., points] for a in parts)), ranges)
+    known = endless.regime != Regime.undecided
+    at = points[known]
+    growth, drift = returns.growth.copy(), returns.drift.copy()
+    growth[at], drift[:, at] = endless.growth[known], endless.drift[:, known]
+    found.regime[at], found.confidence[at] = endless.regime[known], 1.0
+    return replace(returns, growth=growth, drift=drift)
 
 
 def label_points(
@@ -335,6 +349,7 @@ def common_multiple_variable(dim: str, system: System, varied: Iterable[str], me
 def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     """Variables with one number for each point."""
     m, r = measured, measured.returns
+    drifts, speed = first_drift(r.drift)
     return {
         "status": status_variable(dim, m.status),
         "regime": regime_variable(dim, r.regime),
@@ -346,6 +361,9 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
         "lyapunov_periods": variable(dim, m.exponent_periods, "1", "common periods over which it was measured, 0: not"),
         "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
         "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
+        "growth_rate": variable(dim, r.growth, "1/time", "rate of the amplitude: what grows, or comes to rest"),
+        "drift_rate": variable(dim, speed, "1/time", "speed of the first state that drifts, in its unit"),
+        "drift_state": variable(dim, drifts, "1", "index of that state, -1: none"),
         "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),
         "settled_after": variable(dim, r.waited, "1", "common periods run before the record"),

@@ -45,7 +45,7 @@ STRETCHES = 16
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
 NOT_REACHED = {
     "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
-    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0,
+    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
 }  # fmt: skip
 
 
