@@ -169,7 +169,7 @@ class _Look:
         repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
         tangent, _ = make_ensemble(
             self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
-            method=ensemble.method.name, tangents=self.count, workers=ensemble.workers,
+            method=ensemble.method.name, tangents=self.count, workers=ensemble.workers, turn=ensemble.period[alive],
         )  # fmt: skip
         least = SECTION if open_motion else BLOCKS
         return exponents_to_error(tangent, least=least, most=self.most, progress=self.progress)

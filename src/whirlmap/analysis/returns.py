@@ -19,7 +19,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import run_with_crossings
+from whirlmap.analysis.crossing import run_with_crossings, turns_of
 from whirlmap.analysis.endings import confirm_ends, restarted
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.settling import Settled, Settling, settle
@@ -46,9 +46,9 @@ LOST = 1e-2
 SLACK = 10.0
 #: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most, and
 #: how many times longer or shorter than a turn a typical time may be.
-TURNS, SOUGHT, FAR_OFF = 4, 16_384, 2.0
+TURNS, SOUGHT, FAR_OFF = 4, 65_536, 2.0
 #: Motion in a typical time, over the size of a state, below which a point is at rest.
-STILL = 1e-12
+STILL = 1e-9
 #: Steps with which points are confirmed whose method has lost its order.
 CONFIRMED = LADDER[-1]
 #: Points that are recorded in one batch.
@@ -209,7 +209,8 @@ def _steps_of_settled(
     """Steps that settled points need, and the error of those that they took.
 
     They are asked over all of the common periods that they return after, up to `CHECKED`; where they do not, over `OPEN`.
-    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their
+    error is that of fewer ones. Errors and verdicts of the ensemble are set.
     """
     assert ensemble.accuracy is not None
     steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
@@ -218,10 +219,11 @@ def _steps_of_settled(
     met = ensemble.step_verdict[members] == Verdict.met
     for count in np.unique(sections[met]):
         at = np.flatnonzero(met & (sections == count))
-        here = members[at]
-        rungs = choose_steps(
-            ensemble, ensemble.accuracy, members=here, least=steps[at], sections=int(count), progress=progress
-        )
+        here, how = members[at], {"sections": int(count)}
+        if not ensemble.model.forced:
+            at = at[_moves(ensemble, members[at])]
+            here, how = members[at], {"span": OPEN, **({"observe": turns_of} if ensemble.model.section else {})}
+        rungs = choose_steps(ensemble, ensemble.accuracy, members=here, least=steps[at], progress=progress, **how)
         ensemble.step_error[here], ensemble.step_verdict[here] = rungs.error, rungs.verdict
         steps[at], first[at] = np.maximum(steps[at], rungs.steps), rungs.first
     rough = np.flatnonzero(ensemble.step_verdict[members] == Verdict.nonsmooth)
@@ -290,37 +292,54 @@ def _learn_turns(
     """Give points whose typical time is far from that of a turn the latter, in place, with steps for it, and their transient.
 
     Turns are timed between crossings of the section. A point is run on, twice as long each time, until it has met `TURNS` of
-    them, or for `SOUGHT` typical times: what has not turned by then keeps its own.
+    them, or for `SOUGHT` typical times: what has not turned by then keeps its own. They are timed again behind the transient.
     """
     if ensemble.model.section is None:
         return
     left, length = np.flatnonzero(ensemble.running), TURNS + 1
     while left.size and length <= SOUGHT:
-        section = ensemble.subset(left)
-        _, times, _ = run_with_crossings(section, length, progress=progress)
-        ensemble.absorb(section, left)
-        settled.waited[left] += length
-        count = np.isfinite(times).sum(axis=0)
-        seen = np.flatnonzero((count >= TURNS) & ensemble.running[left])
-        turn = np.array([times[count[k] - 1, k] - times[0, k] for k in seen]) / (count[seen] - 1)
-        ratio = turn / ensemble.period[left[seen]]
+        turn = _time_turns(ensemble, left, length, settled, progress)
+        ratio = turn / ensemble.period[left]
         wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF)
-        if wrong.any():
-            here = left[seen[wrong]]
-            steps = np.ceil(ensemble.point_steps[here] * ratio[wrong]).astype(np.int64)
-            part = with_turns(ensemble.subset(here, steps=np.maximum(steps, 1)), turn[wrong])
-            if ensemble.accuracy is not None:
-                rungs = choose_steps(part, ensemble.accuracy, sections=OPEN, progress=progress)
-                part = part.subset(np.arange(here.size), steps=rungs.steps)
-                part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
-            whole = transient[here]
-            for times_here in np.unique(whole[whole > 0]):
-                part.advance(int(times_here), members=np.flatnonzero(whole == times_here), progress=progress)
-            ensemble.absorb(part, here)
-            settled.waited[here] += whole
-        moves = _moves(ensemble, left)
-        left = left[(count < TURNS) & ensemble.running[left] & moves]
+        here = left[wrong]
+        if here.size:
+            steps = np.maximum(np.ceil(ensemble.point_steps[here] * ratio[wrong]), 1).astype(np.int64)
+            part = _with_steps(with_turns(ensemble.subset(here, steps=steps), turn[wrong]), progress)
+            waited = Settled.none(part)
+            _run_transient(part, np.arange(here.size), transient[here], waited, progress)
+            running = np.flatnonzero(part.running)
+            again = _time_turns(part, running, TURNS + 1, waited, progress)
+            known = np.isfinite(again)
+            part.period[running[known]] = again[known]
+            ensemble.absorb(with_turns(part, part.period), here)
+            settled.waited[here] += waited.waited
+        left = left[np.isnan(turn) & ensemble.running[left] & _moves(ensemble, left)]
         length *= 2
+
+
+def _time_turns(
+    ensemble: Ensemble, members: NDArray[np.intp], periods: int, settled: Settled, progress: Callable[[int], None] | None
+) -> Array:
+    """Run points on, in place, and time their turns, shape (member,); NaN where they have met fewer than `TURNS` crossings."""
+    run = ensemble.subset(members)
+    _, times, _ = run_with_crossings(run, periods, progress=progress)
+    ensemble.absorb(run, members)
+    settled.waited[members] += periods
+    count = np.isfinite(times).sum(axis=0)
+    turn = np.full(members.size, np.nan)
+    for k in np.flatnonzero((count >= TURNS) & run.running):
+        turn[k] = (times[count[k] - 1, k] - times[0, k]) / (count[k] - 1)
+    return turn
+
+
+def _with_steps(part: Ensemble, progress: Callable[[int], None] | None) -> Ensemble:
+    """Points with the steps that their turns need, where these follow an accuracy."""
+    if part.accuracy is None:
+        return part
+    rungs = choose_steps(part, part.accuracy, span=OPEN, observe=turns_of, progress=progress)
+    part = part.subset(np.arange(part.points), steps=rungs.steps)
+    part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
+    return part
 
 
 def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
