@@ -27,6 +27,7 @@ from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
+from whirlmap.integrate.system import periods
 from whirlmap.integrate.turns import with_turns
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -249,9 +250,9 @@ def _settle_unforced(
 ) -> Settled:  # fmt: skip
     settled = Settled.none(ensemble)
     transient = longest - settling.longest + settling.transient
-    _run_transient(ensemble, np.arange(ensemble.points), transient, settled, progress)
-    _learn_turns(ensemble, transient, settled, progress)
-    settled.scale[:] = np.nan
+    _learn_turns(ensemble, np.flatnonzero(ensemble.running), SOUGHT, settled, progress)
+    _run_transient(ensemble, np.flatnonzero(ensemble.running), transient, settled, progress)
+    _learn_turns(ensemble, np.flatnonzero(ensemble.running), TURNS + 1, settled, progress)
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:
@@ -287,32 +288,38 @@ def _run_transient(
 
 
 def _learn_turns(
-    ensemble: Ensemble, transient: Integers, settled: Settled, progress: Callable[[int], None] | None
+    ensemble: Ensemble, left: NDArray[np.intp], most: int, settled: Settled, progress: Callable[[int], None] | None
 ) -> None:
-    """Give points whose typical time is far from that of a turn the latter, in place, with steps for it, and their transient.
+    """Give points whose typical time is far from that of a turn the latter, in place, with steps for it.
 
     Turns are timed between crossings of the section. A point is run on, twice as long each time, until it has met `TURNS` of
-    them, or for `SOUGHT` typical times: what has not turned by then keeps its own. They are timed again behind the transient.
+    them, or for ``most`` typical times: what has not turned by then keeps its own.
     """
     if ensemble.model.section is None:
         return
-    left, length = np.flatnonzero(ensemble.running), TURNS + 1
-    while left.size and length <= SOUGHT:
+    start, length = ensemble.x.copy(), TURNS + 1
+    left = left[_moves(ensemble, left)]  # what is at rest crosses by rounding
+    while left.size and length <= most:
         turn = _time_turns(ensemble, left, length, settled, progress)
         ratio = turn / ensemble.period[left]
-        wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF)
+        own = np.abs(ensemble.period[left] / periods(ensemble.model, ensemble.values[:, left]) - 1) > 0  # timed before
+        with np.errstate(invalid="ignore"):
+            wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF) | (own & np.isfinite(ratio))
         here = left[wrong]
         if here.size:
             steps = np.maximum(np.ceil(ensemble.point_steps[here] * ratio[wrong]), 1).astype(np.int64)
-            part = _with_steps(with_turns(ensemble.subset(here, steps=steps), turn[wrong]), progress)
-            waited = Settled.none(part)
-            _run_transient(part, np.arange(here.size), transient[here], waited, progress)
-            running = np.flatnonzero(part.running)
-            again = _time_turns(part, running, TURNS + 1, waited, progress)
-            known = np.isfinite(again)
-            part.period[running[known]] = again[known]
-            ensemble.absorb(with_turns(part, part.period), here)
-            settled.waited[here] += waited.waited
+            part = with_turns(ensemble.subset(here, steps=steps), turn[wrong])
+            part.x[:] = start[:, here]  # its steps were chosen for parts of another time: what they led to may be their own
+            ensemble.absorb(part, here)
+        known = left[np.isfinite(turn)]
+        if known.size and ensemble.accuracy is not None:
+            least = np.where(wrong[np.isfinite(turn)], LADDER[0], ensemble.point_steps[known])
+            rungs = choose_steps(
+                ensemble, ensemble.accuracy, members=known, least=least, span=OPEN, observe=turns_of, progress=progress
+            )
+            part = ensemble.subset(known, steps=rungs.steps)
+            part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
+            ensemble.absorb(part, known)
         left = left[np.isnan(turn) & ensemble.running[left] & _moves(ensemble, left)]
         length *= 2
 
@@ -332,22 +339,25 @@ def _time_turns(
     return turn
 
 
-def _with_steps(part: Ensemble, progress: Callable[[int], None] | None) -> Ensemble:
-    """Points with the steps that their turns need, where these follow an accuracy."""
-    if part.accuracy is None:
-        return part
-    rungs = choose_steps(part, part.accuracy, span=OPEN, observe=turns_of, progress=progress)
-    part = part.subset(np.arange(part.points), steps=rungs.steps)
-    part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
-    return part
-
-
 def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Whether the rates still carry a state anywhere in a typical time, beyond rounding."""
     x, period = ensemble.x[:, members], ensemble.period[members]
     rates = np.abs(Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)(0.0, x, np.arange(members.size))[0])
     size = scales(ensemble.model, period, np.zeros_like(x), np.abs(x)) / FLOOR
     return np.asarray((rates * period > STILL * size).any(axis=0))
+
+
+def check_steps(ensemble: Ensemble, progress: Callable[[int], None] | None = None) -> bool:
+    """Give points the steps that their motion asks for where they stand, in place; returns whether any took more."""
+    if ensemble.accuracy is None:
+        return False
+    members = np.flatnonzero(ensemble.running)
+    steps, _ = _steps_of_settled(ensemble, members, np.zeros(ensemble.points, dtype=np.int64), progress)
+    more = steps > ensemble.point_steps[members]
+    if more.any():
+        here = members[more]
+        ensemble.absorb(ensemble.subset(here, steps=steps[more]), here)
+    return bool(more.any())
 
 
 def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:
