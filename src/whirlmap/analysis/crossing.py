@@ -129,6 +129,12 @@ def _located(
     return found, low
 
 
+def turns_of(ensemble: Ensemble, periods: int) -> Array:
+    """Times over T at which points cross the section if they run on, shape (crossing, point); the ensemble is not moved."""
+    run = ensemble.subset(np.arange(ensemble.points))
+    return np.asarray(run_with_crossings(run, periods)[1] / ensemble.period)
+
+
 def run_with_crossings(
     ensemble: Ensemble, periods: int, members: Points | None = None, progress: Callable[[int], None] | None = None
 ) -> tuple[Array, Array, Array]:

@@ -187,7 +187,7 @@ class _Look:
             repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
             tangent, _ = make_ensemble(
                 self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
-                method=ensemble.method.name, tangents=count, workers=ensemble.workers,
+                method=ensemble.method.name, tangents=count, workers=ensemble.workers, turn=ensemble.period[alive],
             )  # fmt: skip
             run = exponents_to_error(tangent, least=least, most=self.most, multiple=multiple, progress=self.progress)
             return run, bool((run.status == Status.sticks).any())

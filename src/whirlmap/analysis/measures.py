@@ -34,6 +34,9 @@ RECORD_STEPS = 96
 JUDGED = 8
 #: T of the longest orbit whose Floquet multipliers are computed.
 LONGEST_ORBIT = 128
+#: Distance from its start at which an orbit ends, over the accuracy of its steps, and distance from 1 of the multiplier of an
+#: unforced orbit's time direction, up to which its multipliers count.
+CLOSES, TRIVIAL = 100.0, 1e-3
 #: Section points of one run whose recurrence is counted.
 RECURRENT = 1500
 #: Share of the power outside of lines below which a spectrum is one of lines, and above which it is broadband.
@@ -185,11 +188,17 @@ def multipliers(system: System, part: Ensemble, multiple: int, period: int, data
         if closed is None:
             return {"vote": "none", "reason": "the section is not crossed"}
         x, duration = closed
+    steps = ceil(int(part.point_steps[0]) * system.period / float(part.period[0]))  # for the typical time as declared
     try:
-        found = floquet_multipliers.find(system, x, duration, steps=max(STEPS, int(part.point_steps[0])))
+        found = floquet_multipliers.find(system, x, duration, steps=max(STEPS, steps))
     except RangeError as fault:
         return {"vote": "none", "reason": str(fault)}
     data |= {f"floquet_{name}": found.variable(name) for name in ("log_modulus", "argument")}
+    closure, off = float(found["closure"]), float(found["trivial_error"])
+    if closure > CLOSES * max(part.accuracy or 0.0, float(np.nan_to_num(part.step_error[0]))) and part.accuracy is not None:
+        return {"vote": "none", "reason": "the orbit does not close", "closure": number(closure)}
+    if off > TRIVIAL:
+        return {"vote": "none", "reason": "the multiplier of the time direction is not 1", "trivial_error": number(off)}
     trivial, moduli = int(found["trivial"]), found["log_modulus"]
     others = np.delete(moduli, trivial) if trivial >= 0 else moduli
     largest = float(np.exp(others[0])) if others.size else 0.0

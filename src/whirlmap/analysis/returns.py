@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.crossing import run_with_crossings
+from whirlmap.analysis.crossing import run_with_crossings, turns_of
 from whirlmap.analysis.endings import confirm_ends, restarted
 from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
@@ -32,6 +32,7 @@ from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
+from whirlmap.integrate.system import periods
 from whirlmap.integrate.turns import with_turns
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -51,9 +52,9 @@ LOST = 1e-2
 SLACK = 10.0
 #: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most, and
 #: how many times longer or shorter than a turn a typical time may be.
-TURNS, SOUGHT, FAR_OFF = 4, 16_384, 2.0
+TURNS, SOUGHT, FAR_OFF = 4, 65_536, 2.0
 #: Motion in a typical time, over the size of a state, below which a point is at rest.
-STILL = 1e-12
+STILL = 1e-9
 #: Steps with which points are confirmed whose method has lost its order.
 CONFIRMED = LADDER[-1]
 #: T of an unforced motion that left its limits that are looked at, at most.
@@ -274,7 +275,8 @@ def _steps_of_settled(
     """Steps that settled points need, and the error of those that they took.
 
     They are asked over all of the common periods that they return after, up to `CHECKED`; where they do not, over `OPEN`.
-    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their
+    error is that of fewer ones. Errors and verdicts of the ensemble are set.
     """
     assert ensemble.accuracy is not None
     steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
@@ -283,10 +285,11 @@ def _steps_of_settled(
     met = ensemble.step_verdict[members] == Verdict.met
     for count in np.unique(sections[met]):
         at = np.flatnonzero(met & (sections == count))
-        here = members[at]
-        rungs = choose_steps(
-            ensemble, ensemble.accuracy, members=here, least=steps[at], sections=int(count), progress=progress
-        )
+        here, how = members[at], {"sections": int(count)}
+        if not ensemble.model.forced:
+            at = at[_moves(ensemble, members[at])]
+            here, how = members[at], {"span": OPEN, **({"observe": turns_of} if ensemble.model.section else {})}
+        rungs = choose_steps(ensemble, ensemble.accuracy, members=here, least=steps[at], progress=progress, **how)
         ensemble.step_error[here], ensemble.step_verdict[here] = rungs.error, rungs.verdict
         steps[at], first[at] = np.maximum(steps[at], rungs.steps), rungs.first
     rough = np.flatnonzero(ensemble.step_verdict[members] == Verdict.nonsmooth)
@@ -312,9 +315,9 @@ def _settle_unforced(
 ) -> Settled:  # fmt: skip
     settled = Settled.none(ensemble)
     transient = longest - settling.longest + settling.transient
-    _run_transient(ensemble, np.arange(ensemble.points), transient, settled, progress)
-    _learn_turns(ensemble, transient, settled, progress)
-    settled.scale[:] = np.nan
+    _learn_turns(ensemble, np.flatnonzero(ensemble.running), SOUGHT, settled, progress)
+    _run_transient(ensemble, np.flatnonzero(ensemble.running), transient, settled, progress)
+    _learn_turns(ensemble, np.flatnonzero(ensemble.running), TURNS + 1, settled, progress)
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:
@@ -375,42 +378,55 @@ def _beyond(
 
 
 def _learn_turns(
-    ensemble: Ensemble, transient: Integers, settled: Settled, progress: Callable[[int], None] | None
+    ensemble: Ensemble, left: NDArray[np.intp], most: int, settled: Settled, progress: Callable[[int], None] | None
 ) -> None:
-    """Give points whose typical time is far from that of a turn the latter, in place, with steps for it, and their transient.
+    """Give points whose typical time is far from that of a turn the latter, in place, with steps for it.
 
     Turns are timed between crossings of the section. A point is run on, twice as long each time, until it has met `TURNS` of
-    them, or for `SOUGHT` typical times: what has not turned by then keeps its own.
+    them, or for ``most`` typical times: what has not turned by then keeps its own.
     """
     if ensemble.model.section is None:
         return
-    left, length = np.flatnonzero(ensemble.running), TURNS + 1
-    while left.size and length <= SOUGHT:
-        section = ensemble.subset(left)
-        _, times, _ = run_with_crossings(section, length, progress=progress)
-        ensemble.absorb(section, left)
-        settled.waited[left] += length
-        count = np.isfinite(times).sum(axis=0)
-        seen = np.flatnonzero((count >= TURNS) & ensemble.running[left])
-        turn = np.array([times[count[k] - 1, k] - times[0, k] for k in seen]) / (count[seen] - 1)
-        ratio = turn / ensemble.period[left[seen]]
-        wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF)
-        if wrong.any():
-            here = left[seen[wrong]]
-            steps = np.ceil(ensemble.point_steps[here] * ratio[wrong]).astype(np.int64)
-            part = with_turns(ensemble.subset(here, steps=np.maximum(steps, 1)), turn[wrong])
-            if ensemble.accuracy is not None:
-                rungs = choose_steps(part, ensemble.accuracy, sections=OPEN, progress=progress)
-                part = part.subset(np.arange(here.size), steps=rungs.steps)
-                part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
-            whole = transient[here]
-            for times_here in np.unique(whole[whole > 0]):
-                part.advance(int(times_here), members=np.flatnonzero(whole == times_here), progress=progress)
+    start, length = ensemble.x.copy(), TURNS + 1
+    left = left[_moves(ensemble, left)]  # what is at rest crosses by rounding
+    while left.size and length <= most:
+        turn = _time_turns(ensemble, left, length, settled, progress)
+        ratio = turn / ensemble.period[left]
+        own = np.abs(ensemble.period[left] / periods(ensemble.model, ensemble.values[:, left]) - 1) > 0  # timed before
+        with np.errstate(invalid="ignore"):
+            wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF) | (own & np.isfinite(ratio))
+        here = left[wrong]
+        if here.size:
+            steps = np.maximum(np.ceil(ensemble.point_steps[here] * ratio[wrong]), 1).astype(np.int64)
+            part = with_turns(ensemble.subset(here, steps=steps), turn[wrong])
+            part.x[:] = start[:, here]  # its steps were chosen for parts of another time: what they led to may be their own
             ensemble.absorb(part, here)
-            settled.waited[here] += whole
-        moves = _moves(ensemble, left)
-        left = left[(count < TURNS) & ensemble.running[left] & moves]
+        known = left[np.isfinite(turn)]
+        if known.size and ensemble.accuracy is not None:
+            least = np.where(wrong[np.isfinite(turn)], LADDER[0], ensemble.point_steps[known])
+            rungs = choose_steps(
+                ensemble, ensemble.accuracy, members=known, least=least, span=OPEN, observe=turns_of, progress=progress
+            )
+            part = ensemble.subset(known, steps=rungs.steps)
+            part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
+            ensemble.absorb(part, known)
+        left = left[np.isnan(turn) & ensemble.running[left] & _moves(ensemble, left)]
         length *= 2
+
+
+def _time_turns(
+    ensemble: Ensemble, members: NDArray[np.intp], periods: int, settled: Settled, progress: Callable[[int], None] | None
+) -> Array:
+    """Run points on, in place, and time their turns, shape (member,); NaN where they have met fewer than `TURNS` crossings."""
+    run = ensemble.subset(members)
+    _, times, _ = run_with_crossings(run, periods, progress=progress)
+    ensemble.absorb(run, members)
+    settled.waited[members] += periods
+    count = np.isfinite(times).sum(axis=0)
+    turn = np.full(members.size, np.nan)
+    for k in np.flatnonzero((count >= TURNS) & run.running):
+        turn[k] = (times[count[k] - 1, k] - times[0, k]) / (count[k] - 1)
+    return turn
 
 
 def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
@@ -419,6 +435,19 @@ def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
     rates = np.abs(Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)(0.0, x, np.arange(members.size))[0])
     size = scales(ensemble.model, period, np.zeros_like(x), np.abs(x)) / FLOOR
     return np.asarray((rates * period > STILL * size).any(axis=0))
+
+
+def check_steps(ensemble: Ensemble, progress: Callable[[int], None] | None = None) -> bool:
+    """Give points the steps that their motion asks for where they stand, in place; returns whether any took more."""
+    if ensemble.accuracy is None:
+        return False
+    members = np.flatnonzero(ensemble.running)
+    steps, _ = _steps_of_settled(ensemble, members, np.zeros(ensemble.points, dtype=np.int64), progress)
+    more = steps > ensemble.point_steps[members]
+    if more.any():
+        here = members[more]
+        ensemble.absorb(ensemble.subset(here, steps=steps[more]), here)
+    return bool(more.any())
 
 
 def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:

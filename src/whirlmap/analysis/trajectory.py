@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
+from whirlmap.analysis.returns import check_steps
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
@@ -151,6 +152,8 @@ def section(
     ensemble, _ = _one(system, steps, accuracy, method, workers, starts)
     common = ensemble.common_multiple
     ensemble.advance(transient * common, progress=progress)
+    if transient and check_steps(ensemble, progress):
+        ensemble.advance(transient * common, progress=progress)
     data: dict[str, Any] = {}
     if system.model.forced:
         every = common if once_per == "common" else 1

@@ -23,7 +23,8 @@ Integers = NDArray[np.int64]
 #: Steps per T that are tried.
 LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 
-#: Steps within which a divergence is not believed.
+#: A divergence is believed where all rungs up to so many times more steps find it, and not within so many steps of the start.
+DIVERGES = 4
 FEW = 8
 #: Where the error falls by less than this from a rung to the one at least twice as high, the method has lost its order.
 STALLED = 4.0
@@ -94,6 +95,7 @@ def choose_steps(
     least: Integers | None = None,
     sections: int = 1,
     span: int = 1,
+    observe: Callable[[Ensemble, int], Array] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Rungs:
     """Find the rung of every point from its present state; the ensemble is not moved.
@@ -112,12 +114,16 @@ def choose_steps(
         the largest is met.
     span : int
         Common periods of each trial.
+    observe : callable, optional
+        ``observe(ensemble, periods)`` runs points on and gives numbers of their motion, shape (number, point), whose differences
+        count as well: times over T at which a section is crossed, for a motion that stands still between fast turns shows
+        its errors there. NaN where there are no more of them.
 
     Notes
     -----
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
-    rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, likewise,
-    where the times are within a step. A point that has lost its order goes on to `KINKED` steps, or to the accuracy.
+    rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within a step
+    of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point that has lost its order goes on to `KINKED` steps, or to the accuracy.
 
     Raises
     ------
@@ -133,11 +139,12 @@ def choose_steps(
         first = np.searchsorted(LADDER[:-1], least).clip(max=len(LADDER) - 2)
     steps = np.array(LADDER, dtype=np.int64)[first]
     error, verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
+    since = np.full(n, np.inf)  # steps from which on all rungs diverge alike
     begun, size = np.full(n, np.nan), np.full((ensemble.model.dimension, n), np.nan)
     running = ensemble.running[members]
     verdict[running] = Verdict.stiff
     history, kinked = np.full((len(LADDER), n), np.nan), np.zeros(n, dtype=bool)
-    trials = _Trials(ensemble, members, sections, span, progress)
+    trials = _Trials(ensemble, members, sections, span, observe, progress)
     left, before = np.zeros(0, dtype=np.intp), None
     for i, rung in enumerate(LADDER[1:]):
         entering = np.flatnonzero(running & (first == i))
@@ -147,7 +154,10 @@ def choose_steps(
         if not left.size or before is None:
             continue
         now = trials.run(left, rung)
-        found = before.difference(now)
+        found, away = before.difference(now)
+        # A method that is unstable diverges at about the same time with any steps, up to those with which it is not.
+        since[left] = np.where(away, np.minimum(since[left], LADDER[i]), np.inf)
+        found[away & (LADDER[i] < DIVERGES * since[left])] = np.inf
         history[i, left] = error[left] = found
         begun[left], size[:, left] = np.where(first[left] == i, found, begun[left]), now.largest()
         steps[left] = LADDER[i]
@@ -177,9 +187,10 @@ class _Trials:
     """Runs of points over some common periods, with any steps, from the section points of their motion."""
 
     def __init__(
-        self, ensemble: Ensemble, members: NDArray[np.intp], sections: int, span: int, progress: Callable[[int], None] | None
-    ) -> None:
-        self.ensemble, self.members, self.progress = ensemble, members, progress
+        self, ensemble: Ensemble, members: NDArray[np.intp], sections: int, span: int,
+        observe: Callable[[Ensemble, int], Array] | None, progress: Callable[[int], None] | None,
+    ) -> None:  # fmt: skip
+        self.ensemble, self.members, self.observe, self.progress = ensemble, members, observe, progress
         self.periods, self.sections = span * ensemble.common_multiple, sections
         self.starts = ensemble.x[None, :, members]
         if sections > 1:
@@ -199,9 +210,10 @@ class _Trials:
         )  # fmt: skip
         part.turns = e.turns[at]
         begin = part.turns.copy()
+        seen = self.observe(part, self.periods) if self.observe else np.zeros((0, at.size))
         run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
         end = part.end_time / part.period - begin
-        return _Trial(steps, run.saved, motion_sizes(part, run, x), part.status, end, self.sections)
+        return _Trial(steps, run.saved, motion_sizes(part, run, x), part.status, end, seen, self.sections)
 
 
 @dataclass(frozen=True)
@@ -213,6 +225,7 @@ class _Trial:
     size: Array
     status: NDArray[np.int8]
     end: Array
+    seen: Array
     sections: int
 
     def _columns(self, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -221,7 +234,9 @@ class _Trial:
     def keep(self, which: NDArray[np.bool_]) -> "_Trial":
         """Some of the points."""
         k = self._columns(which)
-        return _Trial(self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.sections)
+        return _Trial(
+            self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.seen[:, k], self.sections
+        )
 
     def largest(self) -> Array:
         """Size of each point's motion, shape (state, point)."""
@@ -235,14 +250,22 @@ class _Trial:
             return np.concatenate(list(parts), axis=-1).reshape(*a.shape[:-1], -1)
 
         saved, size, status, end = (both(getattr(self, n), getattr(other, n)) for n in ("saved", "size", "status", "end"))
-        return _Trial(other.steps, saved, size, status, end, self.sections)
+        rows = max(len(self.seen), len(other.seen))
+        seen = both(*(np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in (self, other)))
+        return _Trial(other.steps, saved, size, status, end, seen, self.sections)
 
-    def difference(self, finer: "_Trial") -> Array:
-        """Largest scaled difference of every point; infinite where only one of the two ended, or either failed."""
+    def difference(self, finer: "_Trial") -> tuple[Array, NDArray[np.bool_]]:
+        """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
+
+        And where both diverged at the same time.
+        """
         with np.errstate(invalid="ignore"):
             gap = np.abs(self.saved - finer.saved)
         seen = np.isfinite(gap)
         out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / finer.size).max(axis=0)
+        rows = min(len(self.seen), len(finer.seen))
+        noted = np.abs(self.seen[:rows] - finer.seen[:rows])
+        out = np.maximum(out, np.where(np.isfinite(noted), noted, 0.0).max(axis=0, initial=0.0))
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
@@ -251,7 +274,7 @@ class _Trial:
         diverged &= (apart <= 1 / self.steps) & (self.end >= FEW / self.steps)
         out = np.where(contact, np.maximum(out, apart), out)
         worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
-        return worst
+        return worst, np.asarray(diverged.reshape(self.sections, -1).any(axis=0))
 
 
 def motion_sizes(ensemble: Ensemble, run: Segment, start: Array) -> Array:

@@ -162,7 +162,7 @@ def _evidence(
     ds = points_dataset(system, values, measured).reset_coords(list(values), drop=True).rename(point="attractor")
     tangent, _ = make_ensemble(
         system, values, starts=ensemble.x, steps=tangent_steps(ensemble), method=ensemble.method.name, tangents=1,
-        workers=labelling.workers,
+        workers=labelling.workers, turn=ensemble.period,
     )  # fmt: skip
     rates, record = run_with_section(tangent, labelling.lyapunov, align=max(labelling.lyapunov // 10, 5), progress=progress)
     mean, spread = mean_and_error(rates[:, 0])

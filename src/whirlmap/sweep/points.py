@@ -145,7 +145,7 @@ class Labelling:
         tangent, _ = make_ensemble(
             system, {name: np.atleast_1d(np.asarray(v, dtype=float))[points] for name, v in values.items()},
             starts=ensemble.x[:, points], steps=ensemble.point_steps[points], method=ensemble.method.name,
-            tangents=1, workers=self.workers,
+            tangents=1, workers=self.workers, turn=ensemble.period[points],
         )  # fmt: skip
         judged = judge_open_points(tangent, self.lyapunov, cyclic, progress, contraction_ends=contraction_ends)
         for name in ("exponent", "error", "periods", "winding", "growth", "drift", "centre", "reach"):
