@@ -7,11 +7,15 @@ import json
 import sys
 from pathlib import Path
 
-KEPT = Path(__file__).parent / "numbers.json"
+import numpy as np
+
+HERE = Path(__file__).parent
+KEPT = HERE / "numbers.json"
 
 
-def kept():
-    return json.loads(KEPT.read_text()) if KEPT.exists() else {}
+def kept(name="numbers.json"):
+    """Truths of a file beside this one."""
+    return json.loads((HERE / name).read_text()) if (HERE / name).exists() else {}
 
 
 def compute(case):
@@ -19,8 +23,25 @@ def compute(case):
     if case.chaos:
         mean, error, z = motion.spectrum(case.start, settle=case.settle, periods=case.chaos)
         return {"n": 0, "z": z.tolist(), "exponents": mean.tolist(), "errors": error.tolist()}
+    if case.known:
+        return {"n": 0, "orbits": several(motion, case)}
     orbit = motion.attractor(case.start, settle=case.settle)
     return {"n": None} if orbit is None else orbit.plain()
+
+
+def several(motion, case, starts=40):
+    """Orbits that starts of a box come to, with their shares, largest first."""
+    box = np.array(case.known["box"])
+    found = []
+    for z in np.random.default_rng(7).uniform(box[:, 0], box[:, 1], (starts, len(box))):
+        orbit = motion.attractor(z, settle=case.settle)
+        assert orbit is not None, f"{case.name}: nothing returns from {z}"
+        same = [o for o in found if o["n"] == orbit.n and np.abs(np.subtract(o["high"], orbit.high)).max() < 1e-6]
+        if same:
+            same[0]["share"] += 1 / starts
+        else:
+            found.append({**orbit.plain(), "share": 1 / starts})
+    return sorted(found, key=lambda o: -o["share"])
 
 
 def main(names):
@@ -30,6 +51,10 @@ def main(names):
     for case in ALL:
         if not names or any(case.name.startswith(n) for n in names):
             numbers[case.name] = compute(case)
+            if case.known:
+                print(case.name, [(o["n"], round(o["share"], 3), round(np.hypot(o["real"][0], o["imaginary"][0]), 4))
+                                  for o in numbers[case.name]["orbits"]], flush=True)  # fmt: skip
+                continue
             n, largest = numbers[case.name]["n"], numbers[case.name].get("real", numbers[case.name].get("exponents"))
             print(case.name, n, largest, numbers[case.name].get("slides"), flush=True)
     numbers = {case.name: numbers[case.name] for case in ALL if case.name in numbers}

@@ -26,7 +26,7 @@ FLOWS = {
         "x v", ("v", "mu*(v - v**3/3) - x"), "x",
     ),
     "hopf": (
-        flow("hopf", {x: m * x - w * y - x * (x**2 + y**2), y: w * x + m * y - y * (x**2 + y**2)}, y, 2.0, m, w),
+        flow("hopf", {x: m * x - w * y - x * (x**2 + y**2), y: w * x + m * y - y * (x**2 + y**2)}, y, 6 / w, m, w),
         "x y", ("m*x - w*y - x*(x**2+y**2)", "w*x + m*y - y*(x**2+y**2)"), "y",
     ),
     "slaved_hopf": (
