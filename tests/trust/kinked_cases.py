@@ -7,7 +7,7 @@ label is beyond doubt; the few delicate ones say why they are.
 from dataclasses import dataclass, field
 
 import kinked_models as o
-from truth_events import Pieces
+from truth_orbits import Pieces
 
 from whirlmap.models import family
 
@@ -58,7 +58,8 @@ STRICT = [
            [dict(F=0.5, d=0, w=0.4), dict(F=0.7, d=0.1, w=0.6), dict(F=0.8, d=0, w=0.5)], jumps=True),
     *cases("uneven", o.UNEVEN_PIECES, o.UNEVEN, dict(F=0.2, G=0.5, A=1, d=0.05),
            [dict(w=0.4), dict(w=0.7), dict(w=1.2)], jumps=True),
-    *cases("belt", o.BELT_PIECES, o.BELT, dict(F=1, b=0.5, d=0.1), [dict(A=0.4, w=0.4), dict(A=0.4, w=0.9), dict(A=1.2, w=1.3), dict(A=1.2, w=1.7)], jumps=True),
+    *cases("belt", o.BELT_PIECES, o.BELT, dict(F=1, b=0.5, d=0.1),
+           [dict(A=0.4, w=0.4), dict(A=0.4, w=0.9), dict(A=1.2, w=1.3), dict(A=1.2, w=1.7)], jumps=True),
     *cases("pendulum", o.PENDULUM_PIECES, o.PENDULUM, dict(F=0.15, d=0.1, w=2 / 3), [dict(A=0.3), dict(A=0.5)], jumps=True),
     *cases("contact-friction", o.CONTACT_FRICTION_PIECES, o.CONTACT_FRICTION, dict(A=1, B=0.3, F=0.2, d=0.1, k=20),
            [dict(w=0.5), dict(w=0.8), dict(w=1.2)], jumps=True),
@@ -74,7 +75,8 @@ STRICT = [
            [dict(w=0.6), dict(w=0.9), dict(w=1.2)], jumps=True),
     *cases("relay", o.RELAY_PIECES, o.RELAY, dict(A=1.2, d=0.15), [dict(w=0.5), dict(w=1.0), dict(w=1.8)], jumps=True),
     *cases("half-wave", o.HALF_WAVE_PIECES, o.HALF_WAVE, dict(A=3, b=1, d=0.2), [dict(w=1.2), dict(w=1.6), dict(w=3.0)]),
-    *cases("square-wave", o.SQUARE_WAVE_PIECES, o.SQUARE_WAVE, dict(A=2, b=1, d=0.2), [dict(w=0.9), dict(w=1.8)], jumps=True),
+    *cases("square-wave", o.SQUARE_WAVE_PIECES, o.SQUARE_WAVE, dict(A=2, b=1, d=0.2), [dict(w=0.9), dict(w=1.8)],
+           jumps=True),
     *cases("meissner", o.MEISSNER_PIECES, o.MEISSNER, dict(A=1, a=1, b=0.3, d=0.1), [dict(w=0.7), dict(w=1.3)], jumps=True),
     *cases("friction-damper", o.FRICTION_DAMPER_PIECES, o.FRICTION_DAMPER, dict(A=1, F=0.4, d=0.05, k=0.3, m=0.5),
            [dict(w=0.7), dict(w=1.0), dict(w=1.4)], start=(0.0, 0.0, 0.1, 0.0), jumps=True),
@@ -104,18 +106,18 @@ CHAOS = [
     Case("chaos-belt", o.BELT_PIECES, (o.BELT,), dict(F=1, A=0.4, b=0.5, d=0.02, w=1.3), (0.0, 0.1), jumps=True, chaos=1600),
 ]  # fmt: skip
 
-#: Points where several orbits attract: the box of the starts, of which the truth draws 40.
+#: Points where several orbits attract: the box of the starts, of which the truth draws 16.
 COEXISTING = [
     Case("two-stop", o.STOP_PIECES, (o.STOP["when"],), dict(A=0.5, B=0, d=0.15, k=1000, w=1.3), (0.0, 0.1),
-         known={"box": ((-1.5, 1.05), (-2, 2))}),
-    Case("two-both-stops", o.BOTH_STOPS_PIECES, (o.BOTH_STOPS["nested"],), dict(A=1, B=0.2, a=1, d=0.1, k=10, w=1.7), (0.0, 0.1),
-         known={"box": ((-1.5, 1.5), (-3, 3))}),
+         settle=120, known={"box": ((-1.5, 1.05), (-2, 2))}),
+    Case("two-both-stops", o.BOTH_STOPS_PIECES, (o.BOTH_STOPS["nested"],),
+         dict(A=1, B=0.2, a=1, d=0.1, k=10, w=1.7), (0.0, 0.1), settle=120, known={"box": ((-1.5, 1.5), (-3, 3))}),
     Case("two-gap", o.GAP_PIECES, (o.GAP,), dict(A=1.5, d=0.1, k=30, c=0.5, m=0.5, w=2.3), (0.0, 0.0, 0.1, 0.0),
-         known={"box": ((-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5))}),
+         settle=120, known={"box": ((-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5))}),
     Case("two-bilinear", o.BILINEAR_PIECES, (o.BILINEAR["when"],), dict(A=1, d=0.1, k=10, w=4.0), (0.0, 0.1),
-         known={"box": ((-1.5, 1.5), (-2, 2))}),
+         settle=120, known={"box": ((-1.5, 1.5), (-2, 2))}),
     Case("two-rub", o.RUB_PIECES, (o.RUB,), dict(e=0.3, F=0.02, G=0.1, d=0.2, k=10, w=1.5), (0.0, 0.0, 0.0, 0.0),
-         known={"box": ((-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5))}),
+         settle=120, known={"box": ((-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5))}),
 ]  # fmt: skip
 
 ALL = [*STRICT, *TEETH, *CHAOS, *COEXISTING]

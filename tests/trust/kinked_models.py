@@ -1,11 +1,11 @@
 """Oscillators with kinks, jumps and stops, as users write them, and beside each the same equations in pieces.
 
-The pieces are what `truth_events` solves; `test_kinks_and_jumps.py` holds the two against each other at random states.
+The pieces are what `truth_orbits` solves; `test_kinks_and_jumps.py` holds the two against each other at random states.
 Lengths are over the gap, time over one radian of the linear oscillator.
 """
 
 from sympy import Abs, Heaviside, Max, Min
-from truth_events import Pieces
+from truth_orbits import Pieces
 
 from whirlmap.equations import Model, Parameter, State, cos, sign, sin, sqrt, states, t, when
 

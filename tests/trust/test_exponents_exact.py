@@ -11,16 +11,16 @@ from kinked_cases import BY_NAME
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
 from truth_cycles import Flow
-from truth_events import Pieces
 from truth_numbers import kept
+from truth_orbits import Pieces
 from unforced_models import FLOWS
 
 import whirlmap
-from whirlmap.equations import Model, Parameter, Section, State, cos, sign, sin, states, t
+from whirlmap.equations import Model, Parameter, State, cos, sign, sin, states, t
 
 x, v = State("x", "1", "displacement", start=1.0), State("v", "1", "velocity")
 p, q, r, s = states("p q r s", "1", "states")
-a, b, c, d, k, w, A = (Parameter(n, "1", n) for n in "a b c d k w A".split())
+a, b, c, d, k, w, A = (Parameter(n, "1", n) for n in ["a", "b", "c", "d", "k", "w", "A"])
 T = 2 * np.pi
 
 DIAGONAL = Model(name="diagonal", states=(p, q, r), parameters=(a, b, c, w), harmonics=(w,),
@@ -28,8 +28,10 @@ DIAGONAL = Model(name="diagonal", states=(p, q, r), parameters=(a, b, c, w), har
 SHEARED = Model(name="sheared", states=(p, q), parameters=(a, b, k, w), harmonics=(w,),
                 equations={p: -a * p + k * q, q: -b * q + cos(w * t)})  # fmt: skip
 BREATHING = Model(name="breathing", states=(p, q), parameters=(a, b, k, w), harmonics=(w,),
-                  equations={p: -a * (1 + k * cos(w * t)) * p + sin(w * t), q: -b * (1 + k * sin(w * t)) * q + p})  # fmt: skip
-OSCILLATOR = Model(name="damped_oscillator", states=(x, v), parameters=(d, w), harmonics=(w,), equations={x: v, v: cos(w * t) - d * v - x})
+                  equations={p: -a * (1 + k * cos(w * t)) * p + sin(w * t),
+                             q: -b * (1 + k * sin(w * t)) * q + p})  # fmt: skip
+OSCILLATOR = Model(name="damped_oscillator", states=(x, v), parameters=(d, w), harmonics=(w,),
+                   equations={x: v, v: cos(w * t) - d * v - x})  # fmt: skip
 TWO_MASSES = Model(name="two_oscillators", states=(p, q, r, s), parameters=(d, k, w), harmonics=(w,),
                    equations={p: q, q: cos(w * t) - d * q - p, r: s, s: p - 5 * d * s - k * r})  # fmt: skip
 HILL = Model(name="hill_forced", states=(x, v), parameters=(a, b, d, w), harmonics=(w,),
@@ -73,7 +75,9 @@ LINEAR = {  # name -> model, values, exact exponents
 def test_linear_systems(name):
     model, values, exact = LINEAR[name]
     found = spectrum(whirlmap.load(model, **values))
-    agree(found, exact, period=T / values["w"], error_below=2e-2)  # pairs of complex multipliers turn within a period
+    # Directions a distance of 1e-4 apart in rate do not part within the run: theirs mix, the sum stays.
+    floor = 5e-4 if name == "equal" else 1e-7
+    agree(found, exact, period=T / values["w"], error_below=2e-2, floor=floor)  # pairs of complex multipliers turn
 
 
 @pytest.mark.parametrize("name", ["mild", "fast", "sheared-fast", "breathing-fast", "overdamped"])
@@ -139,16 +143,28 @@ def test_lorenz(periods):
     assert error[0] < 0.02
 
 
-def test_a_torus():
-    """Forced van der Pol: the largest exponent is zero; the sum is the mean of mu (1 - x^2), here by SciPy."""
-    system = whirlmap.load("van_der_pol", omega=1.387)
-    mu, A_, w_ = (float(system.values[n]) for n in ("mu", "A", "omega"))
+#: Mean of the divergence of the forced van der Pol oscillator over 10 000 units of time, by SciPy.
+TORUS = -1.0307513
+
+
+def mean_divergence():
+    mu, A_, w_ = 1.0, 0.5, 1.387
     made = solve_ivp(lambda s, z: [z[1], mu * (1 - z[0] ** 2) * z[1] - z[0] + A_ * np.cos(w_ * s), mu * (1 - z[0] ** 2)],
                      (0, 12000), [1.0, 0.0, 0.0], method="DOP853", rtol=1e-9, atol=1e-10, t_eval=[2000, 12000])  # fmt: skip
-    mean = (made.y[2, 1] - made.y[2, 0]) / 10000
+    return (made.y[2, 1] - made.y[2, 0]) / 10000
+
+
+@pytest.mark.slow
+def test_the_mean_divergence_comes_out_again():
+    assert mean_divergence() == pytest.approx(TORUS, abs=1e-5)
+
+
+def test_a_torus():
+    """Forced van der Pol: the largest exponent is zero; the sum is the mean of mu (1 - x^2)."""
+    system = whirlmap.load("van_der_pol", mu=1.0, A=0.5, omega=1.387)
     value, error = spectrum(system, periods=1600)
     assert abs(value[0]) < 3 * error[0] + 1e-6
-    assert value.sum() == pytest.approx(mean, abs=3 * np.hypot(*error) + 3e-4)
+    assert value.sum() == pytest.approx(TORUS, abs=3 * np.hypot(*error) + 3e-4)
     ds = whirlmap.diagnose(system)
     assert label(ds) == "quasi-periodic"
     assert abs(float(ds["lyapunov"][0])) < 3 * float(ds["lyapunov_error"][0]) + 1e-6
@@ -199,7 +215,7 @@ JUMPING = ["dry-w=0.7", "uneven-w=0.7", "pendulum-A=0.5", "relay-w=1", "preloade
 
 @pytest.mark.parametrize("name", JUMPING)
 def test_periodic_motions_across_jumps(name):
-    """Refused, or those of the saltation matrices of `truth_events`."""
+    """Refused, or those of the saltation matrices of `truth_orbits`."""
     case, truth = BY_NAME[name], NUMBERS[name]
     found = spectrum(load(case.models[0], case.values, truth["z"]))
     if isinstance(found, Refused):

@@ -12,21 +12,23 @@ from asking import EXTREME, label
 from scipy.integrate import solve_ivp
 from sympy import chebyshevt
 from truth_cycles import Flow
-from truth_events import Arc, Pieces, extremes
+from truth_events import Arc
 from truth_linear import Linear, extremes_of
+from truth_orbits import Pieces, extremes
 from unforced_models import FLOWS
 
 import whirlmap
 from whirlmap.equations import Model, Output, Parameter, State, cos, sin, sqrt, states, t
 
 x, v = State("x", "1", "displacement", start=0.5), State("v", "1", "velocity")
-z, w, B, k, q = (Parameter(n, "1", n) for n in "z w B k q".split())
+z, w, B, k, q = (Parameter(n, "1", n) for n in ["z", "w", "B", "k", "q"])
 STATES = ("x", "v")
 
 
 def oscillator(name, force, *used):
     return Model(name=name, states=(x, v), parameters=(z, *used, w), equations={x: v, v: force - 2 * z * v - x},
-                 harmonics=(w,), swing=(x,), outputs={"power": Output(-2 * z * v**2, "1", "power of the damper")})  # fmt: skip
+                 harmonics=(w,), swing=(x,),
+                 outputs={"power": Output(-2 * z * v**2, "1", "power of the damper")})  # fmt: skip
 
 
 def diagram(model, swept, at, **values):

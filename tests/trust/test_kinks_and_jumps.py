@@ -1,4 +1,4 @@
-"""Oscillators with kinks, jumps, stops and friction against their solution with event location (`truth_events`)."""
+"""Oscillators with kinks, jumps, stops and friction against their solution with event location (`truth_orbits`)."""
 
 from functools import cache
 
@@ -23,6 +23,10 @@ ONCE = [pytest.param(case, case.models[0], id=case.name) for case in PERIODIC]
 def answer(name, model):
     case = kinked_cases.BY_NAME[name]
     return diagram(load(model, case.values, case.start))
+
+
+def moduli(truth):
+    return np.hypot(truth["real"], truth["imaginary"])
 
 
 def allowed_to_stick(truth, said):
@@ -99,7 +103,7 @@ def test_diagnosis(case, model):
         return
     assert said == f"{truth['n']}T" and float(ds["confidence"]) > 0.5
     with np.errstate(divide="ignore"):
-        exact = np.log(np.hypot(truth["real"], truth["imaginary"])) / (truth["n"] * case.period)
+        exact = np.log(moduli(truth)) / (truth["n"] * case.period)
     if "lyapunov" in ds:
         value, error = ds["lyapunov"].values, ds["lyapunov_error"].values
         seen = exact > -30 / case.period  # not a direction that a slide ends, or nearly so
@@ -148,7 +152,7 @@ def test_two_solutions_of_the_dead_zone_agree(case):
         np.array(truth["z"]), truth["n"]
     )
     np.testing.assert_allclose(orbit, truth["z"], atol=1e-10)
-    np.testing.assert_allclose(np.sort(np.abs(multipliers)), np.sort(np.hypot(truth["real"], truth["imaginary"])), atol=1e-10)
+    np.testing.assert_allclose(np.sort(np.abs(multipliers)), np.sort(moduli(truth)), atol=1e-10)
 
 
 @pytest.mark.slow
@@ -156,5 +160,5 @@ def test_two_solutions_of_the_dead_zone_agree(case):
 def test_the_truth_comes_out_again(case):
     again, truth = compute(case), NUMBERS[case.name]
     assert (again["n"], again["slides"]) == (truth["n"], truth["slides"])
-    np.testing.assert_allclose(np.hypot(again["real"], again["imaginary"]), np.hypot(truth["real"], truth["imaginary"]), atol=1e-8)
+    np.testing.assert_allclose(moduli(again), moduli(truth), atol=1e-8)
     np.testing.assert_allclose([again["low"], again["high"]], [truth["low"], truth["high"]], rtol=0, atol=1e-8)

@@ -1,8 +1,8 @@
 """Motions that come to rest, drift, grow, or run into a pole of their equations: closed forms and SciPy.
 
-At rest, drifting and growing are regimes of their own. Truths: equilibria of the equations and their eigenvalues, closed forms
-of linear drifts, Floquet multipliers of Hill's equations by SciPy and (Meissner) by products of rotations and shears, and
-the time at which SciPy's solution reaches the pole.
+At rest, drifting and growing are regimes of their own. Truths: equilibria of the equations and their eigenvalues, closed
+forms of linear drifts, Floquet multipliers of Hill's equations by SciPy and (Meissner) by products of exponentials, and the
+time at which SciPy's solution reaches the pole.
 """
 
 import numpy as np
@@ -17,7 +17,7 @@ from whirlmap.results.status import Status
 x, v = State("x", "1", "displacement", start=1.0), State("v", "1", "velocity")
 y, z = State("y", "1", "y", start=1.0), State("z", "1", "z", start=1.0)
 q = State("q", "1", "angle", start=0.1)
-a, b, c, d, A, k, w, mu, r = (Parameter(n, "1", n) for n in "a b c d A k w mu r".split())
+a, b, c, d, A, k, w, mu, r = (Parameter(n, "1", n) for n in ["a", "b", "c", "d", "A", "k", "w", "mu", "r"])
 
 
 def forced(name, force, *used, at=x):
@@ -111,7 +111,8 @@ def mean_rate(model, values, name):
             f = values["A"] * (np.cos(values["w"] * t) + np.cos(2 * values["w"] * t) / 2)
             return [s[1], f - (values["k"] if s[1] > 0 else -4 * values["k"]) - values["c"] * s[1]]
     T = 2 * np.pi / values["w"]
-    made = solve_ivp(rates, (0, 300 * T), [0.1 if name == "q" else 1.0, 0.0], t_eval=[200 * T, 300 * T], max_step=T / 200, rtol=1e-6)
+    made = solve_ivp(rates, (0, 300 * T), [0.1 if name == "q" else 1.0, 0.0], t_eval=[200 * T, 300 * T], max_step=T / 200,
+                     rtol=1e-6)  # fmt: skip
     return (made.y[0, 1] - made.y[0, 0]) / (100 * T)
 
 

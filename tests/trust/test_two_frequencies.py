@@ -1,7 +1,7 @@
 """Models of two and three forcing frequencies, swept: every point has the period, rms and extremes of its own frequencies.
 
 Linear ones are exact by superposition (`truth_linear`); Duffing's oscillator and the dry friction of two tones by SciPy
-(`truth_events`). A sweep may be refused by a sentence that says why; a wrong number may not come out.
+(`truth_orbits`). A sweep may be refused by a sentence that says why; a wrong number may not come out.
 """
 
 from fractions import Fraction
@@ -9,14 +9,14 @@ from fractions import Fraction
 import numpy as np
 import pytest
 from asking import EXTREME, Refused, asked, label
-from truth_events import Pieces
 from truth_linear import Linear, extremes_of
+from truth_orbits import Pieces
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, State, cos, sin, states, t
 
 x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
-a, b, g, c, B, r, q, F = (Parameter(n, "1", n) for n in "a b g c B r q F".split())
+a, b, g, c, B, r, q, F = (Parameter(n, "1", n) for n in ["a", "b", "g", "c", "B", "r", "q", "F"])
 
 
 def oscillator(name, force, harmonics, *used):
@@ -77,14 +77,13 @@ def test_sweeps_of_one_frequency(name):
     for k, w in enumerate(at):
         truth = Linear(fixed["c"], 1.0, forces(w), unit=fixed["a"] if swept == "r" else 1.0)
         numbers = {**fixed, swept: w}
-        declared = {"r": [Fraction(1), w], "b": [*exact([numbers.get("a", 1)]), w, *exact([numbers["g"]] if "g" in numbers else [])],
-                    "a": [w, *exact([numbers["b"]] if "b" in numbers else [])]}[swept]  # fmt: skip
+        declared = [Fraction(1), w] if swept == "r" else exact([numbers[name] for name in "abg" if name in numbers])
         n = truth.common(declared)
         said = label(ds, k)
         fastest = max(abs(float(f)) for f in declared) * truth.unit
+        T, at_times = 2 * np.pi / fastest, np.array([0.3, 1.1, 2.9])
         # A motion may repeat sooner than its forcing's declared harmonics do.
-        repeats = [m for m in range(1, n + 1) if abs(truth.of(2 * np.pi * m / fastest + 0.3) - truth.of(0.3)) < 1e-9
-                   and abs(truth.of(2 * np.pi * m / fastest + 1.1) - truth.of(1.1)) < 1e-9]  # fmt: skip
+        repeats = [m for m in range(1, n + 1) if np.abs(truth.of(m * T + at_times) - truth.of(at_times)).max() < 1e-9]
         assert said in {f"{n}T", f"{repeats[0]}T"}, (float(w), said, n)
         low, high = truth.extremes()
         at_x = ds.isel({swept: k}).sel(quantity="x")
@@ -112,7 +111,8 @@ def test_a_sweep_through_frequencies_without_a_common_period():
         return
     for k, w in enumerate(at):
         size = np.sqrt(sum(abs(f / (1 - u**2 + 0.2j * u)) ** 2 for u, f in ((1.0, 1.0), (w, 0.5))) / 2)
-        assert float(ds["rms"].sel(quantity="x")[k]) == pytest.approx(size, rel=1e-2)  # a record of a torus ends within a beat
+        # The record of a torus ends within a beat.
+        assert float(ds["rms"].sel(quantity="x")[k]) == pytest.approx(size, rel=1e-2)
 
 
 def test_a_map_over_both_frequencies_and_labels_of_scattered_points():

@@ -1,56 +1,78 @@
 """Cycles without forcing, smooth, stiff, with kinks and with sliding: period, returns, extremes, multipliers.
 
 Truths: the closed form of Hopf's normal form and of the free bilinear oscillator; SciPy's crossings of the section for the
-others, with Radau where they are stiff (`truth_cycles`); event location with sliding for the belt (`truth_events`).
+others, with Radau where they are stiff (`truth_cycles`); event location with sliding for the belt (`truth_orbits`).
 A stiff one may be refused as stiff, in words or by its step verdict; a false label may not come out.
 """
 
 import json
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 import unforced_models
 from asking import EXTREME, Refused, asked, diagram, label
 from truth_cycles import Flow
-from truth_events import Pieces, extremes
+from truth_orbits import Pieces, extremes
 from unforced_models import FLOWS
 
 import whirlmap
 from whirlmap.integrate.accuracy import Verdict
 
-#: name -> flow, values, start, period, returns, extremes of the first state, and how SciPy finds them (None: closed form).
-#: The kept numbers are those of `test_the_cycles_come_out_again`.
+RADAU = dict(method="Radau")
+
+
+@dataclass(frozen=True)
+class Known:
+    """A cycle: its flow and values, period, returns to the section, and how SciPy finds it (None: a closed form)."""
+
+    flow: str
+    values: dict
+    start: tuple
+    period: float
+    returns: int = 1
+    scipy: dict | None = None
+    extremes: tuple | None = None
+
+
+#: The kept periods are those of `test_the_cycles_come_out_again`.
 CYCLES = {
-    "hopf": ("hopf", dict(m=1.0, w=3.0), (0.5, 0.0), 2 * np.pi / 3, 1, (-1.0, 1.0), None),
-    "hopf-fast": ("hopf", dict(m=4.0, w=300.0), (0.5, 0.0), 2 * np.pi / 300, 1, (-2.0, 2.0), None),
-    "hopf-slow": ("hopf", dict(m=0.04, w=0.1), (0.05, 0.0), 20 * np.pi, 1, (-0.2, 0.2), None),
-    "slaved": ("slaved_hopf", dict(w=3.0, k=200.0), (0.5, 0.0, 0.0), 2 * np.pi / 3, 1, (-1.0, 1.0), None),
-    "slaved-stiff": ("slaved_hopf", dict(w=3.0, k=3000.0), (0.5, 0.0, 0.0), 2 * np.pi / 3, 1, (-1.0, 1.0), None),
-    "van-der-pol-5": ("van_der_pol", dict(mu=5.0), (2.0, 0.0), 11.612230667709, 1, None, dict(time=200)),
-    "van-der-pol-20": ("van_der_pol", dict(mu=20.0), (2.0, 0.0), 34.682323311652, 1, None, dict(time=300, method="Radau")),
-    "rayleigh-10": ("rayleigh", dict(mu=10.0), (2.0, 0.0), 19.078369566935, 1, None, dict(time=200)),
-    "fitzhugh-nagumo": ("fitzhugh_nagumo", dict(e=0.08, a=0.7, b=0.8, I=0.5), (0.0, 0.0), 39.474414980191, 1, None, dict(time=600)),
-    "fitzhugh-nagumo-stiff": ("fitzhugh_nagumo", dict(e=0.002, a=0.7, b=0.8, I=0.5), (0.0, 0.0), 1031.9907201, 1, None,
-                              dict(time=6000, method="Radau")),
-    "brusselator": ("brusselator", dict(a=1.0, b=3.0), (1.2, 1.0), 7.156919921187, 1, None, dict(time=200)),
-    "brusselator-stiff": ("brusselator", dict(a=1.0, b=8.0), (1.2, 1.0), 22.912001761, 1, None, dict(time=400, method="Radau")),
-    "oregonator": ("oregonator", dict(s=77.27, q=8.375e-6, w=0.161), (2.0, 2.0, 2.0), 302.858042, 1, None,
-                   dict(time=2500, method="Radau")),
-    "predator-prey": ("predator_prey", dict(r=1.0, k=3.0, a=1.0, m=0.3), (1.0, 1.0), 20.886789276901, 1, None, dict(time=800)),
-    "roessler-1": ("roessler", dict(a=0.2, b=0.2, c=2.5), (1.0, 1.0, 0.0), 5.748991183285, 1, None, dict(time=2000, near=1e-7)),
-    "roessler-2": ("roessler", dict(a=0.2, b=0.2, c=3.5), (1.0, 1.0, 0.0), 11.545218287766, 2, None, dict(time=2000, near=1e-7)),
-    "roessler-4": ("roessler", dict(a=0.2, b=0.2, c=4.0), (1.0, 1.0, 0.0), 23.177001055981, 4, None, dict(time=2000, near=1e-7)),
-    "lorenz-100.5": ("lorenz", dict(s=10.0, b=8 / 3, r=100.5), (1.0, 1.0, 1.0), 1.096238813586, 3, None, dict(time=150, near=1e-7)),
-    "lorenz-260": ("lorenz", dict(s=10.0, b=8 / 3, r=260.0), (1.0, 1.0, 1.0), 0.451023258561, 2, None, dict(time=150, near=1e-7)),
+    "hopf": Known("hopf", dict(m=1.0, w=3.0), (0.5, 0.0), 2 * np.pi / 3, extremes=(-1.0, 1.0)),
+    "hopf-fast": Known("hopf", dict(m=4.0, w=300.0), (0.5, 0.0), 2 * np.pi / 300, extremes=(-2.0, 2.0)),
+    "hopf-slow": Known("hopf", dict(m=0.04, w=0.1), (0.05, 0.0), 20 * np.pi, extremes=(-0.2, 0.2)),
+    "slaved": Known("slaved_hopf", dict(w=3.0, k=200.0), (0.5, 0.0, 0.0), 2 * np.pi / 3, extremes=(-1.0, 1.0)),
+    "slaved-stiff": Known("slaved_hopf", dict(w=3.0, k=3000.0), (0.5, 0.0, 0.0), 2 * np.pi / 3, extremes=(-1.0, 1.0)),
+    "van-der-pol-5": Known("van_der_pol", dict(mu=5.0), (2.0, 0.0), 11.612230667709, scipy=dict(time=200)),
+    "van-der-pol-20": Known("van_der_pol", dict(mu=20.0), (2.0, 0.0), 34.682323311652, scipy=dict(time=300, **RADAU)),
+    "rayleigh-10": Known("rayleigh", dict(mu=10.0), (2.0, 0.0), 19.078369566935, scipy=dict(time=200)),
+    "fitzhugh-nagumo": Known("fitzhugh_nagumo", dict(e=0.08, a=0.7, b=0.8, I=0.5), (0.0, 0.0), 39.474414980191,
+                             scipy=dict(time=600)),
+    "fitzhugh-nagumo-stiff": Known("fitzhugh_nagumo", dict(e=0.002, a=0.7, b=0.8, I=0.5), (0.0, 0.0), 1031.9907201,
+                                   scipy=dict(time=6000, **RADAU)),
+    "brusselator": Known("brusselator", dict(a=1.0, b=3.0), (1.2, 1.0), 7.156919921187, scipy=dict(time=200)),
+    "brusselator-stiff": Known("brusselator", dict(a=1.0, b=8.0), (1.2, 1.0), 22.912001761, scipy=dict(time=200, **RADAU)),
+    "oregonator": Known("oregonator", dict(s=77.27, q=8.375e-6, w=0.161), (2.0, 2.0, 2.0), 302.858042,
+                        scipy=dict(time=2500, **RADAU)),
+    "predator-prey": Known("predator_prey", dict(r=1.0, k=3.0, a=1.0, m=0.3), (1.0, 1.0), 20.886789276901,
+                           scipy=dict(time=800)),
+    "roessler-1": Known("roessler", dict(a=0.2, b=0.2, c=2.5), (1.0, 1.0, 0.0), 5.748991183285,
+                        scipy=dict(time=2000, near=1e-7)),
+    "roessler-2": Known("roessler", dict(a=0.2, b=0.2, c=3.5), (1.0, 1.0, 0.0), 11.545218287766, 2,
+                        scipy=dict(time=2000, near=1e-7)),
+    "roessler-4": Known("roessler", dict(a=0.2, b=0.2, c=4.0), (1.0, 1.0, 0.0), 23.177001055981, 4,
+                        scipy=dict(time=2000, near=1e-7)),
+    "lorenz-100.5": Known("lorenz", dict(s=10.0, b=8 / 3, r=100.5), (1.0, 1.0, 1.0), 1.096238813586, 3,
+                          scipy=dict(time=150, near=1e-7)),
+    "lorenz-260": Known("lorenz", dict(s=10.0, b=8 / 3, r=260.0), (1.0, 1.0, 1.0), 0.451023258561, 2,
+                        scipy=dict(time=150, near=1e-7)),
 }  # fmt: skip
 STIFF = {"van-der-pol-20", "fitzhugh-nagumo-stiff", "brusselator-stiff", "oregonator", "slaved-stiff", "rayleigh-10"}
 
 
-def loaded(name, **changes):
-    flow, values, start, *_ = CYCLES[name]
-    model, names, *_ = FLOWS[flow]
-    return whirlmap.load(model, **{**values, **changes}, start=dict(zip(names.split(), start, strict=True)))
+def loaded(name):
+    known = CYCLES[name]
+    model, names, *_ = FLOWS[known.flow]
+    return whirlmap.load(model, **known.values, start=dict(zip(names.split(), known.start, strict=True)))
 
 
 def says_stiff(ds):
@@ -65,7 +87,7 @@ def test_label(name):
         assert name in STIFF and "stiff" in ds.sentence
         return
     said = label(ds, 0)
-    allowed = {f"{CYCLES[name][4]}T"}
+    allowed = {f"{CYCLES[name].returns}T"}
     if name in STIFF and says_stiff(ds):
         allowed |= {"undecided", "unresolved", "stiff"}
     assert said in allowed
@@ -80,8 +102,8 @@ def test_diagnosis(name):
     said = label(ds)
     if name in STIFF and says_stiff(ds) and said in ("undecided", "unresolved", "stiff"):
         return
-    assert said == f"{CYCLES[name][4]}T" and float(ds["confidence"]) > 0.5
-    assert abs(float(ds["lyapunov"][0])) <= 3 * float(ds["lyapunov_error"][0]) + 1e-5 / CYCLES[name][3]
+    assert said == f"{CYCLES[name].returns}T" and float(ds["confidence"]) > 0.5
+    assert abs(float(ds["lyapunov"][0])) <= 3 * float(ds["lyapunov_error"][0]) + 1e-5 / CYCLES[name].period
     votes = json.loads(ds.attrs["indicators"])
     if "floquet" in votes:
         assert votes["floquet"]["vote"] != "unstable"
@@ -90,23 +112,22 @@ def test_diagnosis(name):
 @pytest.mark.parametrize("name", [n for n in CYCLES if n not in STIFF])
 def test_period_and_extremes(name):
     """Crossings of the section, as far apart as the truth's; extremes of the first state."""
-    _, _, _, period, returns, extreme, _ = CYCLES[name]
-    system = loaded(name)
+    known, system = CYCLES[name], loaded(name)
     found = whirlmap.section(system, periods=120, transient=400)
     times = found["crossing_time"].values[0]
     times = times[np.isfinite(times)]
-    assert times[-1] - times[-1 - returns] == pytest.approx(period, rel=2e-6)
-    if extreme is not None:
+    assert times[-1] - times[-1 - known.returns] == pytest.approx(known.period, rel=2e-6)
+    if known.extremes is not None:
         ds = diagram(system)
         here = ds.sel(quantity="x")
-        np.testing.assert_allclose([float(here["minimum"][0]), float(here["maximum"][0])], extreme, rtol=0,
-                                   atol=EXTREME * (extreme[1] - extreme[0]))  # fmt: skip
+        np.testing.assert_allclose([float(here["minimum"][0]), float(here["maximum"][0])], known.extremes, rtol=0,
+                                   atol=EXTREME * np.ptp(known.extremes))  # fmt: skip
 
 
 @pytest.mark.parametrize("factor", [0.1, 0.31, 3.0, 10.0])
 def test_a_typical_time_that_is_wrong_by_ten(factor):
     """The declared typical time only guides: the label does not hang on it."""
-    model, names, *_ = FLOWS["van_der_pol"]
+    model = FLOWS["van_der_pol"][0]
     other = replace(model, name=f"vdp_time_{factor:g}".replace(".", "_"), typical_time=6.663 * factor)
     ds = diagram(whirlmap.load(other, mu=1.0, start={"x": 2.0}))
     assert label(ds, 0) == "1T"
@@ -205,9 +226,9 @@ def test_the_cycles_with_kinks_and_jumps_come_out_again(name):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [n for n, c in CYCLES.items() if c[6] is not None])
+@pytest.mark.parametrize("name", [n for n, c in CYCLES.items() if c.scipy is not None])
 def test_the_cycles_come_out_again(name):
-    flow, values, start, period, returns, _, how = CYCLES[name]
-    _, names, rates, cut = FLOWS[flow]
-    cycle = Flow(names, rates, cut, **values).cycle(start, multipliers=name not in STIFF, **how)
-    assert cycle.returns == returns and cycle.period == pytest.approx(period, rel=1e-7)
+    known = CYCLES[name]
+    _, names, rates, cut = FLOWS[known.flow]
+    cycle = Flow(names, rates, cut, **known.values).cycle(known.start, multipliers=name not in STIFF, **known.scipy)
+    assert cycle.returns == known.returns and cycle.period == pytest.approx(known.period, rel=1e-7)

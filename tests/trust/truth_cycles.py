@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 from sympy import Matrix, Symbol, lambdify, sympify
-from truth_events import Arc, extremes
+from truth_events import Arc
+from truth_orbits import extremes
 
 
 @dataclass(frozen=True)
@@ -51,8 +52,9 @@ class Flow:
         self.height = lambdify(z, sympify(section, locals=local), modules="math")
 
     def _run(self, y, time, right, jac, method, events=None, keep=False, rtol=1e-11):
-        made = solve_ivp(right, (0, time), y, method=method, rtol=rtol, atol=1e-3 * rtol * max(np.abs(y[: self.n]).max(), 1e-3),
-                         events=events, dense_output=keep, **({"jac": jac} if method == "Radau" else {}))  # fmt: skip
+        size = max(np.abs(y[: self.n]).max(), 1e-3)
+        made = solve_ivp(right, (0, time), y, method=method, rtol=rtol, atol=1e-3 * rtol * size, events=events,
+                         dense_output=keep, **({"jac": jac} if method == "Radau" else {}))  # fmt: skip
         assert made.success, made.message
         return made
 

@@ -1,7 +1,7 @@
 """Linear oscillators under sums of cosines in closed form: what superposition says of period, extremes, mean and rms.
 
-x'' + c x' + k x = sum of F_i cos(w_i t + p_i): each cosine answers with F_i / (k - w_i^2 + i c w_i). The frequencies are whole
-multiples of a common one, given exactly, so that the common period is too.
+x'' + c x' + k x = sum of F_i cos(w_i t + p_i): each cosine answers with F_i / (k - w_i^2 + i c w_i). The frequencies are
+whole multiples of a common one, given exactly, so that the common period is too.
 """
 
 from fractions import Fraction
@@ -30,9 +30,8 @@ class Linear:
 
     def of(self, t, derivative=0):
         t = np.asarray(t, dtype=float)
-        value = sum(
-            np.real(x * (1j * float(w) * self.unit) ** derivative * np.exp(1j * float(w) * self.unit * t)) for w, x in self.parts
-        )
+        turns = [(1j * float(w) * self.unit, x) for w, x in self.parts]
+        value = sum(np.real(x * w**derivative * np.exp(w * t)) for w, x in turns)
         return value + (self.offset if derivative == 0 else 0.0)
 
     @property

@@ -6,7 +6,7 @@ from whirlmap.equations import Model, Parameter, Section, State, sign, states, w
 
 x, y, z = states("x y z", "1", "state")
 v = State("v", "1", "velocity")
-_P = {n: Parameter(n, "1", n) for n in "mu a b c d e f I r s q k m w F".split()}
+_P = {n: Parameter(n, "1", n) for n in ["mu", "a", "b", "c", "d", "e", "f", "I", "r", "s", "q", "k", "m", "w", "F"]}
 mu, a, b, c, d, e, f, I, r, s, q, k, m, w, F = _P.values()
 
 
