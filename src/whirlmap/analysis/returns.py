@@ -285,7 +285,8 @@ def _steps_of_settled(
     met = ensemble.step_verdict[members] == Verdict.met
     for count in np.unique(sections[met]):
         at = np.flatnonzero(met & (sections == count))
-        here, how = members[at], {"sections": int(count)}
+        here: NDArray[np.intp] = members[at]
+        how: dict[str, Any] = {"sections": int(count)}
         if not ensemble.model.forced:
             at = at[_moves(ensemble, members[at])]
             here, how = members[at], {"span": OPEN, **({"observe": turns_of} if ensemble.model.section else {})}

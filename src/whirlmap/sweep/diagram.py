@@ -11,7 +11,6 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.points import run_attributes
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
@@ -22,6 +21,7 @@ from whirlmap.sweep.measured import Measured, joined
 from whirlmap.sweep.points import (
     Labelling,
     common_multiple_variable,
+    doubts,
     kept_states,
     point_variables,
     section_variable,
@@ -108,9 +108,8 @@ def bifurcation_diagram(
         **shared_common_multiple(system, [parameter], ensemble),
     }  # fmt: skip
     attributes = run_attributes(system, ensemble, **facts)
-    if doubts := doubtful(ds["step_verdict"].values):
-        attributes["accuracy_not_met"] = doubts
-    ds = with_attributes(ds, attributes)
+    attributes.pop("accuracy_not_met", None)  # of the last point of a chain; this is of all
+    ds = with_attributes(ds, attributes | doubts(ds))
     return with_hysteresis(ds, system, parameter) if follow == "both" else ds
 
 

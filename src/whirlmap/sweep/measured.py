@@ -30,6 +30,7 @@ class Measured:
     steps: NDArray[np.int64]
     step_error: Array
     step_verdict: NDArray[np.int8]
+    grazings: NDArray[np.int64]
     common: NDArray[np.int64]
     end_state: Array
 

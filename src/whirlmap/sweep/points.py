@@ -118,7 +118,7 @@ class Labelling:
         return Measured(
             replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
-            ensemble.step_verdict, np.full(ensemble.points, ensemble.common_multiple),
+            ensemble.step_verdict, ensemble.grazings.astype(np.int64), np.full(ensemble.points, ensemble.common_multiple),
             np.where(ensemble.running, ensemble.x, np.nan),
         ), ensemble  # fmt: skip
 
@@ -238,7 +238,8 @@ def label_points(
     xr.Dataset
         Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
         ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
-        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
+        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``,
+        ``grazings``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in
         clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``.
@@ -285,7 +286,7 @@ def label_points(
         lyapunov_periods=lyapunov, **shared_common_multiple(system, columns, ensemble),
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the last batch; this is of all
-    return with_attributes(ds, attributes | {"accuracy_not_met": doubtful(ds["step_verdict"].values) or None})
+    return with_attributes(ds, attributes | doubts(ds))
 
 
 def points_dataset(
@@ -374,4 +375,16 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
             dim, m.step_verdict, "1", "whether the steps meet the accuracy",
             flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
         ),
+        "grazings": variable(dim, m.grazings, "1", "grazing contacts with surfaces at which rates change, in the record"),
     }  # fmt: skip
+
+
+def doubts(ds: xr.Dataset) -> dict[str, str]:
+    """Attributes that say of how many points the accuracy is not met, and how many graze a surface; none where none does."""
+    grazing, points = int((ds["grazings"].values > 0).sum()), ds["grazings"].size
+    said = {
+        "accuracy_not_met": doubtful(ds["step_verdict"].values),
+        "grazing": f"{grazing} of {points} points touch a surface at which their rates change without crossing it plainly:"
+        " exponents and multipliers may be wrong there, and a neighbouring point may move otherwise" if grazing else "",
+    }  # fmt: skip
+    return {name: text for name, text in said.items() if text}

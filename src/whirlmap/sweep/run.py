@@ -19,7 +19,6 @@ from whirlmap.analysis.points import parameter_values
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import series_steps, simulate
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.orders import order_groups, orders_vary
@@ -29,6 +28,7 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
+from whirlmap.sweep.points import doubts
 
 Array = NDArray[np.float64]
 
@@ -46,6 +46,7 @@ STRETCHES = 16
 NOT_REACHED = {
     "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
     "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
+    "grazings": 0,
 }  # fmt: skip
 
 
@@ -219,9 +220,8 @@ def _joined(sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow 
             for name, own in meta.items():
                 made[1][name].attrs = own
         ds = _concat(made, "direction")
-    ds.attrs = {k: v for k, v in sweeps[0].attrs.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
-    if doubts := doubtful(ds["step_verdict"].values):
-        ds.attrs["accuracy_not_met"] = doubts
+    kept = {k: v for k, v in sweeps[0].attrs.items() if k not in ("accuracy_not_met", "grazing")}
+    ds.attrs = kept | {"follow": follow or "none"} | doubts(ds)
     return ds
 
 
