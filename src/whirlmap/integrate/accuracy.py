@@ -246,8 +246,8 @@ class _Trial:
         """These points, and others with the same steps."""
 
         def both(a: NDArray, b: NDArray) -> NDArray:
-            parts = (v.reshape(*v.shape[:-1], self.sections, -1) for v in (a, b))
-            return np.concatenate(list(parts), axis=-1).reshape(*a.shape[:-1], -1)
+            parts = [v.reshape(*v.shape[:-1], self.sections, v.shape[-1] // self.sections) for v in (a, b)]
+            return np.concatenate(parts, axis=-1).reshape(*a.shape[:-1], a.shape[-1] + b.shape[-1])
 
         names = ("saved", "size", "status", "end")
         rows = max(len(self.seen), len(other.seen))
