@@ -163,8 +163,6 @@ def test_steps_and_accuracy_exclude_each_other():
     system = load("gear-psfd/reference")
     with pytest.raises(RangeError, match="not both"):
         make_ensemble(system, steps=50, accuracy=1e-6)
-    with pytest.raises(RangeError, match="not forced"):
-        make_ensemble(load("lorenz"), accuracy=1e-6)
 
 
 def test_every_method_climbs_the_ladder():

@@ -24,8 +24,9 @@ from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
 
-#: Error over one common period, or a typical time, that steps are chosen for where the user does not say.
-ACCURACY = 1e-6
+#: Error over one common period that steps are chosen for where the user does not say; of an unforced model over one typical time:
+#: its motion slides along its steps, so that their errors are noise in its section points, whose return is asked to 1e-6.
+ACCURACY, UNFORCED_ACCURACY = 1e-6, 1e-9
 #: Least steps per T of tangent vectors where steps are chosen: exponents then sum to the divergence to 1e-6.
 TANGENT_STEPS = 16
 #: Start states of one swarm differ by this part of the sizes of their states, so that they end on one attractor but
@@ -104,7 +105,8 @@ def make_ensemble(
         Steps per T. Where absent, each point gets those that the accuracy asks for
         (`whirlmap.integrate.accuracy.choose_steps`, `whirlmap.integrate.turns.choose_unforced_steps`).
     accuracy : float, optional
-        Error over one common period, of an unforced model over one typical time; `ACCURACY` where absent.
+        Error over one common period, of an unforced model over one typical time; `ACCURACY` or `UNFORCED_ACCURACY` where
+        absent.
     method : str, optional
         ``dop853`` where absent.
     swarm : bool
@@ -139,7 +141,8 @@ def make_ensemble(
         size = first_sizes(system.model, values, x)
         x = x + SWARM * size * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
     chosen = method_named(method or "dop853")
-    wanted = (ACCURACY if accuracy is None else accuracy) if steps is None else None
+    usual = ACCURACY if forced else UNFORCED_ACCURACY
+    wanted = (usual if accuracy is None else accuracy) if steps is None else None
     options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted, "turn": turn}
     if wanted is None:
         return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found

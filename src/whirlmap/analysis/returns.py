@@ -226,8 +226,7 @@ def _settle_accurately(
     how = _settle_forced if ensemble.model.forced else _settle_unforced
 
     def settle(part: Ensemble, members: NDArray[np.intp]) -> None:
-        wide = np.fmax(ensemble.step_error[members] / settling.tolerance, 1.0)
-        again = how(part, settling, longest[members], wide, cyclic, progress)
+        again = how(part, settling, longest[members], cyclic, progress)
         again.accelerated[:] |= settled.accelerated[members]
         settled.take(again, members)
 
@@ -304,14 +303,19 @@ def _steps_of_settled(
 
 
 def _settle_forced(
-    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
+    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
-    return settle(ensemble, settling, longest=longest, wide=wide, cyclic=cyclic, progress=progress)
+    return settle(ensemble, settling, longest=longest, wide=_wide(ensemble, settling), cyclic=cyclic, progress=progress)
+
+
+def _wide(ensemble: Ensemble, settling: Settling) -> Array:
+    """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps."""
+    return np.asarray(np.fmax(ensemble.step_error / settling.tolerance, 1.0))
 
 
 def _settle_unforced(
-    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, cyclic: dict[int, float] | None,
+    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
     settled = Settled.none(ensemble)
@@ -319,6 +323,7 @@ def _settle_unforced(
     _learn_turns(ensemble, np.flatnonzero(ensemble.running), SOUGHT, settled, progress)
     _run_transient(ensemble, np.flatnonzero(ensemble.running), transient, settled, progress)
     _learn_turns(ensemble, np.flatnonzero(ensemble.running), TURNS + 1, settled, progress)
+    wide = _wide(ensemble, settling)
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
     while left.size:

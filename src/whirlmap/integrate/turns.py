@@ -26,17 +26,18 @@ def choose_unforced_steps(
 ) -> Rungs:
     """Steps per T of an unforced model, as `choose_steps`, where T may be far too long.
 
-    A point for which no rung is enough is tried over a 32nd part of T, then over a 1024th, with the error for each part. More
+    A point for which no rung meets the accuracy is tried over a 32nd part of T, then over a 1024th, with the error for each part. More
     than `MOST` steps per T are not taken: such a point is stiff.
     """
     whole = choose_steps(ensemble, accuracy, progress=progress)
     for parts in PARTS[1:]:
-        left = np.flatnonzero(whole.verdict == Verdict.stiff)
+        left = np.flatnonzero(whole.verdict != Verdict.met)
         if not left.size:
             break
         short = with_turns(ensemble.subset(left), ensemble.period[left] / parts)
         found = choose_steps(short, accuracy, progress=progress)
-        good = (found.verdict != Verdict.stiff) & (parts * found.steps <= MOST)
+        better = found.verdict < whole.verdict[left]
+        good = better & (parts * found.steps <= MOST)
         at = left[good]
         whole.steps[at], whole.error[at] = parts * found.steps[good], found.error[good]
         whole.verdict[at], whole.first[at], whole.size[:, at] = found.verdict[good], found.first[good], found.size[:, good]
