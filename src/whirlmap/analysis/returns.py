@@ -17,6 +17,7 @@ The tolerance is relative to each state's range (`periodicity.return_multiple`).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
