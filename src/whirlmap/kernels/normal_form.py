@@ -96,7 +96,7 @@ def _extreme(e: Max | Min) -> Expr:
 
 
 def may_be_nan(e: Expr) -> bool:
-    """Whether an expression may be no real number at some states: by a logarithm, an arc, a power of what may be negative."""
+    """Whether an expression may be no real number at some states: a logarithm, an arc, a power of what may be negative."""
     of_base = [p.base for p in e.atoms(Pow) if not p.exp.is_integer and not p.base.is_nonnegative]
     return any(inner.has(State) or inner.has(t) for inner in (*of_base, *(call.args[0] for call in e.atoms(*PARTIAL))))
 
