@@ -1,4 +1,4 @@
-"""Where models change form: crossings located, and tangent dynamics refused where rates jump."""
+"""Where models change form: crossings of declared surfaces in a time series."""
 
 import numpy as np
 import pytest
@@ -6,9 +6,8 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import whirlmap
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.switching import switchings
-from whirlmap.equations import Model, Parameter, State, Switching, cos, sign, sin, t, when
+from whirlmap.equations import Model, Parameter, State, Switching, cos, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.models import family
@@ -96,37 +95,3 @@ def test_what_has_no_surface_says_so():
     other = xr.Dataset({"x": (("time", "state"), np.zeros((3, 1)))}, coords={"time": [0.0, 1, 2], "state": ["z"]})
     with pytest.raises(RangeError, match="other states"):
         switchings(backlash(), other)
-
-
-# --- jumps -------------------------------------------------------------------------------------------------
-
-x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
-mu, omega = Parameter("mu", "1", "friction"), Parameter("omega", "1", "frequency", above=0)
-FRICTION = Model("friction", (x, v), (mu, omega), {x: v, v: -x - mu * sign(v) + sin(omega * t)}, harmonics=(omega,))
-IMPACT = Model(
-    "impact", (x, v), (mu, omega), {x: v, v: -x - when(x > 1, mu) + sin(omega * t)}, harmonics=(omega,),
-    switchings={"wall": Switching(x - 1, "a preloaded stop", jumps=True)},
-)  # fmt: skip
-
-
-@pytest.mark.parametrize(("model", "place"), [(FRICTION, r"sign\(v\)"), (IMPACT, "wall")])
-def test_exponents_are_refused_where_rates_jump(model, place):
-    system = System(model, {"mu": 0.1, "omega": 1.3})
-    for quantity in (
-        lambda: whirlmap.diagnose(system),
-        lambda: whirlmap.lyapunov_spectrum(system),
-        lambda: whirlmap.floquet_multipliers(system, [0.0, 0.0], system.period),
-        lambda: whirlmap.bifurcation_diagram(system, "mu", [0.1, 0.2], lyapunov=10),
-    ):
-        with pytest.raises(RangeError, match=rf"jump at .*{place}.*saltation"):
-            quantity()
-
-
-def test_kinks_and_signs_of_parameters_are_no_jumps():
-    """Backlash, rub and the sign of a journal's spin are fine."""
-    for model in (
-        family("gear_backlash").model(),
-        family("gear_pair").model(edition="physical", mesh="line", backlash="dead_zone", contact="rub"),
-    ):
-        assert model.switchings
-        refuse_jumps(model, "anything")

@@ -27,7 +27,8 @@ TABLE = Table("wave", ("u",), ("f",), sines, sines, lambda p: (np.linspace(-2, 2
 
 
 def model(name, rate, **more):
-    return Model(name, (angle, v), (a, b), {angle: rate, v: sp.Integer(-1)}, **more)
+    used = tuple(p for p in (a, b) if rate.has(p))
+    return Model(name, (angle, v), used, {angle: rate, v: sp.Integer(-1)}, **more)
 
 
 def test_a_cyclic_state_that_is_no_number_ends_its_point():
@@ -68,7 +69,7 @@ def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
     kernel = lane_kernel(system.plain_model(), RK4, slopes="jacobian" if count else "none", kind="locked")
     y = blocked(x)
     flags = {name: np.array(value, dtype=np.int64).reshape(1, 1, LANES) for name, value in (
-        ("first", first), ("active", active), ("failed", [-1] * LANES))}  # fmt: skip
+        ("first", first), ("active", active), ("failed", [-1] * LANES), ("cause", [0] * LANES))}  # fmt: skip
     work = kernel.work()
     work[:] = sentinel
     h = np.full((1, 1, LANES), system.period / 20)
@@ -77,7 +78,7 @@ def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
     kernel.advance(
         blocks=1, count=count, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
         saved=np.empty(0), orth_every=1, events=steps, growth=np.zeros(steps * count * LANES), folded=0,
-        sums=np.empty(0), work=work,
+        sums=np.empty(0), reached=np.zeros(LANES), tally=np.zeros(2 * LANES), work=work,
     )  # fmt: skip
     return y[0], work
 

@@ -72,6 +72,7 @@ def systems(draw):
     model = Model(
         name="random", states=states, parameters=(a, b, omega, order), equations=rates,
         harmonics=(omega, order * omega), outputs={"size": Output(sp.sqrt(sum(s**2 for s in states)), "1", "size")},
+        clocks={"a": a, "b": b},  # reads both, whichever the terms do
         stops=stops, bound=draw(st.sampled_from([1.2, 20.0])), tables=tuple(q for q in (LINE, PLANE) if q.name in used),
     )  # fmt: skip
     ratio = Fraction(draw(st.integers(-3, 7)) or 1, draw(st.sampled_from([1, 2, 3, 7])))
@@ -129,6 +130,11 @@ tried = settings(
 )  # fmt: skip
 
 
+def surfaces(ensemble):
+    """Surfaces at which the rates of a model have a kink or a jump."""
+    return ensemble._groups[0].kernel.source.sizes.surfaces
+
+
 @tried
 @given(systems())
 def test_rates_and_jacobian(case):
@@ -161,6 +167,8 @@ def test_steps_are_the_textbooks_until_a_point_ends(case, save_every):
         good, other = (np.logical_and.accumulate(within(system, q, values)) for q in (orbit, moved))
         apart = np.where(good[:, None], np.abs(orbit - moved), 0.0).max(axis=(0, 1))
     calm = (good == other).all(axis=0) & (apart < 1e-9)  # others make rounding large, beyond the edges of tables above all
+    if surfaces(e):  # the textbook steps over them, the kernel cuts its steps there
+        return
     expected = np.where(good[:, None], orbit, np.nan)
     np.testing.assert_array_equal(e.running[calm], good[-1, calm])
     every = expected[save_every - 1 :: save_every][: len(segment.saved)]
@@ -217,7 +225,9 @@ def test_tangent_vectors_follow_the_jacobian(case):
         return
     for count in {1, min(2, n), n}:
         e = Ensemble(system.model, system.vector[:, None], start, orders=system.orders, steps=steps, tangents=count)
-        e._y[n:] = np.eye(n)[:count].reshape(-1, 1)
+        e._y[n : n * (1 + count)] = np.eye(n)[:count].reshape(-1, 1)
         found = e.advance(1).growth[0, :, 0]
+        if surfaces(e):
+            return
         assert e.status[0] == Status.ok
         np.testing.assert_allclose(found, growth[:count], rtol=1e-6, atol=1e-7)

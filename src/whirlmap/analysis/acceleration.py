@@ -174,7 +174,7 @@ class Trials:
         self._before[:, slot], self._turns[points] = e.x[:, points], e.turns[points]
         self.points[slot, 0], self.ran[points] = x.T, 0
         self.multiple[points], self._leading[points] = multiple, leading
-        e.x[:, points] = x
+        e.put(points, x)
 
     def look(self, members: Points, size: Array) -> tuple[Points, NDArray[np.int64], Array]:
         """Judge points whose trial is over, or whose run has ended; return those that have settled, multiples and distances.
@@ -218,5 +218,6 @@ class Trials:
 
     def _take_back(self, points: Points, before: Array) -> None:
         e = self.ensemble
-        e.x[:, points], e.turns[points] = before, self._turns[points]
+        e.put(points, before)
+        e.turns[points] = self._turns[points]
         e.status[points], e.end_time[points], e.end_stop[points] = Status.ok, np.nan, -1

@@ -21,12 +21,13 @@ from whirlmap.analysis.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.measures import judge_section, multipliers, number, record_series, section_and_dimension
 from whirlmap.analysis.points import cyclic_states, make_ensemble, run_attributes, tangent_steps
-from whirlmap.analysis.returns import Returns, settle_and_record
-from whirlmap.analysis.saltation import refuse_jumps
+from whirlmap.analysis.returns import Returns, first_drift, settle_and_record
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
+from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
@@ -40,6 +41,8 @@ Array = NDArray[np.float64]
 
 #: Start states that run side by side; how much they scatter is the error of an exponent.
 RUNS = 32
+#: Motions without an attractor other than a place of rest.
+ENDLESS = (Regime.at_rest, Regime.drifting, Regime.growing)
 #: Section points, in common periods, that the indicators of open motion are given.
 SECTION = 2048
 #: A motion that contracts is given the time to shrink by this, and at most so many common periods, to return.
@@ -85,7 +88,6 @@ def diagnose(
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
     """
-    refuse_jumps(system.model, "a diagnosis, which rests on Lyapunov exponents,")
     settling = settling or Settling()
     n = system.model.dimension
     count = min(4, n) if exponent_count is None else exponent_count
@@ -100,7 +102,7 @@ def diagnose(
     )  # fmt: skip
     look = _Look(system, count, max_periods, progress)
     returns = settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=progress)
-    run = look.exponents(ensemble, open_motion=not _all_return(returns))
+    run = look.exponents(ensemble, int(returns.multiple[0]) if _all_return(returns) else 0)
     slowest = run.contraction(forced=system.model.forced) if run is not None else None
     if slowest is not None and not _all_return(returns):
         common = ensemble.common_multiple * float(ensemble.period[0])
@@ -119,8 +121,10 @@ def diagnose(
     if alive.size and run is not None:
         part = ensemble.subset(alive)
         votes["lyapunov"] = _exponent_data(system, run, data)
-        periodic = _all_return(returns)
-        if periodic:
+        periodic, endless = _all_return(returns), returns.regime[alive[0]] in ENDLESS
+        if endless:
+            label, confidence = Regime(int(returns.regime[alive[0]])), 1.0
+        elif periodic:
             votes["floquet"] = multipliers(system, part, int(returns.multiple[0]), int(returns.period[0]), data)
         else:
             exponent = float(run.value[0]), float(run.error[0])
@@ -129,17 +133,25 @@ def diagnose(
                 run.alive, run.section, exponent, duration, cyclic_states(system)
             )
             votes |= more
+            label, confidence = _trend(
+                part, run, exponent, duration, cyclic_states(system), returns, (label, confidence)
+            )
         spectrum = record_series(system, part, record, data, coords, turns_per_T(system))
         if spectrum is not None:
             votes["spectrum"] = spectrum
         torus = run.section[:, :, int(np.flatnonzero(run.alive)[0])] if label == Regime.quasi_periodic else None
         dimension = section_and_dimension(
-            part, 2 * RUNS if periodic else points, data, members=alive, runs=ensemble.points, measure=not periodic,
+            part, 2 * RUNS if periodic else points, data, members=alive, runs=ensemble.points,
+            measure=not periodic and label not in ENDLESS,
             torus=torus, progress=progress,
         )  # fmt: skip
         if dimension is not None:
             votes["dimension"] = dimension
     label, confidence = _decide(returns, votes, label, confidence, forced=system.model.forced)
+    state, speed = first_drift(returns.drift[:, :1])
+    data["growth_rate"] = variable((), returns.growth[0], "1/time", "rate of the amplitude: what grows, or comes to rest")
+    data["drift_rate"] = variable((), speed[0], "1/time", "speed of the first state that drifts, in its unit")
+    data["drift_state"] = variable((), state[0], "1", "index of that state, -1: none")
     data["regime"] = regime_variable((), label)
     data["confidence"] = variable(
         (), confidence, "1", "share of the start states, times that of the indicators asked, that speak for the label"
@@ -147,7 +159,7 @@ def diagnose(
     facts = {
         "indicators": json.dumps(votes), "common_multiple": ensemble.common_multiple,
         "period_T_time": float(ensemble.period[0]), "transient": settling.transient,
-        "clocks": json.dumps(turns_per_T(system)),
+        "clocks": json.dumps(turns_per_T(system)), "end_reason": end_named(system.model, int(ensemble.end_stop[0])),
     }  # fmt: skip
     return Findings(data, coords, plain_attributes(run_attributes(system, ensemble, **facts)))
 
@@ -161,18 +173,49 @@ class _Look:
     most: int
     progress: Callable[[int], None] | None
 
-    def exponents(self, ensemble: Ensemble, *, open_motion: bool) -> TangentRun | None:
-        """Exponents of the runs that go on, from their present states; None where all have ended."""
+    def exponents(self, ensemble: Ensemble, multiple: int) -> TangentRun | None:
+        """Exponents of the runs that go on, from their present states; None where all have ended.
+
+        ``multiple`` is the return of all of them in common periods, 0 where they do not all return alike.
+        """
         alive = np.flatnonzero(ensemble.running)
         if not alive.size:
             return None
-        repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
-        tangent, _ = make_ensemble(
-            self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
-            method=ensemble.method.name, tangents=self.count, workers=ensemble.workers, turn=ensemble.period[alive],
-        )  # fmt: skip
-        least = SECTION if open_motion else BLOCKS
-        return exponents_to_error(tangent, least=least, most=self.most, progress=self.progress)
+        least = BLOCKS if multiple else SECTION
+
+        def measured(count: int) -> tuple[TangentRun, bool]:
+            repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
+            tangent, _ = make_ensemble(
+                self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
+                method=ensemble.method.name, tangents=count, workers=ensemble.workers, turn=ensemble.period[alive],
+            )  # fmt: skip
+            run = exponents_to_error(tangent, least=least, most=self.most, multiple=multiple, progress=self.progress)
+            return run, bool((run.status == Status.sticks).any())
+
+        run, sticks = measured(self.count)
+        if sticks and self.count > 1:  # a single tangent vector slides with the motion
+            run, _ = measured(1)
+            run = replace(run, stopped=f"{run.stopped}; the motion sticks, so that only the largest exponent is had")
+        return run
+
+
+def _trend(
+    part: Ensemble, run: TangentRun, exponent: tuple[float, float], duration: float, cyclic: dict[int, float],
+    returns: Returns, judged: tuple[Regime, float],
+) -> tuple[Regime, float]:  # fmt: skip
+    """Label of open motion that dies away, grows or drifts for ever, with its rates into ``returns``; else the one given."""
+    if not (run.alive.any() and len(run.section)):
+        return judged
+    first = int(np.flatnonzero(run.alive)[0])
+    section = run.section[:, :, first]
+    trends = Trends.of(part.model, float(part.period[0]), section, duration / len(section), exponent, cyclic)
+    ranges = (returns.extremes["maximum"] - returns.extremes["minimum"])[: part.model.dimension, [first]]
+    endless = label_trends(part, np.array([first]), trends, ranges)
+    label = Regime(int(endless.regime[0]))
+    if label == Regime.undecided:  # a torus does not change its size steadily
+        return (label, 0.0) if judged[0] == Regime.quasi_periodic and np.isfinite(trends.growth[0]) else judged
+    returns.growth[:], returns.drift[:] = endless.growth, endless.drift
+    return label, 1.0
 
 
 def _all_return(r: Returns) -> bool:
@@ -221,6 +264,8 @@ def _exponent_data(system: System, run: TangentRun, data: dict[str, Any]) -> dic
     per_time = "1/time"
     data["lyapunov"] = variable("exponent", run.value, per_time, "Lyapunov exponent, largest first")
     data["lyapunov_error"] = variable("exponent", run.error, per_time, "one standard error of the exponent")
+    data["divergence"] = variable((), run.divergence, per_time, "mean divergence, which all exponents add up to")
+    data["divergence_error"] = variable((), run.divergence_error, per_time, "one standard error of it")
     data["running"] = variable(("block", "exponent"), run.running, per_time, "mean exponent up to each common period")
     data["phase_exponent"] = variable(
         (), 0.0 if system.model.forced else np.nan, per_time, "exponent of the forcing's phase, left out of the list"
@@ -241,7 +286,7 @@ def _decide(
     share = float(np.mean((r.regime == r.regime[0]) & (r.period == r.period[0])))
     if not votes["return"]["starts_agree"]:
         return Regime.undecided, 0.0
-    if first in (Regime.contact, Regime.diverged):
+    if first in (Regime.contact, Regime.diverged, *ENDLESS):
         return first, share
     if first == Regime.periodic:
         against = (votes["lyapunov"]["vote"] == "positive", votes["floquet"]["vote"] == "unstable")
@@ -273,9 +318,14 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
         "period_common": int(ds["period_common"]) if periodic else None,
         "period_turns": {k: abs(v) * n for k, v in json.loads(ds.attrs["clocks"]).items()} if periodic else None,
         "confidence": number(ds["confidence"]),
+        "growth_rate": number(ds["growth_rate"]),
+        "drift_rate": number(ds["drift_rate"]),
+        "drift_state": str(np.asarray(ds["state"])[int(ds["drift_state"])]) if int(ds["drift_state"]) >= 0 else None,
         "lyapunov": [number(v) for v in exponent],
         "lyapunov_error": [number(v) for v in error],
         "lyapunov_per_common_period": [number(v * common_time) for v in exponent],
+        "divergence": number(ds["divergence"]) if "divergence" in ds else None,
+        "divergence_error": number(ds["divergence_error"]) if "divergence_error" in ds else None,
         "phase_exponent": number(ds["phase_exponent"]) if "phase_exponent" in ds else None,
         "kaplan_yorke": kaplan_yorke(exponent),
         "kaplan_yorke_error": kaplan_yorke_error(exponent, error) if exponent.size else None,
@@ -287,4 +337,5 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
         "min_film": {k: None if v is None else 1 - v for k, v in eccentricity.items()},
         "status": Status(int(ds["status"])).name,
         "end_time": number(ds["end_time"]),
+        "end_reason": ds.attrs.get("end_reason"),
     }

@@ -61,7 +61,8 @@ def confirm_ends(
         with np.errstate(invalid="ignore"):
             apart = np.abs(part.end_time / part.period - time)
             alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, ALIKE / coarse, 0.0))
-        doubt = stiff & (part.status == Status.diverged)
+        # Before a pole no steps are enough.
+        doubt = stiff & (part.status == Status.diverged) & (part.end_stop < len(part.model.stops))
         ensemble.status[left[doubt]] = Status.unresolved
         left = left[(part.status != Status.ok) & ~alike & ~doubt]
     different = (np.array(every)[:, left] != every[-1][left]).any(axis=0)

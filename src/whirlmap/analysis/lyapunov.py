@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.divergence import missed, swarm_divergence
 from whirlmap.analysis.points import make_ensemble, run_attributes
-from whirlmap.analysis.saltation import refuse_jumps
+from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
@@ -26,8 +27,9 @@ BLOCKS = 16
 def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None) -> Array:
     """Local exponents of every point in successive stretches, largest vector first.
 
-    The tangent vectors are carried through the kernel and orthonormalised once per T (modified Gram-Schmidt)
-    [benettin1980]; the first ``align`` common periods let them turn into place and do not count.
+    The tangent vectors are carried through the kernel and orthonormalised (modified Gram-Schmidt) [benettin1980] as
+    often as they part, at least once per T (`tangent_accuracy`); the first ``align`` common periods let them turn into place
+    and do not count.
 
     Parameters
     ----------
@@ -83,24 +85,30 @@ def lyapunov_spectrum(
     transient, periods : int
         Common periods dropped, and counted (for an unforced model: typical times).
     starts : int
-        Runs from starts that differ by 1e-6, which decorrelate in chaos; the error is the larger of the scatter
-        between runs and the mean error within them, both for the mean over runs.
+        Runs from starts that differ by 1e-6, which decorrelate in chaos; the error is the largest of the scatter
+        between runs and the mean error within them, both for the mean over runs, of a quarter of the difference between the
+        halves of the record, of what the steps leave (`tangent_accuracy`) and of what the sum misses of the divergence.
 
     Returns
     -------
     xr.Dataset
         ``lyapunov`` and ``lyapunov_error`` (exponent) per unit of the model's time, without the zero of the forcing's
-        phase, which ``phase_exponent`` states; ``running(period, exponent)``, the mean up to each common period over
-        all runs; ``run_exponent(run, exponent)`` and ``status(run)``.
+        phase, which ``phase_exponent`` states; ``divergence`` and its error; ``running(period, exponent)``,
+        the mean up to each common period over all runs; ``run_exponent(run, exponent)`` and ``status(run)``.
+
+    Raises
+    ------
+    RangeError
+        Counts that make no sense, or several exponents of a motion that sticks.
 
     Notes
     -----
+    Where rates jump, tangent vectors are multiplied by the saltation matrix.
     A run's own block error alone is too small by up to 2.6 times on Duffing's oscillator, hence the several starts.
     An unforced system's spectrum holds the zero of its own time direction.
     """
     import xarray as xr
 
-    refuse_jumps(system.model, "a Lyapunov exponent")
     count = system.model.dimension if count is None else count
     if not 1 <= count <= system.model.dimension:
         raise RangeError(f"{system.model.name} has {system.model.dimension} exponents; {count} were asked for")
@@ -110,18 +118,30 @@ def lyapunov_spectrum(
     ensemble, _ = make_ensemble(
         system, repeat, steps=steps, accuracy=accuracy, method=method, tangents=count, workers=workers, swarm=True
     )
+    ensemble = tuned(ensemble).ensemble  # vectors that vanish on the way would not come back
     align = max(transient // 10, 5)
     ensemble.advance(max(transient - align, 0) * ensemble.common_multiple, progress=progress)
+    carried = tuned(ensemble, FINE, returns=True)
+    ensemble = carried.ensemble
     rates = exponents(ensemble, periods, align=align, progress=progress)
+    if count > 1 and (ensemble.status == Status.sticks).any():
+        raise RangeError(
+            f"{system.model.name} sticks to a surface at which its rates jump: its largest exponent alone can be had,"
+            " with count=1 (the smallest are minus infinity)"
+        )
     means, errors = mean_and_error(rates)
     good = ensemble.status == Status.ok
+    divergence, spread = swarm_divergence(ensemble, good)
     if good.any():
         value = means[:, good].mean(axis=1)
         within = np.sqrt((errors[:, good] ** 2).sum(axis=1)) / good.sum()
         between = means[:, good].std(axis=1, ddof=1) / np.sqrt(good.sum()) if good.sum() > 1 else within
-        error = np.maximum(within, between)
+        early, late = np.array_split(rates[:, :, good].mean(axis=2), 2)
+        half = early.mean(axis=0) - late.mean(axis=0)
+        error = np.max([within, between, np.abs(half) / 2, carried.of_swarm], axis=0)
         order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
-        value, error, means, rates = value[order], error[order], means[order], rates[:, order]
+        value, means, rates = value[order], means[order], rates[:, order]
+        error = missed(value, error[order], divergence, spread, system.model.dimension)
         running = np.cumsum(rates[:, :, good].mean(axis=2), axis=0) / np.arange(1, periods + 1)[:, None]
     else:
         value = error = np.full(count, np.nan)
@@ -136,6 +156,8 @@ def lyapunov_spectrum(
             "status": status_variable("run", ensemble.status),
             "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
             "phase_exponent": phase,
+            "divergence": variable((), divergence, "1/time", "mean divergence, which all exponents add up to"),
+            "divergence_error": variable((), spread, "1/time", "one standard error of it"),
         },
         coords={"period": np.arange(1, periods + 1), "exponent": np.arange(1, count + 1), "run": np.arange(starts)},
     )

@@ -22,7 +22,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
     Parameters
     ----------
     ensemble : Ensemble
-        Stays as it is. Of a model without jumps (`saltation`), at phase zero.
+        Stays as it is, at phase zero.
     points : array of int
     multiple : array of int, shape like ``points``
         Return of each, in common periods.
@@ -30,7 +30,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
     Returns
     -------
     array, shape like ``points``
-        Infinite where the orbit ends before its return.
+        Infinite where the orbit ends before its return, or sticks to a surface.
     """
     n = ensemble.model.dimension
     largest = np.full(points.size, np.inf)
@@ -40,7 +40,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
             e = Ensemble(
                 ensemble.model, ensemble.values[:, points[these]], ensemble.x[:, points[these]], orders=ensemble.orders,
                 steps=ensemble.point_steps[points[these]], method=ensemble.method, tangents=n, workers=ensemble.workers,
-                orthonormal=False,
+                orthonormal=False, turn=ensemble.period[points[these]],
             )  # fmt: skip
             e.advance(int(m) * e.common_multiple)
             columns = e.vectors[:, :, e.running].transpose(2, 1, 0)

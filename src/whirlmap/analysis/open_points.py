@@ -15,7 +15,9 @@ from numpy.typing import NDArray
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.regime import contracts, regime
+from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
+from whirlmap.analysis.unbounded import Trends
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.regime import Regime
 
@@ -41,6 +43,12 @@ class OpenPoints:
         Largest Lyapunov exponent and one standard error, per unit of the model's time.
     periods : array of int
         Common periods over which it was measured.
+    growth : array
+        Rate per unit of time at which the section's range grows or falls steadily; NaN where it does not.
+    drift : array, shape (state, point)
+        Speed per unit of time at which the section's mean moves steadily; zero where it does not.
+    centre, reach : array, shape (state, point)
+        Of the section, as in `Trends`.
     """
 
     regime: NDArray[np.int8]
@@ -49,6 +57,19 @@ class OpenPoints:
     exponent: Array
     error: Array
     periods: NDArray[np.int64]
+    growth: Array
+    drift: Array
+    centre: Array
+    reach: Array
+
+    @classmethod
+    def none(cls, model_states: int, points: int) -> "OpenPoints":
+        """Points of which nothing is known yet."""
+        zero, unknown = np.zeros((model_states, points)), np.full((5, points), np.nan)
+        return cls(
+            np.full(points, Regime.undecided, dtype=np.int8), np.zeros(points), unknown[0], unknown[1], unknown[2],
+            np.zeros(points, dtype=np.int64), unknown[3], zero, zero.copy(), zero.copy(),
+        )  # fmt: skip
 
 
 def judge_open_points(
@@ -71,10 +92,7 @@ def judge_open_points(
         Whether points of a forced model stop, undecided, once their tangent vectors have shrunk for sure.
     """
     n = tangent.points
-    found = OpenPoints(
-        np.full(n, Regime.undecided, dtype=np.int8), np.zeros(n), np.full(n, np.nan), np.full(n, np.nan), np.full(n, np.nan),
-        np.zeros(n, dtype=np.int64),
-    )  # fmt: skip
+    found = OpenPoints.none(tangent.model.dimension, n)
     for first in range(0, n, TOGETHER):
         members = np.arange(first, min(first + TOGETHER, n))
         _judge(tangent, members, most, cyclic, found, progress, contraction_ends and tangent.model.forced)
@@ -93,11 +111,11 @@ def _judge(
     """Run some of the points to their verdicts, into ``found``."""
     rates = np.full((most, members.size), np.nan)
     sections: list[list[Array]] = [[] for _ in members]
-    left, run = np.arange(members.size), tangent.subset(members)
-    done, stretch = 0, min(LEAST, most)
+    carried = tuned(tangent.subset(members))
+    left, run = np.arange(members.size), carried.ensemble
+    done, stretch, first = 0, min(LEAST, most), max(min(LEAST, most) // 10, 5)
     while left.size:
-        align = 0 if done else max(min(LEAST, most) // 10, 5)
-        local, section = run_with_section(run, stretch, align=align, progress=progress)
+        local, section = run_with_section(run, stretch, align=0 if done else first, progress=progress)
         rates[done : done + stretch, left] = local[:, 0]
         done += stretch
         for k, point in enumerate(left):
@@ -105,10 +123,16 @@ def _judge(
             sections[point].append(here[np.isfinite(here[:, 0])])
         at = members[left]
         tangent.status[at], tangent.end_time[at] = run.status, run.end_time
-        found.exponent[at], found.error[at] = mean_and_error(rates[:done, left])
+        for point in left:
+            _trend(np.concatenate(sections[point]), first, done, members[point], tangent, cyclic, found)
+        found.exponent[at], error = mean_and_error(rates[:done, left])
+        found.error[at] = np.fmax(error, carried.error[0, left])
         found.periods[at] = done
         unsure = np.flatnonzero((found.regime[at] == Regime.undecided) & run.running)
         _vote(run, unsure, at, done, [np.concatenate(sections[p]) for p in left[unsure]], cyclic, found)
+        # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
+        changes = (found.regime[at] == Regime.quasi_periodic) & np.isfinite(found.growth[at])
+        found.regime[at[changes]], found.confidence[at[changes]] = Regime.undecided, 0.0
         target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1] * 2 * np.pi / run.period)
         open_ = found.regime[at] == Regime.undecided
         if contraction_ends:
@@ -118,6 +142,20 @@ def _judge(
         if not stretch:
             return
         left, run = left[stay], run.subset(np.flatnonzero(stay))
+
+
+def _trend(
+    section: Array, align: int, done: int, point: int, run: Ensemble, cyclic: Mapping[int, float] | None, found: OpenPoints
+) -> None:
+    """Trend of one point's section so far, into ``found``."""
+    if len(section):
+        time = run.common_multiple * run.period[point]
+        if not run.model.forced:  # crossings come as often as they come: the rate is per unit of time on the mean
+            end = run.end_time[point]
+            time = (end - align * time if np.isfinite(end) else done * time) / len(section)
+        seen = Trends.of(run.model, float(run.period[point]), section, float(time), (np.nan, np.nan), cyclic)
+        found.growth[point], found.drift[:, point] = seen.growth[0], seen.drift[:, 0]
+        found.centre[:, point], found.reach[:, point] = seen.centre[:, 0], seen.reach[:, 0]
 
 
 def _vote(

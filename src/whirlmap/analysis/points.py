@@ -2,12 +2,12 @@
 
 import json
 from collections.abc import Mapping
+from fractions import Fraction
 from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
@@ -15,6 +15,7 @@ from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.loading import pieces
+from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
 from whirlmap.integrate.system import System, periods
 from whirlmap.integrate.turns import choose_unforced_steps
@@ -126,15 +127,8 @@ def make_ensemble(
         raise RangeError("give steps per T or an accuracy, not both")
     if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
         raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
-    if tangents:
-        refuse_jumps(system.model, "what rests on tangent vectors")
-    orders = system.orders
-    if orders is None:
-        raise RangeError(
-            f"{system.model.name}: a harmonic's order is not a ratio p/q with q up to 10000, so steps cannot be locked"
-            " to the forcing; give orders as ratios of integers"
-        )
     values = parameter_values(system, vary or {})
+    orders = _shared_orders(system, values, vary or {})
     if starts is None:
         x, found = start_states(system.model, values)
         for name, value in system.start.items():
@@ -162,6 +156,18 @@ def make_ensemble(
         unknown = ~np.isfinite(ensemble.limits) & np.isfinite(rungs.size) & ~cyclic
         ensemble.limit(np.where(unknown, GROWTH * rungs.size, ensemble.limits))
     return ensemble, found
+
+
+def _shared_orders(system: System, values: Array, vary: Mapping[str, ArrayLike]) -> tuple[Fraction, ...]:
+    """Orders of the harmonics of all points of one ensemble."""
+    groups = order_groups(system, values, vary)
+    if len(groups) > 1:
+        raise RangeError(
+            f"{system.model.name}: with {' and '.join(vary)} varied the forcing has common periods of"
+            f" {groups[0].common_multiple} to {groups[-1].common_multiple} T, but what is asked for needs one; bifurcation"
+            " diagrams and maps can have several, or ask for one point at a time"
+        )
+    return groups[0].orders
 
 
 def first_sizes(model: Model, values: Array, x: Array) -> Array:

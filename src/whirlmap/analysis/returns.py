@@ -5,7 +5,9 @@ they meet it, over the whole of its return: a point that needs more of them sett
 whirl that has grown since), and a point that has ended is run again with more (`endings`). Where the accuracy is not met, a
 return is one to the error of the steps.
 Then all points record their section once per T for the diagram; in periodic points it gives the smallest number of T.
-Extremes come from steps no longer than T/`EXTREMES_STEPS`, over one return, or the whole record where nothing returns.
+Extremes are those of cubics between steps (`Ensemble.advance`), over one return, or the whole record where nothing
+returns. The steps are `FINER` times shorter than the accuracy asks for, and no longer than T/`EXTREMES_STEPS`: a peak is
+then missed by less than 1e-5 of the range.
 
 An unforced model runs its transient, and is then cut at its declared section; the return is counted in crossings. Windows
 are as many typical times as would be common periods, each twice the one before, for the points that have not returned.
@@ -15,14 +17,18 @@ The tolerance is relative to each state's range (`periodicity.return_multiple`).
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings, turns_of
 from whirlmap.analysis.endings import confirm_ends, restarted
+from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
+from whirlmap.analysis.rest import ROUNDING, rate_of_rest, resting_places
 from whirlmap.analysis.settling import Settled, Settling, settle
+from whirlmap.analysis.trend import trend
 from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
@@ -35,8 +41,8 @@ from whirlmap.results.status import Status
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Least steps per T from which extremes are read: a cosine's peak is then missed by 0.2 % at most.
-EXTREMES_STEPS = 48
+#: Steps per T from which extremes are read: so many times those of the point, and no fewer than this.
+FINER, EXTREMES_STEPS = 4, 32
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
 #: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.
@@ -52,6 +58,8 @@ TURNS, SOUGHT, FAR_OFF = 4, 65_536, 2.0
 STILL = 1e-9
 #: Steps with which points are confirmed whose method has lost its order.
 CONFIRMED = LADDER[-1]
+#: T of an unforced motion that left its limits that are looked at, at most.
+LAST = 512
 #: Points that are recorded in one batch.
 RECORDED = 4096
 
@@ -65,7 +73,7 @@ class Returns:
     section : array, shape (period, kept state, point)
         Once per T, in the order of time; NaN where a point has ended.
     regime : array of int
-        `Regime`: periodic, contact, diverged or undecided.
+        `Regime`: periodic, at rest, contact, diverged or undecided; drifting or growing, also beyond the bound.
     period, multiple : array of int
         Smallest return in T, and in common periods; of an unforced model both in crossings. 0 where there is none.
     distance : array
@@ -74,6 +82,12 @@ class Returns:
         Common periods that each point ran before the record (of an unforced model: typical times).
     accelerated : array of bool
         Whether its approach was cut short (`acceleration`).
+    growth : array
+        Rate of the amplitude per unit of time: of what grows (zero where in proportion to time), and of small motions about
+        a place of rest; NaN elsewhere.
+    drift : array, shape (state, point)
+        Speed of the section of each state per unit of time where the motion drifts, or grows in proportion to time; zero
+        elsewhere.
     extremes : dict of arrays, shape (row, point)
         Of every state and output over the recorded stretch.
     """
@@ -85,6 +99,8 @@ class Returns:
     distance: Array
     waited: Integers
     accelerated: NDArray[np.bool_]
+    growth: Array
+    drift: Array
     extremes: dict[str, Array]
 
 
@@ -115,23 +131,71 @@ def settle_and_record(
     section = np.full((periods, len(rows), ensemble.points), np.nan)
     multiple = np.where(ensemble.running, settled.multiple, 0)
     period, extremes = multiple.copy(), _empty_extremes(ensemble)
+    ensemble.crossings[:], ensemble.grazings[:] = 0, 0  # of the record alone
+    drift = np.zeros((ensemble.model.dimension, ensemble.points))
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
-        fine = ensemble.subset(members, steps=np.maximum(ensemble.point_steps[members], EXTREMES_STEPS))
+        fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], EXTREMES_STEPS))
         saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
         section[:, :, members] = saved[:, rows]
         for name, values in _extremes(fine, multiple[members], periods, progress).items():
             extremes[name][:, members] = values
         multiple[members] = np.where(ensemble.running[members], multiple[members], 0)
+        drift[:, members] = np.where(multiple[members] == 0, trend(saved[common - 1 :: common], cyclic).drift, 0.0)
         if forced:
             period[members] = _periods_in_T(
                 saved, multiple[members], settled.scale[:, members], common, settling, cyclic
             )
-    period = np.where(ensemble.running, period, 0)
+    growth = _rest(ensemble, settled, extremes, settling.tolerance)
+    rests, repels = growth < np.inf, np.isposinf(growth)
+    beyond = ensemble.status == Status.diverged
+    time = common * ensemble.period
+    growth = np.where(beyond, settled.growth / time, np.where(np.isinf(growth), np.nan, growth))
+    drift, swells = _drift(ensemble, drift)
+    drift, growth[swells] = np.where(beyond, settled.drift / time, drift), 0.0
+    multiple[rests | repels] = 0
+    period = np.where(multiple > 0, period, 0)
+    label = _labels(ensemble, multiple)  # undecided where a motion rests though the smallest disturbance grows
+    label[rests], label[drift.any(axis=0)], label[swells | (growth > 0)] = Regime.at_rest, Regime.drifting, Regime.growing
     return Returns(
-        section, _labels(ensemble, multiple), period, multiple, settled.distance, settled.waited, settled.accelerated,
-        extremes,
+        section, label, period, multiple, settled.distance, settled.waited, settled.accelerated, growth, drift, extremes,
     )  # fmt: skip
+
+
+def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tolerance: float) -> Array:
+    """Rate at which motion dies away in points at rest; NaN in others, infinite where the place repels."""
+    growth = np.full(ensemble.points, np.nan)
+    states = slice(ensemble.model.dimension)
+    ranges = (extremes["maximum"] - extremes["minimum"])[states]
+    with np.errstate(invalid="ignore"):
+        still = ranges <= tolerance * settled.moved + ROUNDING * np.abs(extremes["mean"][states])
+    points = np.flatnonzero(still.all(axis=0) & ensemble.running)
+    if points.size:
+        x, there = resting_places(ensemble, points, ranges[:, points], settled.moved[:, points])
+        points, x = points[there], x[:, there]
+    if points.size:
+        growth[points] = rate_of_rest(ensemble, points, x)
+    return growth
+
+
+def _drift(ensemble: Ensemble, drift: Array) -> tuple[Array, NDArray[np.bool_]]:
+    """Speeds per unit of time of the sections' drifts that go on, and where the amplitude drifts and not the mean."""
+    points = np.flatnonzero(drift.any(axis=0) & ensemble.running)
+    out, swells = np.zeros_like(drift), np.zeros(ensemble.points, dtype=bool)
+    if points.size:
+        goes, means = drift_goes_on(ensemble, points, drift[:, points])
+        swells[points[goes & ~means]] = True
+        on = points[goes]
+        out[:, on] = drift[:, on] / (ensemble.common_multiple * ensemble.period[on])
+    return out, swells
+
+
+def first_drift(drift: Array) -> tuple[Integers, Array]:
+    """Index of the first state of each point that drifts, -1 where none does, and its speed, NaN where none does."""
+    moves = drift.any(axis=0)
+    first = (drift != 0).argmax(axis=0)
+    speed = np.take_along_axis(drift, first[None], axis=0)[0]
+    return np.where(moves, first, -1), np.where(moves, speed, np.nan)
 
 
 def _empty_extremes(ensemble: Ensemble) -> dict[str, Array]:
@@ -148,7 +212,7 @@ def _extremes(
     length = np.where((multiple > 0) & fine.model.forced, np.minimum(multiple * fine.common_multiple, kept), kept)
     for periods in np.unique(length):
         members = np.flatnonzero(length == periods)
-        found = fine.advance(int(periods), members=members, extremes=True, progress=progress).extremes
+        found = fine.advance(int(periods), members=members, extremes="between", progress=progress).extremes
         assert found is not None
         for name, values in found.items():
             out[name][:, members] = values
@@ -178,6 +242,8 @@ def _settle_accurately(
     settled, everything = Settled.none(ensemble), np.arange(ensemble.points)
     start, began = ensemble.x.copy(), ensemble.turns.copy()
     settle_on(ensemble, everything)
+    if not ensemble.model.forced:
+        _beyond(ensemble, settled, start, began, cyclic)
     if ensemble.accuracy is None:
         return settled
     # Points that did not return are asked too: steps that are too long may be why. One that returned has settled.
@@ -219,7 +285,8 @@ def _steps_of_settled(
     met = ensemble.step_verdict[members] == Verdict.met
     for count in np.unique(sections[met]):
         at = np.flatnonzero(met & (sections == count))
-        here, how = members[at], {"sections": int(count)}
+        here: NDArray[np.intp] = members[at]
+        how: dict[str, Any] = {"sections": int(count)}
         if not ensemble.model.forced:
             at = at[_moves(ensemble, members[at])]
             here, how = members[at], {"span": OPEN, **({"observe": turns_of} if ensemble.model.section else {})}
@@ -267,6 +334,8 @@ def _settle_unforced(
         assert extremes is not None
         ensemble.absorb(section, left)
         settled.scale[:, left] = sizes_of(ensemble, left, extremes) * wide[left]
+        ranges = (extremes["maximum"] - extremes["minimum"])[: ensemble.model.dimension]
+        settled.moved[:, left] = np.fmax(settled.moved[:, left], ranges)
         settled.waited[left] += window
         count = np.where(ensemble.running[left], np.isfinite(times).sum(axis=0), 0)
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
@@ -285,11 +354,34 @@ def _settle_unforced(
 
 
 def _run_transient(
-    ensemble: Ensemble, members: NDArray[np.intp], transient: Integers, settled: Settled, progress: Callable[[int], None] | None
-) -> None:
+    ensemble: Ensemble, members: NDArray[np.intp], transient: Integers, settled: Settled,
+    progress: Callable[[int], None] | None,
+) -> None:  # fmt: skip
+    """Run the transients, and keep how far the states have moved."""
+    states = ensemble.model.dimension
     for times in np.unique(transient[members][transient[members] > 0]):
-        ensemble.advance(int(times), members=members[transient[members] == times], progress=progress)
+        these = members[transient[members] == times]
+        first = ensemble.advance(1, members=these, extremes=True, progress=progress).extremes
+        assert first is not None
+        settled.moved[:, these] = np.fmax((first["maximum"] - first["minimum"])[:states], 0.0)
+        if times > 1:
+            ensemble.advance(int(times) - 1, members=these, progress=progress)
     settled.waited[members] += transient[members]
+
+
+def _beyond(
+    ensemble: Ensemble, settled: Settled, start: Array, began: Integers, cyclic: dict[int, float] | None
+) -> None:
+    """See whether points of an unforced model that left their limits had grown or drifted there steadily."""
+    points = np.flatnonzero(ensemble.status == Status.diverged)
+    if not points.size:
+        return
+    part = restarted(ensemble, points, start, began, ensemble.point_steps[points])
+    whole = np.minimum(ensemble.end_time[points] / part.period, LAST).astype(np.int64)
+    for count in np.unique(whole[whole > 0]):
+        at = np.flatnonzero(whole == count)
+        seen = trend(part.advance(int(count), members=at, save_periods=1).saved, cyclic)
+        settled.growth[points[at]], settled.drift[:, points[at]] = seen.growth, seen.drift
 
 
 def _learn_turns(

@@ -10,8 +10,7 @@ run (`looks`):
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
 3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
-   (`acceleration`); where not it is put back, and the trial counts for nothing but time. Models whose rates jump have no
-   multipliers to prove it by (`saltation`), and settle plainly.
+   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
 4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
@@ -29,10 +28,12 @@ from whirlmap.analysis.compiled import compiled
 from whirlmap.analysis.extrapolation import DIFFERENCES
 from whirlmap.analysis.periodicity import period_of
 from whirlmap.analysis.return_search import search_windows
+from whirlmap.analysis.trend import trend
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales
 from whirlmap.kernels.routine import LANES
+from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -43,6 +44,8 @@ ROUND, SELDOM, MOST = 4, 8, 32
 #: Part of the largest magnitude that a state has had at all which counts as its magnitude: one that has died out
 #: does not return by its own size.
 PAST = 1e-3
+#: A drift may swing, within the time between two looks, by so many times the way that it goes.
+SWINGS = 10.0
 #: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
 POOL = 128
 
@@ -107,6 +110,12 @@ class Settled:
         Common periods run, trials included.
     accelerated : array of bool
         Whether the approach was cut short.
+    moved : array, shape (state, point)
+        Largest range of each state between two looks, from the start on.
+    growth : array
+        Rate per common period of the amplitude of points that grew steadily beyond the bound; NaN in others.
+    drift : array, shape (state, point)
+        Speed per common period of the mean of points that drifted beyond the bound; zero in others.
     """
 
     multiple: Integers
@@ -114,19 +123,27 @@ class Settled:
     scale: Array
     waited: Integers
     accelerated: NDArray[np.bool_]
+    moved: Array
+    growth: Array
+    drift: Array
 
     @classmethod
     def none(cls, ensemble: Ensemble) -> "Settled":
         """Points that have not begun."""
         n, states = ensemble.points, ensemble.model.dimension
         none = np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan)
-        return cls(*none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_))
+        zero = np.zeros((states, n))
+        return cls(
+            *none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_), zero, np.full(n, np.nan), zero.copy()
+        )  # fmt: skip
 
     def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
         """Take over how some points settled that have settled on, in place; the time they waited adds up."""
         self.multiple[points], self.distance[points] = again.multiple, again.distance
         self.scale[:, points], self.accelerated[points] = again.scale, again.accelerated
         self.waited[points] += again.waited
+        self.moved[:, points] = np.maximum(self.moved[:, points], again.moved)
+        self.growth[points], self.drift[:, points] = again.growth, again.drift
 
 
 def looks(ran: Integers, longest: Integers) -> Integers:
@@ -231,7 +248,7 @@ class _Pool:
     def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, period: Array) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
-        self.accelerate = settling.accelerate and not ensemble.tangents and not ensemble.model.jumps
+        self.accelerate = settling.accelerate and not ensemble.tangents
         self.wide, self.waiting = wide, 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
@@ -299,6 +316,8 @@ class _Pool:
         """Look at points that are due; returns which of them are done."""
         s, trying = self.settled, self.trials.multiple[at] > 0
         s.scale[:, at] = self.sizes(at, running)
+        s.moved[:, at] = np.fmax(s.moved[:, at], (self.high[self.slot[at]] - self.low[self.slot[at]]).T)
+        self.beyond(at[~running & ~trying & (self.ensemble.status[at] == Status.diverged)])
         self.forget(at)
         plain = at
         if trying.any():
@@ -321,6 +340,22 @@ class _Pool:
         self.largest[slot] = np.maximum(self.largest[slot], magnitude.T)
         size = scales(e.model, e.period[at], high - low, np.maximum(magnitude, PAST * self.largest[slot].T))
         return size * self.wide[at]
+
+    def beyond(self, points: NDArray[np.intp]) -> None:
+        """See whether points that went beyond the bound had grown or drifted there steadily.
+
+        What only swings further from period to period has not drifted: its range since the last look is too large.
+        """
+        ring = self.history.shape[1]
+        cyclic = {int(k): float(self.period[k]) for k in np.flatnonzero(np.isfinite(self.period))}
+        for p in points:
+            rows = (self.ran[p] - np.arange(min(self.ran[p], ring), 0, -1)) % ring
+            section = self.history[self.slot[p], rows]
+            seen = trend(section[np.isfinite(section).all(axis=1), :, None], cyclic)
+            drift, slot = seen.drift[:, 0], self.slot[p]
+            way = np.abs(drift) * (self.ran[p] - self.looked[p])
+            drifts = (self.high[slot] - self.low[slot] <= SWINGS * way) | (drift == 0)
+            self.settled.growth[p], self.settled.drift[:, p] = seen.growth[0], drift if drifts.all() else 0.0
 
     def search(self, points: NDArray[np.intp]) -> None:
         """Search the windows of points that are due."""

@@ -7,8 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
+from whirlmap.analysis.divergence import missed, swarm_divergence
 from whirlmap.analysis.evidence import LEAST
 from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
+from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.status import Status
 
@@ -16,6 +18,8 @@ Array = NDArray[np.float64]
 
 #: Errors of the largest exponent at which its run stops: relative, and in units of 2 pi/T.
 ENOUGH = (0.02, 0.002)
+#: Error of every exponent over the largest one, at least: rounding.
+ROUNDING = 1e-13
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
 
@@ -39,6 +43,10 @@ class TangentRun:
         Why the run stopped.
     rate : float
         2 pi/T, what an exponent is small against.
+    divergence, divergence_error : float
+        Mean divergence along the motion and one standard error.
+    status : array of int, shape (run,)
+        How each run ended.
     """
 
     value: Array
@@ -49,6 +57,9 @@ class TangentRun:
     periods: int
     stopped: str
     rate: float
+    divergence: float
+    divergence_error: float
+    status: NDArray[np.int8]
 
     def contraction(self, *, forced: bool) -> float | None:
         """Rate at which the motion contracts to a cycle; None where it does not, or that was not measured.
@@ -107,23 +118,28 @@ def _shared(section: Array, running: NDArray[np.bool_]) -> Array:
 
 
 def exponents_to_error(
-    ensemble: Ensemble, *, least: int, most: int, progress: Callable[[int], None] | None = None
+    ensemble: Ensemble, *, least: int, most: int, multiple: int, progress: Callable[[int], None] | None = None
 ) -> TangentRun:
     """Run a swarm of one operating point until the error of its largest exponent is small enough.
 
     Parameters
     ----------
     ensemble : Ensemble
-        Start states on one attractor, with tangent vectors; advanced in place.
+        Start states on one attractor, with tangent vectors; stays as it is.
+    multiple : int
+        Common periods (of an unforced model: crossings) after which the motion returns, 0 where it does not.
     least, most : int
         Common periods run at least, for the section, and at most.
 
     Notes
     -----
     The run doubles until the error is below `ENOUGH` of the exponent, or of 2 pi/T. The error is the largest of the
-    scatter between runs, the block error within them, and a quarter of the difference between the halves of the
-    record, which shows tangent vectors that still turn into place.
+    scatter between runs, the block error within them, a quarter of the difference between the halves of the record, which
+    shows tangent vectors that still turn into place, and what the steps leave (`tangent_accuracy`); and of what the sum of
+    all exponents misses of the mean divergence.
     """
+    carried = tuned(ensemble, FINE, returns=multiple > 0)
+    ensemble, floor = carried.ensemble, carried.of_swarm
     rate = 2 * np.pi / float(ensemble.period.max())  # of one operating point
     pieces: list[Array] = []
     sections: list[Array] = []
@@ -146,10 +162,15 @@ def exponents_to_error(
             reason = f"stopped at {done} common periods"
             break
         stretch = min(done, most - done)
+    divergence, spread = swarm_divergence(ensemble, good, multiple)
+    error = np.maximum(np.maximum(error, floor), ROUNDING * np.abs(value).max(initial=0.0))
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
+    value, error = value[order], missed(value[order], error[order], divergence, spread, ensemble.model.dimension)
     mean = rates[:, order][:, :, good].mean(axis=2) if good.any() else np.full(rates.shape[:2], np.nan)
     running = np.cumsum(mean, axis=0) / np.arange(1, done + 1)[:, None]
-    return TangentRun(value[order], error[order], running, np.concatenate(sections), good, done, reason, rate)
+    return TangentRun(
+        value, error, running, np.concatenate(sections), good, done, reason, rate, divergence, spread, ensemble.status
+    )  # fmt: skip
 
 
 def _swarm_mean(rates: Array) -> tuple[Array, Array]:

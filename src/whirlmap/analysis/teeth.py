@@ -6,7 +6,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.returns import EXTREMES_STEPS
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import t
 from whirlmap.integrate.ensemble import Ensemble
@@ -15,6 +14,8 @@ from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
 
+#: Least steps per T at which the teeth are looked at.
+LEAST_STEPS = 48
 #: Numbers of saved states that are in memory at once.
 KEPT = 8_000_000
 
@@ -32,10 +33,10 @@ def tooth_contact(ensemble: Ensemble, periods: NDArray[np.int64], progress: Call
     Returns
     -------
     array, shape (point,)
-        Exactly 1 only where the teeth touch at every one of at least `EXTREMES_STEPS` steps per T. NaN where nothing was
+        Exactly 1 only where the teeth touch at every one of at least `LEAST_STEPS` steps per T. NaN where nothing was
         asked or the run ended.
     """
-    steps = np.maximum(ensemble.point_steps, EXTREMES_STEPS)
+    steps = np.maximum(ensemble.point_steps, LEAST_STEPS)
     deflection = _deflection(ensemble.model)
     out = np.full(ensemble.points, np.nan)
     for count, length in np.unique(np.stack([steps, periods])[:, (periods > 0) & ensemble.running], axis=1).T.tolist():

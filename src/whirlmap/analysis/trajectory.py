@@ -13,10 +13,10 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
-from whirlmap.results.status import Status
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -205,15 +205,9 @@ def _run_facts(system: System, ensemble: Ensemble, **more: Any) -> dict[str, Any
     return {
         "period_T": float(ensemble.period[0]),
         "common_multiple": ensemble.common_multiple,
-        "stop": _stop_name(system.model, ensemble),
+        "stop": end_named(system.model, int(ensemble.end_stop[0])),
         **more,
     }
-
-
-def _stop_name(model: Model, ensemble: Ensemble) -> str | None:
-    if ensemble.status[0] != Status.contact:
-        return None
-    return list(model.stops)[int(ensemble.end_stop[0])]
 
 
 def _refuse_counts(**counts: tuple[int, int]) -> None:

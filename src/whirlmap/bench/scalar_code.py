@@ -13,11 +13,13 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import ModelError
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
+from whirlmap.kernels.powers import product_of_roots, quarters_of
 from whirlmap.kernels.routine import FAST_MATH
+from whirlmap.kernels.vector import LIBRARY
 
 Array = NDArray[np.float64]
 
-NUMBA = '''from math import atan, atan2, cos, exp, log, sin, sqrt, tanh
+NUMBA = '''from math import {library}, pow, sqrt
 
 import numpy as np
 from numba import njit
@@ -29,6 +31,10 @@ def rhs(t, y, p):
 {body}
     return dy
 '''
+
+
+#: Functions of Python's math module and of C's, which have the same names there.
+CALLED = ("sin", "cos", *(name for name in LIBRARY if name != "power"))
 
 
 class _Printer(PythonCodePrinter):
@@ -44,6 +50,12 @@ class _Printer(PythonCodePrinter):
             inner = f"({text}*{text})"
             return inner + "*" + inner if n == 4 else "*".join([inner] * 4)
         return "(" + "*".join([text] * n) + ")"
+
+    def _print_power(self, expr: Any) -> str:
+        quarters = quarters_of(expr.args[1])
+        if quarters is not None:
+            return self._print(product_of_roots(expr.args[0], quarters))
+        return f"pow({self._print(expr.args[0])}, {self._print(expr.args[1])})"
 
     def _print_root(self, expr: Any) -> str:
         return f"sqrt({self._print(expr.args[0])})"
@@ -82,17 +94,18 @@ class _Printer(PythonCodePrinter):
 
     def _print_Function(self, expr: Any) -> str:
         name = type(expr).__name__
-        if name not in {"sin", "cos", "exp", "log", "atan2", "atan", "tanh"}:
+        if name not in CALLED:
             raise ModelError(f"function {name} cannot be lowered")
         return f"{name}({', '.join(self._print(a) for a in expr.args)})"
 
-    _print_sin = _print_cos = _print_exp = _print_log = _print_atan2 = _print_atan = _print_tanh = _print_Function
 
+for _name in CALLED:
+    setattr(_Printer, f"_print_{_name}", _Printer._print_Function)
 
 _PRINTER = _Printer({"fully_qualified_modules": False})
 
 #: Functions that this code knows. SymPy's printer would print others, which Numba then refuses in its own words.
-KNOWN = {"sin", "cos", "exp", "log", "atan2", "atan", "tanh", "sign", "Abs", "root", "inverse", "Piecewise"}
+KNOWN = {*CALLED, "power", "sign", "Abs", "root", "inverse", "Piecewise"}
 
 
 def code(expression: Expr) -> str:
@@ -170,8 +183,9 @@ def numba_rhs(model: Model) -> Any:
     body += [f"{name} = {value}" for name, value in made.assignments()]
     body += [f"dy[{i}] = {value}" for i, value in enumerate(made.results())]
     text = NUMBA.format(
-        fast=", ".join(repr(f) for f in FAST_MATH), states=model.dimension, body="\n".join(f"    {b}" for b in body)
-    )
+        library=", ".join(CALLED), fast=", ".join(repr(f) for f in FAST_MATH), states=model.dimension,
+        body="\n".join(f"    {b}" for b in body),
+    )  # fmt: skip
     names: dict[str, Any] = {}
     exec(compile(text, f"rhs of {model.name}", "exec"), names)
     return names["rhs"]

@@ -9,12 +9,13 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from whirlmap.equations.names import CASE_KEYS
 from whirlmap.errors import CaseError, nearest
 
 Text = Annotated[str, Field(min_length=1)]
 
 #: Keys of a case file that are not entries.
-RESERVED = ("model", "extends", "description", "start", "switches")
+RESERVED = CASE_KEYS
 
 
 @dataclass(frozen=True)

@@ -67,8 +67,8 @@ def _run(path: Path, text: str, digest: str) -> ModuleType:
     module.__file__ = str(path)
     try:
         exec(compile(text, str(path), "exec"), module.__dict__)
-    except WhirlmapError:
-        raise
+    except WhirlmapError as error:
+        raise type(error)(f"{path}{_line(error, path)}: {error}") from None
     except Exception as error:
         raise CaseError(f"{path}{_line(error, path)}: {type(error).__name__}: {error}") from error
     return module

@@ -104,7 +104,8 @@ def bifurcation(
 
     settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
     total = swept.count * (2 if follow == "both" else 1)
-    with Progress("bifurcation", expected_periods(system, total, settling), quiet=quiet) as progress:
+    expected = expected_periods(system, total, settling, {swept.name: swept.values})
+    with Progress("bifurcation", expected, quiet=quiet) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
             settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,

@@ -168,6 +168,11 @@ def headline(verdict: dict[str, Any]) -> str:
         words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
+        words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
+    elif verdict["regime"] == "drifting":
+        words.append(f"{verdict['drift_state']} by {report.number(verdict['drift_rate'])} per unit of time")
+    elif verdict["regime"] in ("growing", "at-rest") and verdict["growth_rate"] is not None:
+        words.append(f"small motions change at the rate {report.number(verdict['growth_rate'])} per unit of time")
     return ", ".join(words)
 
 
@@ -179,6 +184,8 @@ def _print(verdict: dict[str, Any]) -> None:
         (str(i), report.with_error(v, e), c) for i, (v, e, c) in enumerate(zip(*columns_of, strict=True), 1)
     ]
     columns: tuple[str, ...] = ("", "per unit of time", "per common period")
+    if rows:
+        rows.append(("mean divergence", report.with_error(verdict["divergence"], verdict["divergence_error"]), None))
     parts = [report.table("Lyapunov exponents", columns, rows, numbers=(0, 1, 2))] if rows else []
     rows = [
         ("Kaplan-Yorke dimension", report.number(verdict["kaplan_yorke"])),

@@ -85,9 +85,11 @@ def jsonable(value: Any) -> Any:
 
 
 def say_doubts(attributes: Mapping[Any, Any]) -> None:
-    """Say on standard error where the asked accuracy is not met, and what to try."""
+    """Say on standard error where the asked accuracy is not met, and what to try, and where motion grazes a surface."""
     if doubts := attributes.get("accuracy_not_met"):
         say(f"accuracy not met: {doubts}")
+    if grazing := attributes.get("grazing"):
+        say(f"grazing: {grazing}")
 
 
 def print_written(files: Sequence[Path]) -> None:

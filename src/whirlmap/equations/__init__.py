@@ -15,6 +15,7 @@ from whirlmap.equations.model import Section as Section
 from whirlmap.equations.model import Stop as Stop
 from whirlmap.equations.model import Switching as Switching
 from whirlmap.equations.pieces import Table as Table
+from whirlmap.equations.pieces import magnitude as magnitude
 from whirlmap.equations.pieces import tabulated as tabulated
 from whirlmap.equations.pieces import when as when
 from whirlmap.equations.quantities import Parameter as Parameter

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cached_property
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeVar
 
-from sympy import Expr, Symbol, sign, sympify
+from sympy import Expr, Symbol, sympify
 
+from whirlmap.equations.declaration import parts, refuse_contradictions
 from whirlmap.equations.pieces import Table
-from whirlmap.equations.quantities import Parameter, State, t
+from whirlmap.equations.quantities import Parameter, State
 from whirlmap.errors import ModelError, nearest
 
 if TYPE_CHECKING:
@@ -50,8 +50,9 @@ class Stop:
 class Switching:
     """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
 
-    ``surface`` (of states, parameters and time) is positive on one side. ``jumps`` says that the rates jump there and do
-    not merely have a kink; tangent vectors then need a saltation matrix at each crossing, which whirlmap does not apply.
+    ``surface`` (of states, parameters and time) is positive on one side. It is declared so that its crossings can be listed
+    and counted by name (`whirlmap.switchings`); ``jumps`` says to the reader that the rates jump there and do not merely
+    have a kink. Steps find every such surface in the equations themselves, declared or not.
     """
 
     surface: Expr
@@ -153,53 +154,12 @@ class Model:
 
     def __post_init__(self) -> None:
         """Refuse a declaration that contradicts itself, naming the symbol."""
-        known: set[Symbol] = {*self.states, *self.parameters}
-        names = [q.name for q in (*self.states, *self.parameters)]
-        twice = sorted({name for name in names if names.count(name) > 1})
-        if twice:
-            raise ModelError(f"model {self.name!r} declares {', '.join(twice)} more than once")
-        if set(self.equations) != set(self.states):
-            missing = [s.name for s in self.states if s not in self.equations]
-            extra = [s.name for s in self.equations if s not in self.states]
-            raise ModelError(
-                f"model {self.name!r} needs one equation for each state:"
-                f" without equation {missing or 'none'}, not a state {extra or 'none'}"
-            )
-        self._refuse_unknown("the equations", self.equations.values(), known | {t} | self._table_names())
-        self._refuse_unknown("the harmonics", map(sympify, self.harmonics), set(self.parameters))
-        self._refuse_unknown("the outputs", (o.expression for o in self.outputs.values()), known)
-        self._refuse_unknown("the stops", (e for s in self.stops.values() for e in (s.gap, s.reachable)), known)
-        surfaces = [q.surface for q in self.switchings.values()]
-        self._refuse_unknown("the switchings", surfaces, known | {t})
-        of_films = (e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength))
-        self._refuse_unknown("the films", of_films, known)
-        self._refuse_unknown("the teeth", [] if self.teeth is None else [self.teeth], known | {t})
-        self._refuse_unknown("the clocks", map(sympify, self.clocks.values()), set(self.parameters))
-        if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
-            raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
-
-    def _table_names(self) -> set[Symbol]:
-        return {Symbol(table.name) for table in self.tables}
-
-    def _refuse_unknown(self, where: str, expressions: "object", known: set[Symbol]) -> None:
-        for expression in expressions:  # type: ignore[attr-defined]
-            for symbol in sorted(sympify(expression).free_symbols - known, key=str):
-                raise ModelError(
-                    f"model {self.name!r}: {where} use {symbol.name!r}, which is neither a state nor one of its"
-                    " parameters: add it to parameters=(...)"
-                )
+        refuse_contradictions(self)
 
     @property
     def forced(self) -> bool:
         """Whether time appears in the equations."""
         return bool(self.harmonics)
-
-    @cached_property
-    def jumps(self) -> tuple[str, ...]:
-        """Where the rates jump: switchings that say so, and signs of states in the equations."""
-        states = set(self.states)
-        signs = {e for rate in self.equations.values() for e in sympify(rate).atoms(sign) if e.free_symbols & states}
-        return (*(name for name, q in self.switchings.items() if q.jumps), *sorted(map(str, signs)))
 
     @property
     def dimension(self) -> int:
@@ -215,16 +175,11 @@ class Model:
         return _by_name(self.parameters, name, self.name, "parameter")
 
     def read(self) -> frozenset[Parameter]:
-        """Parameters that an equation, a harmonic, an output, a stop or a default of this model reads."""
+        """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
-        everything = [
-            *self.equations.values(), *self.harmonics, *self.clocks.values(), *self.defaults.values(),
-            *(o.expression for o in self.outputs.values()),
-            *(e for s in self.stops.values() for e in (s.gap, s.reachable)),
-            self.typical_time, *([self.section.surface] if self.section else []),
-        ]  # fmt: skip
-        for expression in everything:
-            used |= sympify(expression).free_symbols
+        for expressions in parts(self).values():
+            for expression in expressions:
+                used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
 
 

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Function, Integer, Piecewise, Symbol
 from sympy.core.function import ArgumentIndexError
+from sympy.core.relational import Relational
 
 from whirlmap.errors import ModelError
 
@@ -21,7 +22,18 @@ Array = NDArray[np.float64]
 
 def when(condition: Any, value: Any, otherwise: Any = 0) -> Expr:
     """``value`` where the condition holds, else ``otherwise``; a select in the kernel, so both are evaluated."""
-    return Piecewise((value, condition), (otherwise, True))
+    try:
+        return Piecewise((value, condition), (otherwise, True))
+    except RecursionError:  # SymPy turns some relations over forever, but none with zero on one side
+        moved = condition.replace(lambda r: isinstance(r, Relational), lambda r: r.func(r.lhs - r.rhs, 0))
+        return Piecewise((value, moved), (otherwise, True))
+
+
+class magnitude(Function):  # noqa: N801 (printed as a function)
+    """``Abs`` of a term whose kink at zero the rates do not have, for it is multiplied by what vanishes there.
+
+    No crossing is located there (`whirlmap.kernels.surfaces`).
+    """
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,14 @@ from whirlmap.errors import ModelError
 LARGEST = 1e30
 
 
+#: What is said about a state that is asked for at another time.
+DELAYS = (
+    "a state at the present time is its name alone, {name}, and one of an earlier time cannot be had: whirlmap solves"
+    " ordinary differential equations; expected a chain of states that lag one after the other, or a Pade approximation of"
+    " the delay"
+)
+
+
 class Quantity(Symbol):
     """A real symbol with unit and meaning.
 
@@ -41,6 +49,11 @@ class Quantity(Symbol):
         made = Symbol.__xnew__(cls, name, real=True)
         made.unit, made.meaning, made.latex = unit, meaning, latex or name
         return made
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Refuse ``x(t - tau)``: a symbol is no function of time."""
+        shown = f"{self.name}({', '.join(map(str, arguments))})"
+        raise ModelError(f"{shown}: {DELAYS.format(name=self.name)}")
 
     def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
         """Arguments that rebuild the quantity (copying and pickling), limits and all."""

@@ -8,9 +8,9 @@ the film has a limit at the centre. Source: equation audit, sections 3.2 and 4.
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from sympy import Abs, Expr, Float, Integer, Rational, cbrt, pi, sqrt
+from sympy import Expr, Float, Integer, Rational, cbrt, pi, sqrt
 
-from whirlmap.equations import Table
+from whirlmap.equations import Table, magnitude
 from whirlmap.films import scaled, tables
 
 #: Added to squares under a root, so that 0/0 at the very centre, or under no load, is the limit 0 that the film has there.
@@ -125,7 +125,7 @@ def positive_arc_velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sig
     along, across = qx * ux + qy * uy, qx * uy - qy * ux
     R = 1 + Rational(3, 4) * cbrt(psi)
     size = sqrt(load2)
-    z = Abs(across) / sqrt(R**2 * load2 - along**2)  # its slope jumps where what it is multiplied by is zero
+    z = magnitude(across) / sqrt(R**2 * load2 - along**2)  # its slope jumps where what it is multiplied by is zero
     ahead, aside = POSITIVE_ARC(psi, along / size, z)
     turn = aside * across / size
     return ahead * qx + turn * qy, ahead * qy - turn * qx

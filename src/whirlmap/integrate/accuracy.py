@@ -251,10 +251,10 @@ class _Trial:
             parts = [v.reshape(*v.shape[:-1], self.sections, v.shape[-1] // self.sections) for v in (a, b)]
             return np.concatenate(parts, axis=-1).reshape(*a.shape[:-1], a.shape[-1] + b.shape[-1])
 
-        names = ("saved", "size", "status", "end")
+        saved, size, status, end = (both(getattr(self, n), getattr(other, n)) for n in ("saved", "size", "status", "end"))
         rows = max(len(self.seen), len(other.seen))
         seen = both(*(np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in (self, other)))
-        return _Trial(other.steps, *(both(getattr(self, n), getattr(other, n)) for n in names), seen, self.sections)
+        return _Trial(other.steps, saved, size, status, end, seen, self.sections)
 
     def difference(self, finer: "_Trial") -> tuple[Array, NDArray[np.bool_]]:
         """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.

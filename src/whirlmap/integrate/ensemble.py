@@ -10,6 +10,7 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from math import lcm
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,7 +38,9 @@ def cores() -> int:
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
 #: Arrays over points that a subset carries along.
-_POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict")
+_POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict", "crossings", "grazings")
+#: Side of a surface of a point that has been put somewhere: the kernel finds it from the state.
+UNKNOWN = 2.0
 
 
 @dataclass(frozen=True)
@@ -49,7 +52,7 @@ class Segment:
     saved : array, shape (save, state, point)
         States at the asked steps; NaN once a point has ended.
     growth : array, shape (event, vector, point)
-        Logarithmic growth of the tangent vectors between orthonormalisations.
+        Logarithmic growth of the tangent vectors in each T.
     extremes : dict or None
         ``minimum``, ``maximum``, ``mean``, ``rms`` (about the mean) of every state and output, shape (row, point);
         NaN for points that have ended.
@@ -77,7 +80,10 @@ class Ensemble:
     tangents : int
         Tangent vectors carried along, started from a fixed random orthonormal set.
     orthonormal : bool
-        Whether the tangent vectors are orthonormalised once per T. Where not, they start from the first unit vectors.
+        Whether the tangent vectors are orthonormalised. Where not, they start from the first unit vectors.
+    orth : int or array of int, shape (point,)
+        Orthonormalisations per T, of which the steps are a multiple; more than one where the vectors' growths in one T
+        differ by more than doubles hold (`analysis.tangent_accuracy`).
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
     redo : bool
@@ -99,16 +105,18 @@ class Ensemble:
     end_time : array, shape (point,)
         When a point ended (NaN while it runs), in the model's time.
     end_stop : array of int, shape (point,)
-        Which of the model's stops ended it, else -1.
+        Which of the model's stops ended it, or behind them which pole of its equations (`rescue.end_named`); else -1.
     turns : array of int, shape (point,)
         Periods T that each point has run.
-    point_steps : array of int, shape (point,)
-        Steps per T of each point.
+    point_steps, point_orth : arrays of int, shape (point,)
+        Steps, and orthonormalisations, per T of each point.
     limits : array, shape (state, point)
         Sizes beyond which states have diverged.
     step_error, step_verdict : arrays, shape (point,)
         Measured error of these steps, or of the fewer that would do once settled, and whether it meets the accuracy; NaN
         and zero where the steps were given.
+    crossings, grazings : arrays, shape (point,)
+        Crossings of surfaces at which the rates have a kink or a jump, and those of them that were grazing.
     """
 
     def __init__(
@@ -122,6 +130,7 @@ class Ensemble:
         method: Method = RK4,
         tangents: int = 0,
         orthonormal: bool = True,
+        orth: int | Integers = 1,
         workers: int | None = None,
         redo: bool = True,
         accuracy: float | None = None,
@@ -136,6 +145,9 @@ class Ensemble:
         self.model, self.method, self.redo, self.accuracy = model, method, redo, accuracy
         self.tangents, self.orthonormal = tangents, orthonormal
         self.point_steps = np.broadcast_to(np.asarray(steps, dtype=np.int64), (n,)).copy()
+        self.point_orth = np.broadcast_to(np.asarray(orth, dtype=np.int64), (n,)).copy()
+        if (self.point_steps % self.point_orth).any():
+            raise RangeError("steps per T must be a multiple of the orthonormalisations per T")
         self.orders, self.workers = orders, workers or cores()
         self.points = n
         self.period = periods(model, values) if turn is None else np.array(turn, dtype=float)
@@ -145,15 +157,18 @@ class Ensemble:
         self.end_stop = np.full(n, -1, dtype=np.int8)
         self.turns = np.zeros(n, dtype=np.int64)
         self.step_error, self.step_verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
+        self.crossings, self.grazings = np.zeros(n), np.zeros(n)
         self._group()
-        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n, orthonormal)])
+        sides = np.full((max((g.kernel.source.sizes.surfaces for g in self._groups), default=0), n), UNKNOWN)
+        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n, orthonormal), sides])
 
     def _group(self) -> None:
         """Group the points by kernel and steps."""
         self._groups = [
-            Group(self, m, members[self.point_steps[members] == count], int(count))
+            Group(self, m, members[(pairs == pair).all(axis=1)], *map(int, pair))
             for m, members in variants(self.model, self.values)
-            for count in np.unique(self.point_steps[members])
+            for pairs in [np.stack([self.point_steps[members], self.point_orth[members]], axis=1)]
+            for pair in np.unique(pairs, axis=0)
         ]
 
     @property
@@ -164,7 +179,14 @@ class Ensemble:
     @property
     def vectors(self) -> Array:
         """Present tangent vectors, shape (vector, state, point)."""
-        return self._y[self.model.dimension :].reshape(self.tangents, self.model.dimension, self.points)
+        n = self.model.dimension
+        return self._y[n : n * (1 + self.tangents)].reshape(self.tangents, n, self.points)
+
+    def put(self, points: NDArray[np.intp], x: Array) -> None:
+        """Put points at other states, shape (state, point), without tangent vectors."""
+        n = self.model.dimension
+        self._y[:n, points] = x
+        self._y[n * (1 + self.tangents) :, points] = UNKNOWN
 
     @property
     def steps(self) -> int:
@@ -189,25 +211,31 @@ class Ensemble:
         self.limits = limits
         self._group()
 
-    def subset(self, members: NDArray[np.intp], *, steps: int | Integers | None = None) -> "Ensemble":
+    def subset(
+        self, members: NDArray[np.intp], *, steps: int | Integers | None = None, orth: int | Integers | None = None
+    ) -> "Ensemble":
         """Return an ensemble of some of the points, at their present states; `absorb` takes it back.
 
-        ``steps`` gives it other steps per T.
+        ``steps`` gives it other steps per T, ``orth`` other orthonormalisations.
         """
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            orthonormal=self.orthonormal, workers=self.workers, redo=self.redo, accuracy=self.accuracy,
-            beyond=self.limits[:, members], turn=self.period[members],
+            orthonormal=self.orthonormal, orth=self.point_orth[members] if orth is None else orth, workers=self.workers,
+            redo=self.redo, accuracy=self.accuracy, beyond=self.limits[:, members], turn=self.period[members],
         )  # fmt: skip
-        part._y = self._y[:, members].copy()
+        part._y = self._y[: part._y.shape[0], members].copy()
         for name in _POINT_ARRAYS:
             setattr(part, name, getattr(self, name)[members].copy())
         return part
 
+    def copy_states(self, other: "Ensemble") -> None:
+        """Take the states and tangent vectors of an ensemble of the same points, at the same phase."""
+        self._y[:] = other._y
+
     def absorb(self, part: "Ensemble", members: NDArray[np.intp]) -> None:
         """Take over the states of a subset that has run on, by whole common periods, and its steps."""
-        self._y[:, members] = part._y
+        self._y[: part._y.shape[0], members] = part._y
         for name in _POINT_ARRAYS:
             getattr(self, name)[members] = getattr(part, name)
         old, new = (np.stack([e.point_steps[at], e.period[at]]) for e, at in ((self, members), (part, slice(None))))
@@ -222,7 +250,7 @@ class Ensemble:
         members: NDArray[np.intp] | None = None,
         save_every: int = 0,
         save_periods: int | Fraction = 0,
-        extremes: bool = False,
+        extremes: bool | Literal["between"] = False,
         progress: Callable[[int], None] | None = None,
     ) -> Segment:
         """Run points for ``n_periods`` T; those that run are packed into full blocks, wherever they stand.
@@ -235,8 +263,10 @@ class Ensemble:
             Steps between saved states, where all points take the same steps; zero saves none.
         save_periods : int or Fraction
             T between saved states, instead; a whole number of steps of every point.
-        extremes : bool
-            Whether to track extremes, mean and rms of every state and output over all steps.
+        extremes : bool or "between"
+            Whether to track extremes, mean and rms of every state and output over the ends of all steps; or extremes
+            between them too, by cubic Hermite interpolation from values and rates. It misses a cosine's peak by
+            (2 pi/N)^4/384 of it, N the steps in its period.
         progress : callable, optional
             Called with the number of points x periods done since the last call.
 
@@ -273,7 +303,7 @@ class Ensemble:
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
             group, local = task
-            group.advance(local, n_periods, save, segment, place)
+            group.advance(local, n_periods, save, segment, place, between=extremes == "between")
             if progress:
                 progress(n_periods * local.size)
 

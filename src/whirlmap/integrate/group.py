@@ -34,13 +34,13 @@ class Record:
 
 
 class Group:
-    """Points that share one kernel and one number of steps.
+    """Points that share one kernel, one number of steps and one of orthonormalisations.
 
     The kernel is that of a model's plain form where a parameter is zero, or that of the model itself.
     """
 
-    def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int) -> None:
-        self.ensemble, self.members, self.steps = ensemble, members, steps
+    def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int, orth: int) -> None:
+        self.ensemble, self.members, self.steps, self.orth = ensemble, members, steps, orth
         self.kernel: LaneKernel = lane_kernel(
             model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
         )
@@ -53,14 +53,17 @@ class Group:
             model, ensemble.method, ensemble.tangents, ensemble.values[:, members], limits, redo=ensemble.redo
         )
 
-    def advance(self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points) -> None:
+    def advance(
+        self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points, *, between: bool
+    ) -> None:
         """Advance some points, redoing failed steps until each has reached the end or ended.
 
-        ``local`` holds indices into the group's members; ``place`` the columns of all points in the record.
+        ``local`` holds indices into the group's members; ``place`` the columns of all points in the record; ``between``
+        says whether extremes between steps count.
         """
         e = self.ensemble
         at = self.members[local]
-        run = _Run(self, local, n_periods * self.steps, int(save * self.steps), record)
+        run = _Run(self, local, n_periods * self.steps, int(save * self.steps), record, between=between)
         everything = np.arange(run.blocks)
         run.active.reshape(-1)[: at.size] = 1
         while everything.size:
@@ -73,12 +76,17 @@ class Group:
             run.failed[:] = -1
             everything = np.flatnonzero(run.active.any(axis=(1, 2)))
         to = place[at]
-        e._y[:, at] = unblocked(run.y, at.size)
+        e._y[: run.y.shape[1], at] = unblocked(run.y, at.size)
+        if e.crossings.size and self.kernel.source.sizes.surfaces:
+            crossings, grazings = unblocked(run.tally, at.size)
+            e.crossings[at] += crossings
+            e.grazings[at] += grazings
         for name in ("saved", "growth", "sums"):
             into, blocks = getattr(record, name), getattr(run, name)
             if into.size:
-                flat = blocks.reshape(run.blocks, into.shape[0] * into.shape[1], LANES)
-                into[:, :, to] = unblocked(flat, at.size).reshape(*into.shape[:2], at.size)
+                flat = unblocked(blocks.reshape(run.blocks, -1, LANES), at.size)
+                # The growth between the orthonormalisations of one T adds up.
+                into[:, :, to] = flat.reshape(into.shape[0], -1, into.shape[1], at.size).sum(axis=1)
 
     def packed(self, local: Points) -> dict[str, Any]:
         """Steps and inputs of some points in blocks; they are often those of the call before."""
@@ -93,9 +101,10 @@ class Group:
         e = self.ensemble
         members, points = local[lost], self.members[local[lost]]
         block, lane = lost // LANES, lost % LANES
-        failed = run.failed[block, 0, lane]
+        failed, part = run.failed[block, 0, lane], run.reached[block, 0, lane]
         h, y = self.h[members], np.ascontiguousarray(run.y[block, :, lane].T)
-        outcome = self.rescue.mend(members, y, (e.turns[points] * self.steps + failed) * h, h)
+        time = (e.turns[points] * self.steps + failed + part) * h
+        outcome = self.rescue.mend(members, y, time, (1 - part) * h, run.cause[block, 0, lane])
         run.y[block, :, lane] = y.T
         ended = outcome.status != Status.ok
         e.status[points[ended]] = outcome.status[ended]
@@ -128,18 +137,23 @@ class Group:
 class _Run:
     """Arrays of one advance of some points, laid out in blocks."""
 
-    def __init__(self, group: Group, local: Points, total: int, save_every: int, record: Record) -> None:
+    def __init__(
+        self, group: Group, local: Points, total: int, save_every: int, record: Record, *, between: bool
+    ) -> None:
         e = group.ensemble
         self.group, self.total, self.save_every = group, total, save_every or total + 1
         self.count, self.n = e.tangents, e.model.dimension
-        self.y = blocked(e._y[:, group.members[local]])
+        rows = self.n * (1 + self.count) + group.kernel.source.sizes.surfaces
+        self.y = blocked(e._y[:rows, group.members[local]])
         self.blocks = self.y.shape[0]
         self.inputs = group.packed(local)
         self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
-        self.growth = np.zeros((self.blocks, record.growth.shape[0], self.count, LANES))
-        self.orth_every = group.steps if record.growth.shape[0] else total + 1
-        self.folded = record.sums.shape[1] > 0
+        self.growth = np.zeros((self.blocks, group.orth * record.growth.shape[0], self.count, LANES))
+        self.orth_every = group.steps // group.orth if record.growth.shape[0] else total + 1
+        self.cause = np.zeros((self.blocks, 1, LANES), dtype=np.int64)
+        self.reached, self.tally = np.zeros((self.blocks, 1, LANES)), np.zeros((self.blocks, 2, LANES))
+        self.folded = 0 if not record.sums.shape[1] else 2 if between else 1
         self.sums = np.zeros((self.blocks, 5, record.sums.shape[1], LANES))
         if self.folded:
             self.sums[:, 0, : self.n] = self.y[:, : self.n]  # the reference: the present state
@@ -147,7 +161,7 @@ class _Run:
 
     def call(self, chosen: Points, begin: int) -> None:
         """Call the kernel for some blocks; arrays of blocks that are not all of them go there and back as copies."""
-        names = ("y", "first", "active", "failed", "saved", "growth", "sums")
+        names = ("y", "first", "active", "failed", "saved", "growth", "sums", "cause", "reached", "tally")
         whole = chosen.size == self.blocks
         arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
         steady = {name: self.inputs[name] for name in ("h", "p", "offsets")}
@@ -158,7 +172,7 @@ class _Run:
         kernel.advance(
             blocks=chosen.size, count=self.count, **arrays, **steady, tables=self.inputs["tables"],
             **self.group.waves.arguments(begin), steps=self.total, save_every=self.save_every, saves=self.saved.shape[1],
-            orth_every=self.orth_every, events=self.growth.shape[1], folded=int(self.folded), work=kernel.work(),
+            orth_every=self.orth_every, events=self.growth.shape[1], folded=self.folded, work=kernel.work(),
         )  # fmt: skip
         if not whole:
             for name, a in arrays.items():
@@ -170,10 +184,11 @@ class _Run:
         due = done % self.orth_every == 0
         if k and due.any():
             b, l, event = block[due], lane[due], done[due] // self.orth_every - 1  # noqa: E741
-            vectors = self.y[b, n:, l].reshape(-1, k, n).transpose(0, 2, 1)
+            rows = slice(n, n * (1 + k))
+            vectors = self.y[b, rows, l].reshape(-1, k, n).transpose(0, 2, 1)
             q, r = np.linalg.qr(vectors)
             length = np.diagonal(r, axis1=1, axis2=2)
-            self.y[b, n:, l] = (q * np.sign(length)[:, None, :]).transpose(0, 2, 1).reshape(-1, n * k)
+            self.y[b, rows, l] = (q * np.sign(length)[:, None, :]).transpose(0, 2, 1).reshape(-1, n * k)
             self.growth[b, event, :, l] += np.log(np.abs(length))
         save = (done % self.save_every == 0) & (done // self.save_every <= self.saved.shape[1])
         b, l, event = block[save], lane[save], done[save] // self.save_every - 1  # noqa: E741

@@ -13,7 +13,9 @@ from whirlmap.integrate.scales import GROWTH
 from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.methods import Method
+from whirlmap.kernels.poles import pole_guards, poles
 from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.saltation import CHATTERS, STICKS
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -24,6 +26,8 @@ SHORTEST = 10
 BISECTIONS = 50
 #: Substeps of every trial of the bisection.
 TRIAL_STEPS = 4
+#: Fall of a denominator in the second half of these bisections that shows a pole ahead; before a wall it stands still.
+VANISHES = 0.5
 #: A gap that has shrunk to this part of its size over the step at the bracket's open end is an event; above it, the step
 #: failed for another reason.
 CLOSED = 1e-6
@@ -44,10 +48,12 @@ class Outcome:
 class Rescue:
     """Redoes failed steps of one group of points, all that were lost together.
 
-    1. A lane whose step ends finite, at open gaps but beyond its limits (`scales.limits`), has diverged.
+    1. A lane whose step ends finite, at open gaps, but beyond its limits (`scales.limits`), has diverged; where there are
+       poles only if nothing else is found, for a step may be thrown there by one.
     2. The step is redone in 4, 16, 64, 256 and 1024 shorter ones; a lane that gets through goes on.
     3. Where a gap may physically close, the end is bisected: the last time at which the step still ends at open gaps.
-    4. What is left has diverged if it was near its bound (`NEAR`) or had grown far (`GROWN`), else it is unresolved.
+    4. What is left has diverged if it runs into a pole (`kernels.poles`), which counts on behind the model's stops as what
+       ended it, if it was near its bound (`NEAR`) or had grown far (`GROWN`); else it is unresolved.
 
     With ``redo`` off, 2 is left out and 3 is done where the step plainly ended behind a stop.
     """
@@ -57,23 +63,33 @@ class Rescue:
     ) -> None:
         self.model, self.method, self.tangents, self.values, self.redo = model, method, tangents, values, redo
         self.limits, self.near = limits, NEAR if model.bound is not None else GROWN / GROWTH
+        self.singular = bool(pole_function(model)(list(np.zeros(model.dimension)), list(np.zeros(len(model.parameters)))))
 
-    def mend(self, members: NDArray[np.intp], y: Array, time: Array, h: Array) -> Outcome:
+    def mend(
+        self, members: NDArray[np.intp], y: Array, time: Array, h: Array, cause: NDArray[np.int64]
+    ) -> Outcome:
         """Redo the step of some points from ``y``, shape (row, point), at ``time``; ``y`` of those that go on is replaced.
 
-        ``members`` holds the group's indices of the points.
+        ``members`` holds the group's indices of the points, ``cause`` why they were lost in a step through surfaces: shorter
+        steps help neither a point that sticks nor one that chatters.
         """
         points = members.size
         status = np.zeros(points, dtype=np.int8)
         end, stop = np.full(points, np.nan), np.full(points, -1, dtype=np.int8)
-        pending = np.ones(points, dtype=bool)
+        for reason, name in ((STICKS, Status.sticks), (CHATTERS, Status.chatters)):
+            status[cause == reason] = name
+        end[status != Status.ok] = time[status != Status.ok]
+        pending = status == Status.ok
+        if not pending.any():
+            return Outcome(status, end, stop)
         n = self.model.dimension
         after, _ = self._march(members, y, time, h, 1)
         size = self._size(members, after[:n])
         closed = self._gaps(members, after[:n]) <= 0
-        diverged = np.isfinite(size) & ~closed.any(axis=0) & (size >= 1)
-        status[diverged], end[diverged] = Status.diverged, (time + h)[diverged]
-        pending &= ~diverged
+        beyond = pending & np.isfinite(size) & ~closed.any(axis=0) & (size >= 1)
+        if not self.singular:
+            status[beyond], end[beyond] = Status.diverged, (time + h)[beyond]
+            pending &= ~beyond
         # A step that plainly ends behind a gap which can close is an event: shorter steps would only find it again.
         reachable = self._reachable(members)
         plainly = pending & np.isfinite(size) & (closed & reachable).any(axis=0)
@@ -89,6 +105,11 @@ class Rescue:
         if candidates.size:
             self._locate(members, candidates, y, time, h, status, end, stop)
         left = pending & (status == Status.ok)
+        if self.singular and left.any():
+            self._approach(members, np.flatnonzero(left), y, time, h, status, end, stop)
+            left &= status == Status.ok
+            status[left & beyond], end[left & beyond] = Status.diverged, (time + h)[left & beyond]
+            left &= ~beyond
         near = self._size(members, y[:n]) > self.near
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
         end[left] = time[left]
@@ -118,6 +139,27 @@ class Rescue:
         status[found], end[found] = Status.contact, (time[which] + low * h[which])[event]
         stop[found] = left.argmin(axis=0)[event] if left.shape[0] else -1
 
+    def _approach(
+        self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, time: Array, h: Array,
+        status: NDArray[np.int8], end: Array, stop: NDArray[np.int8],
+    ) -> None:  # fmt: skip
+        """Go on in steps that halve, and see whether a denominator vanishes where the last of them goes."""
+        here, now, at = members[which], y[:, which].copy(), time[which].copy()
+        for halving in range(1, BISECTIONS + 1):
+            length = h[which] * 0.5**halving
+            trial, good = self._march(here, now, at, length, 1)
+            now[:, good], at[good] = trial[:, good], (at + length)[good]
+            if halving == BISECTIONS // 2:
+                half = self._denominators(here, now)
+        share = self._denominators(here, now) / half
+        pole = share.min(axis=0) < VANISHES
+        found = which[pole]
+        y[:, found], status[found], end[found] = now[:, pole], Status.diverged, at[pole]
+        stop[found] = len(self.model.stops) + share.argmin(axis=0)[pole]
+
+    def _denominators(self, members: NDArray[np.intp], y: Array) -> Array:
+        return np.abs(self._values(pole_function(self.model), members, y[: self.model.dimension]))
+
     def _march(
         self, members: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
     ) -> tuple[Array, NDArray[np.bool_]]:
@@ -145,8 +187,11 @@ class Rescue:
         return self._stops("reachable", members, np.zeros((self.model.dimension, members.size))) > 0
 
     def _stops(self, field: Literal["gap", "reachable"], members: NDArray[np.intp], x: Array) -> Array:
+        return self._values(stop_function(self.model, field), members, x)
+
+    def _values(self, function: Callable[..., Any], members: NDArray[np.intp], x: Array) -> Array:
         with np.errstate(over="ignore", invalid="ignore"):  # a state that has run away has no gap worth knowing
-            rows = stop_function(self.model, field)(list(x), list(self.values[:, members]))
+            rows = function(list(x), list(self.values[:, members]))
         return np.array([np.broadcast_to(np.asarray(r, dtype=float), members.shape) for r in rows]).reshape(-1, members.size)
 
 
@@ -155,3 +200,18 @@ def stop_function(model: Model, field: Literal["gap", "reachable"]) -> Callable[
     """One field of each of a model's stops, as a function of lists of states and parameters."""
     expressions = [getattr(stop, field) for stop in model.stops.values()]
     return numpy_function(model, f"stops: {field}", lambda: Formula([model.states, model.parameters], expressions))
+
+
+@lru_cache(maxsize=64)
+def pole_function(model: Model) -> Callable[..., Any]:
+    """Denominators of a model that have a zero to pass through, as a function of lists of states and parameters."""
+    return numpy_function(model, "poles", lambda: Formula([model.states, model.parameters], pole_guards(model)))
+
+
+def end_named(model: Model, index: int) -> str | None:
+    """What ended a run, by `Ensemble.end_stop`: a stop's name, or the denominator that passed through zero; else None."""
+    if index < 0:
+        return None
+    if index < len(model.stops):
+        return list(model.stops)[index]
+    return f"{poles(model)[index - len(model.stops)]} = 0"

@@ -190,10 +190,15 @@ def _frequencies(model: Model) -> Callable[..., Any]:
     return numpy_function(model, "frequencies or typical time", lambda: Formula([model.parameters], times))
 
 
+def frequencies(model: Model, values: Array) -> Array:
+    """Angular frequency of every harmonic, shape (harmonic, point); typical time of an unforced model."""
+    n = values.shape[1]
+    return np.stack([np.broadcast_to(np.asarray(w, dtype=float), (n,)) for w in _frequencies(model)(list(values))])
+
+
 def periods(model: Model, values: Array) -> Array:
     """Period T of every operating point (values of shape (parameter, point)); typical time of an unforced model."""
-    n = values.shape[1]
-    rates = np.stack([np.broadcast_to(np.asarray(w, dtype=float), (n,)) for w in _frequencies(model)(list(values))])
+    rates = frequencies(model, values)
     if not model.forced:
         return np.asarray(rates[0])
     fastest = np.abs(rates).max(axis=0)

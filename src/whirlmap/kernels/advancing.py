@@ -1,9 +1,12 @@
 """``advance``: many steps of many blocks, locked to the forcing's phase. All long runs are made of it."""
 
+from dataclasses import dataclass
+
 from llvmlite import ir
 
+from whirlmap.kernels.hermite import Between
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.routine import INT, INTS, Kind, Routine, Value, integer, integers, number
+from whirlmap.kernels.routine import INT, INTS, LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes, Stepper
 
 #: Arguments of ``advance``, arrays of consecutive blocks: see `advance`.
@@ -11,24 +14,49 @@ ARGUMENTS: dict[str, Kind] = {
     "blocks": "int", "count": "int", "y": "rows", "h": "rows", "p": "rows", "tables": "doubles", "offsets": "flags",
     "waves": "doubles", "starts": "ints", "lengths": "ints", "begin": "ints", "steps": "int", "first": "flags",
     "active": "flags", "failed": "flags", "save_every": "int", "saves": "int", "saved": "rows", "orth_every": "int",
-    "events": "int", "growth": "rows", "folded": "int", "sums": "rows", "work": "rows",
+    "events": "int", "growth": "rows", "folded": "int", "sums": "rows", "turns": "doubles", "cause": "flags",
+    "reached": "rows", "tally": "rows", "work": "rows",
 }  # fmt: skip
 
 
-def advance(
-    module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], rates: Routine, tangent: Routine | None,
-    observed: Routine, examine: Routine,
-) -> None:  # fmt: skip
+@dataclass(frozen=True)
+class Parts:
+    """Routines of a model that ``advance`` calls.
+
+    Attributes
+    ----------
+    rates, tangent : Routine
+        Rates, and the product of the Jacobian with a vector (absent where vectors go along, or there are none).
+    observed, examine : Routine
+        Outputs; the test of a step's end.
+    between : Between
+        Extremes between the ends of a step.
+    through : Routine, optional
+        A step through surfaces (`event_location`), of a model that has some.
+    same_side : Routine, optional
+        Whether a place is on the side of the poles on which the step began, of a model that has some (`poles`).
+    """
+
+    rates: Routine
+    tangent: Routine | None
+    observed: Routine
+    examine: Routine
+    between: Between
+    through: Routine | None
+    same_side: Routine | None
+
+
+def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], parts: Parts) -> None:
     """Write ``advance``.
 
-    A lane stops, and keeps its last good state, before the step that ends at a closed gap, beyond the bound or at
-    something that is not a number; ``failed`` then holds that step's index. Lane ``l`` starts at step ``first[l]``.
+    A lane stops, and keeps its last good state, before the step that ends at a closed gap, beyond the bound, behind a pole
+    or at something that is not a number; ``failed`` then holds that step's index. Lane ``l`` starts at step ``first[l]``.
 
     Arguments of the kernel, rows of `LANES` numbers, one block after the other:
 
     ====================  =========================================================================================
     blocks, count         number of blocks, and of tangent vectors
-    y                     (states * (1 + count)) state and tangent vectors, in place
+    y                     (states * (1 + count) + surfaces) state, tangent vectors and sides, in place
     h                     (1) step of each lane
     p                     (inputs) hoisted parameters
     tables, offsets       table entries, and where each lane's begin: (tables) integers
@@ -40,18 +68,24 @@ def advance(
     saved
     orth_every, events,   logarithmic growth between two orthonormalisations: (events * count)
     growth
-    folded, sums          (5 * (states + outputs)) reference, minimum, maximum, sum and sum of squares less reference
+    folded, sums          (5 * (states + outputs)) reference, minimum, maximum, sum and sum of squares less reference;
+                          with ``folded`` = 2 extremes between steps count too
+    turns                 angle of each harmonic in one step: a plain array
+    cause, reached        (1) each: why a lane failed in a step through surfaces, and the part of it that was taken
+    tally                 (2) crossings of surfaces, and grazing ones, added to what stands there
     work                  `Sizes.work` rows, used by all blocks
     ====================  =========================================================================================
     """
-    one = _block(module, sizes, method, nodes, rates, tangent, observed, examine)
+    one = _block(module, sizes, method, nodes, parts)
     r = Routine(module, "advance", ARGUMENTS, public=True)
     b, a = r.b, r.at
+    folds = b.icmp_signed(">", a["folded"], integer(0))
     rows = {
-        "y": b.mul(b.add(a["count"], integer(1)), integer(sizes.states)), "h": integer(1), "p": integer(sizes.inputs),
+        "y": sizes.rows(b, a["count"]), "h": integer(1), "p": integer(sizes.inputs),
         "offsets": integer(max(sizes.tables, 1)), "first": integer(1), "active": integer(1), "failed": integer(1),
+        "cause": integer(1), "reached": integer(1), "tally": integer(2),
         "saved": b.mul(a["saves"], integer(sizes.states)), "growth": b.mul(a["events"], a["count"]),
-        "sums": b.mul(a["folded"], integer(5 * (sizes.states + sizes.outputs))),
+        "sums": b.select(folds, integer(5 * (sizes.states + sizes.outputs)), integer(0)),
     }  # fmt: skip
     with r.loop(a["blocks"]) as block:
         moved = {name: r.row(a[name], b.mul(block, size)) for name, size in rows.items()}
@@ -59,36 +93,55 @@ def advance(
     r.done()
 
 
-def _block(
-    module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], rates: Routine, tangent: Routine | None,
-    observed: Routine, examine: Routine,
-) -> Routine:  # fmt: skip
-    vectors = tangent is not None or sizes.along
+def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], parts: Parts) -> Routine:
+    vectors = parts.tangent is not None or sizes.along
     turn = orthonormalise(module, sizes.states) if vectors else None
     fold = folding(module, sizes.states + sizes.outputs)
     r = Routine(module, "advance_block", {name: kind for name, kind in ARGUMENTS.items() if name != "blocks"})
     b, a = r.b, r.at
-    stepper = Stepper(r, sizes, method, rates, tangent, a["work"])
+    stepper = Stepper(r, sizes, method, parts.rates, parts.tangent, a["work"], None if parts.through else parts.same_side)
     stepper.clear()
     count = a["count"] if vectors else integer(0)
     h = r.load(a["h"])
     counters = r.local(INT, sizes.harmonics)
     with r.loop(sizes.harmonics) as j:
         r.store(r.load(a["begin"], j), counters, j)
-    on, good = r.local(INTS), r.local(INTS)
+    on, good, now, cause = (r.local(INTS) for _ in range(4))
+    part = r.local(LANE)
     asked = b.icmp_signed("!=", r.load(a["active"]), integers(0))
     later = b.and_(asked, b.icmp_signed(">", r.load(a["first"]), integers(0)))
     entry = b.select(later, r.load(a["first"]), integers(-1))
     r.store(b.sext(b.and_(asked, b.not_(later)), INTS), on)
     inputs = {name: a[name] for name in ("p", "tables", "offsets")}
 
-    def waves_at(stage: int, c: Value) -> None:
+    def waves_at(stage: int, c: Value, *, following: bool = False) -> None:
         node = nodes.index(float(method.c[stage]))
         for j in range(sizes.harmonics):
-            cell = b.add(b.mul(r.load(counters, j), integer(len(nodes))), integer(node))
+            step = r.load(counters, j)
+            if following:
+                step = b.add(step, integer(1))
+                step = b.select(b.icmp_signed("==", step, r.load(a["lengths"], j)), integer(0), step)
+            cell = b.add(b.mul(step, integer(len(nodes))), integer(node))
             at = b.add(r.load(a["starts"], j), b.mul(cell, integer(2)))
             for part in range(2):
-                r.store(r.load(a["waves"], b.add(at, integer(part))), c, 2 * j + part)
+                value = r.load(a["waves"], b.add(at, integer(part)))
+                r.store(r.spread(value) if parts.through else value, c, 2 * j + part)
+
+    rows = sizes.states * (2 if sizes.along else 1)
+    if parts.through:
+        angles, begin = r.local(LANE, sizes.harmonics), r.local(LANE, 2 * sizes.harmonics)
+        for j in range(sizes.harmonics):
+            r.store(r.spread(r.load(a["turns"], j)), angles, j)
+    else:
+        ends = [r.local(LANE, sizes.states) for _ in range(2)]
+        spare = r.local(LANE, max(sizes.slots, sizes.states))
+
+    def rates_at(y: Value, out: Value, *, following: bool) -> None:
+        """Rates at one end of a step, for the extremes between its ends."""
+        c = b.bitcast(stepper.c, parts.rates.at["c"].type)
+        waves_at(0, c, following=following)
+        more = {"v": y, "more": spare} if sizes.along else {"more": spare}
+        r.call(parts.rates, y=y, c=c, scratch=stepper.scratch, dy=out, **more, **inputs)
 
     def going(n: Value) -> Value:
         waiting = b.icmp_signed(">=", entry, r.spread(n))
@@ -98,16 +151,32 @@ def _block(
         here = r.spread(n)
         running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
         with b.if_then(r.any(b.icmp_signed("!=", running, integers(0)))):  # no step where all lanes wait
-            x = stepper.step(a["y"], h, inputs, waves_at)
-            r.call(examine, y=x, p=a["p"], good=good)
-            lost = b.and_(running, b.not_(r.load(good)))
-            truth = b.icmp_signed("!=", lost, integers(0))
+            if parts.through:
+                waves_at(0, begin)
+                r.store(running, now)
+                step = {name: a[name] for name in ("count", "y", "h", "tally", "folded", "sums", "work")}
+                r.call(parts.through, c=begin, turn=angles, active=now, cause=cause, reached=part, **step, **inputs)
+                well = b.icmp_signed("==", r.load(cause), integers(0))
+            else:
+                x = stepper.step(a["y"], h, inputs, waves_at)
+                r.call(parts.examine, y=x, p=a["p"], good=good)
+                stepper.within(good)
+                well = b.icmp_signed("!=", r.load(good), integers(0))
+            truth = b.and_(b.icmp_signed("!=", running, integers(0)), b.not_(well))
             r.store(b.select(truth, here, r.load(a["failed"])), a["failed"])
-            running = b.and_(running, r.load(good))
+            if parts.through:
+                r.store(b.select(truth, r.load(cause), r.load(a["cause"])), a["cause"])
+                r.store(b.select(truth, r.load(part), r.load(a["reached"])), a["reached"])
+            running = b.and_(running, b.sext(well, INTS))
             r.store(running, on)
             runs = b.icmp_signed("!=", running, integers(0))
-            stepper.replace(a["y"], x, sizes.states * (2 if sizes.along else 1), runs)
-            stepper.vectors(a["y"], h, a["p"], count, runs)
+            if not parts.through:
+                with b.if_then(b.icmp_signed("==", a["folded"], integer(2)), likely=False):
+                    rates_at(a["y"], ends[0], following=False)
+                    rates_at(x, ends[1], following=True)
+                    parts.between.write(r, a["y"], ends[0], x, ends[1], a["h"], a["p"], a["sums"], on)
+                stepper.replace(a["y"], x, rows, runs)
+                stepper.vectors(a["y"], h, a["p"], count, runs)
             done = b.add(n, integer(1))
             if turn:
                 due = b.icmp_signed("==", b.srem(done, a["orth_every"]), integer(0))
@@ -116,7 +185,7 @@ def _block(
                     with b.if_then(b.icmp_signed("<", event, a["events"])):
                         r.call(turn, y=a["y"], count=count, growth=r.row(a["growth"], b.mul(event, count)), active=on)
             with b.if_then(b.icmp_signed("!=", a["folded"], integer(0))):
-                r.call(observed, y=a["y"], p=a["p"], o=stepper.o)
+                r.call(parts.observed, y=a["y"], p=a["p"], o=stepper.o)
                 for values, before, size in ((a["y"], 0, sizes.states), (stepper.o, sizes.states, sizes.outputs)):
                     r.call(fold, v=values, sums=r.row(a["sums"], before), rows=integer(size), active=on)
             with b.if_then(b.icmp_signed("==", b.srem(done, a["save_every"]), integer(0))):

@@ -13,12 +13,14 @@ factor's derivative over the factor itself.
 """
 
 from collections import Counter
-from collections.abc import Mapping
 from dataclasses import replace
 
-from sympy import Add, DiracDelta, Expr, Integer, Mul, Symbol, sympify
+from sympy import Add, Expr, Integer, Mul, Piecewise, Symbol
 
-from whirlmap.kernels.lower import Hoisted, Read, Straight, inverse, root, split_powers
+from whirlmap.kernels.derivative import base_and_exponent, derivative
+from whirlmap.kernels.guards import Guards
+from whirlmap.kernels.lower import Hoisted, Read, Straight
+from whirlmap.kernels.powers import inverse, root
 
 Slopes = dict[Symbol, Expr]
 
@@ -52,7 +54,7 @@ def jacobian_code(
     forms : Forms
         The seeds among them that are no states.
     """
-    writer = _Forward({v: {v: Integer(1)} for v in variables}, hoisted, _roots(lines), uses=_uses(lines))
+    writer = _Forward({v: {v: Integer(1)} for v in variables}, hoisted, lines, uses=_uses(lines))
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
     entries: Entries = {}
@@ -83,7 +85,7 @@ def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol]
         Jacobian and its product with the direction; for two, the Jacobian is cheaper.
     """
     seeds: dict[Symbol, Slopes] = {v: {DIRECTION: d} for v, d in zip(variables, direction, strict=True)}
-    writer = _Forward(seeds, hoisted, _roots(lines))
+    writer = _Forward(seeds, hoisted, lines)
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
     slopes = [writer.slopes(result).get(DIRECTION, Integer(0)) for result in lines.results]
@@ -94,9 +96,9 @@ class _Forward:
     """Derivatives of assignments by seeds, each put into an assignment of its own unless it is trivial."""
 
     def __init__(
-        self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, roots: set[Expr], *, uses: Counter[Symbol] | None = None
+        self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, lines: Straight, *, uses: Counter[Symbol] | None = None
     ) -> None:
-        self.hoisted, self.roots = hoisted, roots
+        self.hoisted, self.roots, self.guards = hoisted, _roots(lines), Guards(lines)
         self.steps: list[tuple[Symbol, Expr] | Read] = []
         self.variables = set(by_seed)
         self.by_seed = by_seed
@@ -121,7 +123,7 @@ class _Forward:
             slopes = {seed: self._name(symbol * rate) for seed, rate in self.rates[symbol].items()}
         else:
             slopes = {seed: self._name(slope) for seed, slope in self.slopes(self._parted(e)).items()}
-        if self.uses is not None and len(slopes) > 1 and self.uses[symbol] > 1:
+        if self.uses is not None and len(slopes) > 1 and self.uses[symbol] > 1 and symbol not in self.guards.hidden:
             self.on_the_way[symbol], slopes = slopes, {symbol: Integer(1)}
         if slopes:
             self.by_seed[symbol] = slopes
@@ -147,12 +149,26 @@ class _Forward:
 
     def slopes(self, e: Expr) -> Slopes:
         """Derivatives of an expression by every seed that it depends on (chain rule over its symbols)."""
+        terms = self.guards.terms(e)
+        if terms == [e]:
+            return self._by_branch(e)
+        e = e.xreplace({term: self._part(term) for term in terms})
         out: Slopes = {}
         for symbol in sorted(e.free_symbols & set(self.by_seed), key=str):
-            partial = self._name(_derivative(e, symbol))
+            partial = self._name(derivative(e, symbol))
             for seed, inner in self.by_seed[symbol].items():
                 out[seed] = out.get(seed, Integer(0)) + partial * inner
         return {seed: slope for seed, slope in out.items() if slope != 0}
+
+    def _by_branch(self, e: Piecewise) -> Slopes:
+        """Derivatives of a guarded term: each branch by itself, so that the slope of none is multiplied by zero."""
+        branches = [(self.slopes(pair.expr), pair.cond) for pair in e.args]
+        seeds = sorted({seed for slopes, _ in branches for seed in slopes}, key=str)
+        chosen = {
+            seed: Piecewise(*((self._name(slopes.get(seed, Integer(0))), condition) for slopes, condition in branches))
+            for seed in seeds
+        }  # fmt: skip
+        return {seed: slope for seed, slope in chosen.items() if slope != 0}
 
     def by_last_seeds(self, e: Expr) -> Slopes:
         """Derivatives of an expression by the states and linear forms, through the seeds on the way to them."""
@@ -182,7 +198,7 @@ class _Forward:
             return e.func(*[self._parted(term) for term in e.args])
         if not isinstance(e, Mul):
             return e
-        with_rates = [f for f in e.args if f.free_symbols and self._rate(f.as_base_exp()[0]) is not None]
+        with_rates = [f for f in e.args if f.free_symbols and self._rate(base_and_exponent(f)[0]) is not None]
         product = Mul(*with_rates)
         others = [f for f in e.args if f not in with_rates]
         sums = [f for f in others if isinstance(f, Add) and not self._linear_form(f)]
@@ -201,7 +217,7 @@ class _Forward:
 
     def _rates(self, e: Expr) -> Slopes:
         """Rates of a product by seed; empty where no factor is a root or a reciprocal, or where one has none."""
-        factors = [f.as_base_exp() for f in Mul.make_args(e)]
+        factors = [base_and_exponent(f) for f in Mul.make_args(e)]
         if not any(isinstance(base, root | inverse) or base in self.rates for base, _ in factors):
             return {}
         out: Slopes = {}
@@ -268,28 +284,6 @@ def _uses(lines: Straight) -> Counter[Symbol]:
     for result in lines.results:
         uses.update(result.free_symbols)
     return uses
-
-
-def _derivative(e: Expr, symbol: Symbol) -> Expr:
-    """Derivative by a symbol, square roots and reciprocals kept in the form that is printed."""
-    calls = [a for a in e.atoms(root, inverse) if a.has(symbol)]
-    if not calls:
-        return _printable(e.diff(symbol))
-    stand_in = {call: Symbol(f"call{i}", real=True) for i, call in enumerate(calls)}
-    outermost = e.xreplace(stand_in)
-    back: Mapping[Expr, Expr] = {s: call for call, s in stand_in.items()}
-    total = outermost.diff(symbol).xreplace(back)
-    for call, s in stand_in.items():
-        outer = outermost.diff(s).xreplace(back)
-        if outer != 0:
-            inner = inverse(call) / 2 if isinstance(call, root) else -(call**2)
-            total += outer * inner * _derivative(call.args[0], symbol)
-    return _printable(total)
-
-
-def _printable(derivative: Expr) -> Expr:
-    """The derivative on either side of a jump (that of ``sign`` is zero), its powers split as in the code before it."""
-    return split_powers(sympify(derivative).replace(DiracDelta, lambda *_: Integer(0)))
 
 
 def _needed(lines: Straight) -> Straight:

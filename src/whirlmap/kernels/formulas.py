@@ -11,11 +11,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Expr, Symbol, lambdify, sympify
+from sympy import Expr, Symbol, lambdify
+from sympy.printing.numpy import NumPyPrinter
 
 from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
 from whirlmap.kernels import cache
+from whirlmap.kernels.normal_form import normal_form
 
 Array = NDArray[np.float64]
 
@@ -58,16 +60,34 @@ def numpy_function(
 
 def numpy_text(formula: Formula) -> str:
     """Write a formula as the source of a Python function, ``formula``, of NumPy arrays."""
-    functions = {type(call).__name__ for e in formula.expressions for call in sympify(e).atoms(_called())}
+    expressions = [normal_form(e) for e in formula.expressions]
+    functions = {type(call).__name__ for e in expressions for call in e.atoms(_called())}
+    names = {q.name for a in formula.arguments for q in ([a] if isinstance(a, Symbol) else a)}
     made = lambdify(
         [a if isinstance(a, Symbol) else list(a) for a in formula.arguments],
-        [sympify(e) for e in formula.expressions],
+        expressions,
         modules=[dict.fromkeys(functions, None), "numpy"],
+        printer=_Printer({"fully_qualified_modules": False, "inline": True, "allow_unknown_functions": True}),
         cse=formula.share,
+        dummify=not names.isdisjoint({*vars(np), *SPECIAL}) or None,  # a parameter named exp would hide the function
     )
     head, body = inspect.getsource(made).split("(", 1)
     assert head.startswith("def "), head
     return f"def formula({body}"
+
+
+#: Functions that the text of a formula may call beside those of NumPy: SciPy is imported where one of them is.
+SPECIAL = ("erf", "erfc")
+
+
+class _Printer(NumPyPrinter):
+    """SymPy's, but for conditions of which some hold for all points and others for each: its own stacks them."""
+
+    def _print_And(self, expr: Any) -> str:
+        return "(" + " & ".join(self._print(a) for a in expr.args) + ")"
+
+    def _print_Or(self, expr: Any) -> str:
+        return "(" + " | ".join(self._print(a) for a in expr.args) + ")"
 
 
 @dataclass(frozen=True)
@@ -115,6 +135,10 @@ def _is_text(data: Any) -> bool:
 
 def _function(text: str, calls: Mapping[str, Callable[..., Any]]) -> Callable[..., Any]:
     namespace: dict[str, Any] = {**vars(np), **calls}
+    if any(f"{name}(" in text for name in SPECIAL):
+        from scipy import special
+
+        namespace |= {name: getattr(special, name) for name in SPECIAL}
     exec(text, namespace)
-    made: Callable[..., Any] = namespace["formula"]
+    made: Callable[..., Any] = np.errstate(all="ignore")(namespace["formula"])  # branches that are not chosen may fail
     return made

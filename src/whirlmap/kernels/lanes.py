@@ -98,6 +98,7 @@ class Waves:
     table: Array
     starts: Integers
     lengths: Integers
+    turns: Array
 
     @classmethod
     def of(cls, orders: tuple[Fraction, ...], steps: int, nodes: tuple[float, ...]) -> "Waves":
@@ -115,12 +116,13 @@ class Waves:
             pieces.append(pair.ravel())
             at += pieces[-1].size
         table = np.concatenate(pieces) if pieces else np.zeros(2)
-        return cls(table, np.array(starts, dtype=np.int64), np.array(lengths, dtype=np.int64))
+        turns = np.array([2 * np.pi * order.numerator / (order.denominator * steps) for order in orders])
+        return cls(table, np.array(starts, dtype=np.int64), np.array(lengths, dtype=np.int64), turns)
 
     def arguments(self, begin: int) -> dict[str, Any]:
         """Arguments of a locked kernel for a run that begins so many steps after phase zero."""
         at = np.array([begin % n for n in self.lengths], dtype=np.int64)
-        return {"waves": self.table, "starts": self.starts, "lengths": self.lengths, "begin": at}
+        return {"waves": self.table, "starts": self.starts, "lengths": self.lengths, "begin": at, "turns": self.turns}
 
 
 def blocked(values: NDArray[Any]) -> NDArray[Any]:

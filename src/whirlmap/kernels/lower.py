@@ -2,58 +2,26 @@
 
 Steps, in this order:
 
-1. harmonics: ``cos(omega t + chi)`` becomes the harmonic's own cosine and sine, which kernels take from a table;
-2. hoisting: whatever depends on parameters alone is computed once per operating point, outside of the kernel;
-3. fractional and negative powers are split so that one square root and one reciprocal serve all of them;
-4. common subexpressions are shared.
+1. normal form: terms with kinks and jumps become ``sign``, ``Abs`` and ``Piecewise``;
+2. harmonics: ``cos(omega t + chi)`` becomes the harmonic's own cosine and sine, which kernels take from a table;
+3. hoisting: whatever depends on parameters alone is computed once per operating point, outside of the kernel;
+4. fractional and negative powers are split so that one square root and one reciprocal serve all of them;
+5. common subexpressions are shared.
 """
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sympy import (
-    Add,
-    Expr,
-    Function,
-    Integer,
-    Mul,
-    Pow,
-    Rational,
-    Symbol,
-    cos,
-    cse,
-    sin,
-    sqrt,
-    sympify,
-)
+from sympy import Abs, Add, Expr, Integer, Mul, Symbol, cos, cse, sin, sympify
+from sympy.logic.boolalg import Boolean
 
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import tabulated
+from whirlmap.equations.pieces import magnitude, tabulated
 from whirlmap.equations.quantities import State, t
 from whirlmap.errors import ModelError
-
-
-class root(Function):  # noqa: N801 (printed as a function)
-    """Square root kept apart from powers, so that common-subexpression elimination finds it."""
-
-    def fdiff(self, argindex: int = 1) -> Expr:  # noqa: ARG002
-        """Derivative by the argument."""
-        return inverse(self) / 2
-
-    def _eval_evalf(self, prec: int) -> Any:
-        return sqrt(self.args[0])._eval_evalf(prec)  # SymPy would call mpmath's root, which is another function
-
-
-class inverse(Function):  # noqa: N801 (printed as a function)
-    """Reciprocal kept apart from powers, for the same reason."""
-
-    def fdiff(self, argindex: int = 1) -> Expr:  # noqa: ARG002
-        """Derivative by the argument."""
-        return -(self**2)
-
-    def _eval_evalf(self, prec: int) -> Any:
-        return (1 / self.args[0])._eval_evalf(prec)  # mpmath's inverse is that of a matrix
+from whirlmap.kernels.normal_form import normal_form
+from whirlmap.kernels.powers import keep_whole, split_powers
 
 
 @dataclass
@@ -139,26 +107,6 @@ def _walk_condition(e: Any, walk: Any) -> Any:
     return e.func(*[_walk_condition(a, walk) for a in e.args]) if getattr(e, "args", ()) else e
 
 
-def split_powers(expression: Expr) -> Expr:
-    """Write ``b**(-5/2)`` as ``inverse(b)**2 * inverse(root(b))`` and so on."""
-
-    def split(e: Any) -> Expr:
-        base, exponent = e.args
-        if not isinstance(exponent, Rational) or exponent.q not in (1, 2, 4):
-            raise ModelError(f"only powers by multiples of a quarter can be lowered, not {e}")
-        quarters = int(abs(exponent) * 4)
-        if exponent > 0:
-            fourth = root(root(base)) if quarters % 2 else 1
-            return base ** (quarters // 4) * (root(base) if quarters % 4 >= 2 else 1) * fourth
-        if quarters % 2:
-            return inverse(root(root(base))) ** quarters
-        return inverse(root(base)) ** (quarters // 2) if quarters % 4 else inverse(base) ** (quarters // 4)
-
-    return expression.replace(
-        lambda e: isinstance(e, Pow) and not (isinstance(e.exp, Integer) and e.exp > 0), split
-    )
-
-
 @dataclass(frozen=True)
 class Read:
     """One reading of a table: which table, where, and the names that receive outputs and derivatives."""
@@ -193,8 +141,9 @@ class Straight:
 def straight(model: Model, expressions: Iterable[Expr], hoisted: Hoisted) -> Straight:
     """Lower expressions of a model to straight-line code (the steps of the module's list)."""
     plain = []
+    gaps = {sympify(stop.gap) for stop in model.stops.values()}  # positive as long as a run goes on
     for expression in expressions:
-        e = split_harmonics(sympify(expression), model.harmonics)
+        e = split_harmonics(keep_whole(normal_form(expression).replace(magnitude, Abs), gaps), model.harmonics)
         e = hoist(e, hoisted)
         plain.append(_plain_symbols(split_powers(e)))
     readings = sorted({e for p in plain for e in p.atoms(tabulated)}, key=str)
@@ -204,9 +153,25 @@ def straight(model: Model, expressions: Iterable[Expr], hoisted: Hoisted) -> Str
     names = {e: Symbol(f"f{i}") for i, e in enumerate(readings)}
     coordinates = [c for _, where in places for c in where]
     shared, reduced = cse([*coordinates, *(p.xreplace(names) for p in plain)], symbols=_fresh(), order="none")
+    shared, reduced = _conditions_in_place(shared, reduced)
     where, results = reduced[: len(coordinates)], reduced[len(coordinates) :]
     steps = _ordered(list(shared), _reads(places, names, where))
     return Straight(tuple(steps), tuple(results))
+
+
+def _conditions_in_place(
+    shared: list[tuple[Symbol, Any]], reduced: list[Any]
+) -> tuple[list[tuple[Symbol, Expr]], list[Expr]]:
+    """Shared conditions written out where they are used: an assignment holds numbers, and no truths."""
+    truths: dict[Symbol, Any] = {}
+    numbers = []
+    for symbol, e in shared:
+        e = e.xreplace(truths)
+        if isinstance(e, Boolean) and not isinstance(e, Symbol):
+            truths[symbol] = e
+        else:
+            numbers.append((symbol, e))
+    return numbers, [e.xreplace(truths) for e in reduced]
 
 
 def local_name(state: State) -> str:

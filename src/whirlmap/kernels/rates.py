@@ -13,8 +13,9 @@ from whirlmap.kernels.differentiate import Entries, Forms
 from whirlmap.kernels.lower import Hoisted, Read, Straight, local_name
 from whirlmap.kernels.places import Places, fetch
 from whirlmap.kernels.roots import Roots
-from whirlmap.kernels.routine import Kind, Routine, Value, number
+from whirlmap.kernels.routine import Kind, Routine, Value, integers, number
 from whirlmap.kernels.sines import Sines
+from whirlmap.kernels.surfaces import side_name
 from whirlmap.kernels.vector import VectorCode
 
 #: How time is known: every lane at the same phase of the forcing, or each at its own time.
@@ -49,6 +50,7 @@ class ModelRoutines:
         self.places = Places(model.tables)
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
+        self.surfaces = 0
 
     def rates(
         self, lines: Straight, rows: Sequence[int] = (), *, along: bool = False, unwanted: Collection[int] = ()
@@ -63,6 +65,8 @@ class ModelRoutines:
         kinds: dict[str, Kind] = {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags"}
         kinds |= {"scratch": "rows", "dy": "rows", "more": "rows"}
         kinds |= {"v": "rows"} if along else {}
+        kinds |= {"modes": "rows"} if self.surfaces else {}
+        self.kinds = kinds
         r = Routine(self.module, "rates", kinds)
         code = self._code(r, lines.names())
         reads = [step for step in lines.steps if isinstance(step, Read)]
@@ -161,6 +165,21 @@ class ModelRoutines:
         r.done()
         return r
 
+    def same_side(self, lines: Straight) -> Routine:
+        """Write ``same_side``: no lane stays good for which one of these expressions (`poles`) has another sign."""
+        r = Routine(self.module, "same_side", {"before": "rows", "y": "rows", "p": "rows", "good": "flags"})
+        begin, end = self._results(r, lines, states="before"), self._results(r, lines)
+        good = r.b.icmp_signed("!=", r.load(r.at["good"]), integers(0))
+        for old, new in zip(begin, end, strict=True):
+            # Signs, not their product: that of two small numbers is zero.
+            for one, other in ((old, new), (new, old)):
+                wrong = r.b.and_(r.less(one, number(0.0)), r.b.not_(r.less(other, number(0.0))))
+                good = r.b.and_(good, r.b.not_(wrong))
+            good = r.b.and_(good, r.b.fcmp_ordered("!=", new, number(0.0)))
+        r.store(r.b.sext(good, r.at["good"].type.pointee), r.at["good"])
+        r.done()
+        return r
+
     def phases(self, frequencies: Straight) -> Routine:
         """Write ``phases``: cosine and sine of every harmonic, each lane at its own time."""
         r = Routine(self.module, "phases", {"time": "rows", "p": "rows", "c": "rows"})
@@ -172,25 +191,97 @@ class ModelRoutines:
         r.done()
         return r
 
-    def _results(self, r: Routine, lines: Straight) -> Sequence[Value]:
+    def observed_along(self, lines: Straight) -> Routine:
+        """Write ``observed_along``: the model's outputs, and their rates along the vector ``v``."""
+        r = Routine(self.module, "observed_along", {"y": "rows", "p": "rows", "v": "rows", "o": "rows", "rate": "rows"})
+        self._store(r, self._results(r, lines), "o", "rate")
+        return r
+
+    def guards(self, lines: Straight, frequencies: Straight) -> Routine:
+        """Write ``guards``: value of each surface, and its rate along the vector ``v`` and, times ``clock``, with time."""
+        names: tuple[str, ...] = ("y", "c", "p", "modes", "v", "clock", "g", "rate")
+        kinds: dict[str, Kind] = dict.fromkeys(names, "rows")
+        r = Routine(self.module, "guards", kinds)
+        clock = r.load(r.at["clock"])
+        waves: dict[str, Value] = {}
+        for i, frequency in enumerate(self._results(r, frequencies)):
+            c, s = r.load(r.at["c"], 2 * i), r.load(r.at["c"], 2 * i + 1)
+            turn = r.mul(clock, frequency)
+            waves |= {f"c{i}_dt": r.sub(number(0.0), r.mul(turn, s)), f"s{i}_dt": r.mul(turn, c)}
+        self._store(r, self._results(r, lines, waves), "g", "rate")
+        return r
+
+    def sides(self, lines: Straight) -> Routine:
+        """Write ``sides``: the sign of each surface; zero on it."""
+        r = Routine(self.module, "sides", {"y": "rows", "c": "rows", "p": "rows", "modes": "rows"})
         code = self._code(r, lines.names())
+        pending = dict(split(lines)[0])
+
+        def value(e: Expr) -> Value:
+            for symbol in sorted(e.free_symbols & pending.keys(), key=str):
+                if symbol in pending:
+                    code.names[symbol.name] = value(pending.pop(symbol))
+            return code.value(e)
+
+        for k, surface in enumerate(lines.results):  # a surface may be made of the sides of earlier ones
+            g = value(surface)
+            below = r.b.select(r.less(g, number(0.0)), number(-1.0), number(0.0))
+            code.names[side_name(k)] = r.b.select(r.less(number(0.0), g), number(1.0), below)
+            r.store(code.names[side_name(k)], r.at["modes"], k)
+        r.done()
+        return r
+
+    def turns(self, frequencies: Straight) -> Routine:
+        """Write ``turns``: angle of every harmonic in the time ``h``."""
+        r = Routine(self.module, "turns", {"h": "rows", "p": "rows", "turn": "rows"})
+        for i, frequency in enumerate(self._results(r, frequencies)):
+            r.store(r.mul(frequency, r.load(r.at["h"])), r.at["turn"], i)
+        r.done()
+        return r
+
+    def harmonics(self, count: int) -> Routine:
+        """Write ``harmonics``: cosine and sine of every harmonic turned on by a ``part`` of the angle ``turn``."""
+        r = Routine(self.module, "harmonics", dict.fromkeys(("c", "turn", "part", "out"), "rows"))
+        for i in range(count):
+            sine, cosine = self.sines.pair(r, r.mul(r.load(r.at["turn"], i), r.load(r.at["part"])))
+            c, s = r.load(r.at["c"], 2 * i), r.load(r.at["c"], 2 * i + 1)
+            r.store(r.sub(r.mul(c, cosine), r.mul(s, sine)), r.at["out"], 2 * i)
+            r.store(r.add(r.mul(s, cosine), r.mul(c, sine)), r.at["out"], 2 * i + 1)
+        r.done()
+        return r
+
+    @staticmethod
+    def _store(r: Routine, values: Sequence[Value], *rows: str) -> None:
+        """Store results into equally long arrays, one after the other, and end the routine."""
+        each = len(values) // len(rows)
+        for i, value in enumerate(values):
+            r.store(value, r.at[rows[i // each]], i % each)
+        r.done()
+
+    def _results(
+        self, r: Routine, lines: Straight, known: dict[str, Value] | None = None, states: str = "y"
+    ) -> Sequence[Value]:
+        code = self._code(r, lines.names(), states)
+        code.names |= known or {}
         for symbol, e in split(lines)[0]:
             code.names[symbol.name] = code.value(e)
         return [code.value(e) for e in lines.results]
 
-    def _code(self, r: Routine, names: set[str]) -> VectorCode:
-        return VectorCode(r, self._inputs(r, names), self.roots, self.sines)
+    def _code(self, r: Routine, names: set[str], states: str = "y") -> VectorCode:
+        return VectorCode(r, self._inputs(r, names, states), self.roots, self.sines)
 
-    def _inputs(self, r: Routine, names: set[str]) -> dict[str, Value]:
+    def _inputs(self, r: Routine, names: set[str], states: str = "y") -> dict[str, Value]:
         """Values of the named inputs of a routine."""
         known = {
-            local_name(s): r.load(r.at["y"], i) for i, s in enumerate(self.model.states) if local_name(s) in names
+            local_name(s): r.load(r.at[states], i) for i, s in enumerate(self.model.states) if local_name(s) in names
         }  # fmt: skip
         if "v" in r.at:
             directions = {direction_name(s): i for i, s in enumerate(self.model.states)}
             known |= {name: r.load(r.at["v"], i) for name, i in directions.items() if name in names}
         known |= {q.name: r.load(r.at["p"], i) for i, q in enumerate(self.hoisted.symbols) if q.name in names}
-        for i in range(len(self.model.harmonics)):
+        if "modes" in r.at:
+            known |= {side_name(k): r.load(r.at["modes"], k) for k in range(self.surfaces) if side_name(k) in names}
+        for i in range(len(self.model.harmonics) if "c" in r.at else 0):
             for part, kind in enumerate("cs"):
                 if f"{kind}{i}" in names:
                     wave = r.load(r.at["c"], 2 * i + part)

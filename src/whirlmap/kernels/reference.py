@@ -6,10 +6,10 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
-from sympy import Expr, Function, cos, sin, sympify
+from sympy import Abs, Expr, Function, cos, sin, sympify
 
 from whirlmap.equations.model import Model
-from whirlmap.equations.pieces import Table, tabulated
+from whirlmap.equations.pieces import Table, magnitude, tabulated
 from whirlmap.equations.quantities import t
 from whirlmap.errors import ModelError
 from whirlmap.kernels.formulas import Formula, numpy_function
@@ -72,7 +72,7 @@ def _with_functions(expression: Expr) -> Expr:
             raise ModelError("derivatives of a table have no exact function here; difference the rates instead")
         return Function(f"{e.table_name}_{e.output}")(e.parameter, *e.coordinates)
 
-    return expression.replace(lambda e: isinstance(e, tabulated), replace)
+    return expression.replace(magnitude, Abs).replace(lambda e: isinstance(e, tabulated), replace)
 
 
 def _table_functions(model: Model, tables: Reading) -> dict[str, Callable[..., Array]]:

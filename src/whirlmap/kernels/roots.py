@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from llvmlite import ir
 from sympy import Expr
 
-from whirlmap.kernels.lower import inverse, root
+from whirlmap.kernels.powers import inverse, root
 from whirlmap.kernels.routine import BYTE, LANE, LANES, Routine, Value, number
 
 if TYPE_CHECKING:

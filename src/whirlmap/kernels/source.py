@@ -17,19 +17,25 @@ from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
 from whirlmap.errors import ModelError
-from whirlmap.kernels.advancing import advance
+from whirlmap.kernels.advancing import Parts, advance
 from whirlmap.kernels.cache import remembered
 from whirlmap.kernels.differentiate import Entries, Forms, along_code, jacobian_code
+from whirlmap.kernels.event_location import through as write_through
 from whirlmap.kernels.formulas import HoistedFunction
+from whirlmap.kernels.hermite import Between
 from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
 from whirlmap.kernels.machine import estimates, fuses
 from whirlmap.kernels.marching import evaluate, march
 from whirlmap.kernels.methods import Method
+from whirlmap.kernels.poles import pole_guards
 from whirlmap.kernels.rates import ModelRoutines, Slopes, Time, direction_name
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import FAST_MATH, LANES
+from whirlmap.kernels.saltation import Surfaces
 from whirlmap.kernels.sines import Sines
+from whirlmap.kernels.sliding import sliding_rates
 from whirlmap.kernels.stepping import Run, Sizes
+from whirlmap.kernels.surfaces import Sided, sided
 
 #: Of every function. LLVM would split vectors of 512 bits on processors that have them, and keep those that find no register
 #: on a stack that is aligned for 16 bytes: nearly each would then lie across two lines of cache.
@@ -113,8 +119,10 @@ def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
 def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
     """Write the module for a model and a method, with the derivatives that tangent dynamics need."""
     hoisted = Hoisted(model.parameters)
-    rates = straight(model, [model.equations[s] for s in model.states], hoisted)
+    found = sided(model)
+    rates = straight(model, found.rates, hoisted)
     names = [Symbol(local_name(s), real=True) for s in model.states]
+    directions = [Symbol(direction_name(s), real=True) for s in model.states]
     runs = () if slopes == "none" else _runs(rates, names)
     positions = {run.position + i for run in runs for i in range(run.rows)}
     entries: Entries = {}
@@ -122,33 +130,54 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     if slopes == "jacobian":
         rates, entries, forms = jacobian_code(rates, names, hoisted)
     elif slopes == "along":
-        rates = along_code(rates, names, [Symbol(direction_name(s), real=True) for s in model.states], hoisted)
+        rates = along_code(rates, names, directions, hoisted)
     moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
     slots = {at: i for i, at in enumerate(moving)}
     rows = range(model.dimension) if slopes == "along" else [row for row, _ in moving]
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
     gaps = straight(model, [stop.gap for stop in model.stops.values()], hoisted)
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
+    observed_along = along_code(observed, names, directions, hoisted)
+    guards, surfaces = _guards(model, found, names, directions, hoisted)
+    kept = straight(model, pole_guards(model), hoisted)  # before the number of inputs counts
     nodes = tuple(sorted({float(c) for c in method.c}))
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
-    routines = ModelRoutines(module, model, hoisted, kind, Roots(estimates()), Sines(module, fuses()))
+    time: Time = "free" if found.surfaces else kind  # lanes cross surfaces at times of their own
+    routines = ModelRoutines(module, model, hoisted, time, Roots(estimates()), Sines(module, fuses()))
+    routines.surfaces = len(found.surfaces)
     of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
+    same_side = routines.same_side(kept) if kept.results else None
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + model.dimension,
         tables=len(model.tables),
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
-        homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs,
+        homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs, surfaces=len(found.surfaces),
     )  # fmt: skip
+    between = Between(module, sizes, routines.observed_along(observed_along))
+    through = turns = of_sides = None
+    motion = of_rates
+    if found.surfaces:
+        of_guards, of_sides = routines.guards(guards, frequencies), routines.sides(surfaces)
+        if any(found.jumps):
+            motion = sliding_rates(module, sizes, found.jumps, of_rates, of_guards, routines.kinds)
+        turns, harmonics = routines.turns(frequencies), routines.harmonics(len(model.harmonics))
+        through = write_through(
+            module, sizes, method,
+            Surfaces(
+                found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between, same_side,
+            ),
+        )  # fmt: skip
+    parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through, same_side)
     if kind == "locked":
-        advance(module, sizes, method, nodes, of_rates, of_tangent, of_outputs, of_end)
+        advance(module, sizes, method, nodes, parts)
     else:
         of_phases = routines.phases(frequencies)
-        march(module, sizes, method, of_rates, of_tangent, of_end, of_phases)
+        march(module, sizes, method, parts, of_phases, turns)
         if slopes != "along":
-            evaluate(module, sizes, method, of_rates, of_outputs, of_phases)
+            evaluate(module, sizes, method, parts, of_phases, of_sides)
     return KernelSource(
         text=_text(module, model),
         sizes=sizes,
@@ -157,6 +186,16 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         tables=_table_parameters(model),
         nodes=nodes,
     )
+
+
+def _guards(
+    model: Model, found: Sided, names: list[Symbol], directions: list[Symbol], hoisted: Hoisted
+) -> tuple[Straight, Straight]:
+    """Code of the surfaces with their rates along a vector and with time, and of the surfaces alone."""
+    surfaces = straight(model, found.surfaces, hoisted)
+    waves = [Symbol(f"{part}{i}", real=True) for i in range(len(model.harmonics)) for part in "cs"]
+    with_time = [Symbol(f"{wave.name}_dt", real=True) for wave in waves]
+    return along_code(surfaces, [*names, *waves], [*directions, *with_time], hoisted), surfaces
 
 
 def _runs(rates: Straight, names: list[Symbol]) -> tuple[Run, ...]:

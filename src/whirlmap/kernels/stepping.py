@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.routine import Routine, Value, integer, number
+from whirlmap.kernels.routine import INTS, Routine, Value, integer, integers, number
 
 
 class Run(NamedTuple):
@@ -35,6 +35,8 @@ class Sizes:
         Whether the slopes of the one tangent vector are computed with those of the state.
     runs : tuple of Run
         Positions whose rows of a tangent vector follow from its velocities' slopes; none where there are no vectors.
+    surfaces : int
+        Surfaces at which the rates have a kink or a jump; the side of each is a row behind the tangent vectors.
     """
 
     states: int
@@ -48,6 +50,7 @@ class Sizes:
     homes: int
     along: bool
     runs: tuple[Run, ...]
+    surfaces: int
 
     @property
     def others(self) -> list[range]:
@@ -55,6 +58,10 @@ class Sizes:
         taken = {row + i for run in self.runs for row in (run.position, run.velocity) for i in range(run.rows)}
         edges = [i for i in range(self.states + 1) if (i in taken or i == self.states) != (i - 1 in taken or i == 0)]
         return [range(*pair) for pair in zip(edges[::2], edges[1::2], strict=True)]
+
+    def rows(self, b: Any, count: Value) -> Value:
+        """Rows of ``y``, with so many tangent vectors."""
+        return b.add(b.mul(b.add(count, integer(1)), integer(self.states)), integer(self.surfaces))
 
     @property
     def work(self) -> int:
@@ -86,10 +93,12 @@ class Stepper:
     """
 
     def __init__(
-        self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value
-    ) -> None:
+        self, r: Routine, sizes: Sizes, method: Method, rates: Routine, tangent: Routine | None, work: Value,
+        same_side: Routine | None = None,
+    ) -> None:  # fmt: skip
         self.r, self.sizes, self.method, self.rates, self.tangent = r, sizes, method, rates, tangent
-        self.homes = method.homes(twice=bool(sizes.runs))
+        self.homes, self.same_side = method.homes(twice=bool(sizes.runs)), same_side
+        self.side = r.local(INTS) if same_side else None
         at = 0
 
         def take(rows: int) -> Value:
@@ -113,27 +122,47 @@ class Stepper:
         with self.r.loop(self.sizes.scratch) as i:
             self.r.store(number(0.0), self.scratch, i)
 
-    def step(self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int, Value], None]) -> Value:
+    def step(
+        self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int, Value], None],
+        first: Value | None = None,
+    ) -> Value:  # fmt: skip
         """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end.
 
-        That is the end of the state, and of the one tangent vector that goes with it.
+        That is the end of the state, and of the one tangent vector that goes with it. The rates at ``y`` are kept in
+        ``first``, where it is given.
         """
         r, n = self.r, self.sizes.states
         c = r.b.bitcast(self.c, self.rates.at["c"].type)
+        if self.same_side:
+            r.store(integers(-1), self.side)
         along, end = r.row(y, n), self.method.stages
         for stage in range(end):
             at_stage(stage, c)
             point = self._place(stage, y, self.track, h)
+            if stage:
+                self._stay(y, point, inputs["p"])
             where: dict[str, Value] = {"more": self._jacobian(stage)}
             if self.sizes.along:
                 direction = self._place_along(stage, along, self.track_along, h)
                 where = {"v": direction, "more": self._slopes(self.track_along, stage)}
             slopes = self._slopes(self.track, stage)
             r.call(self.rates, y=point, c=c, scratch=self.scratch, dy=slopes, **where, **inputs)
+            if stage == 0 and first is not None:
+                self.replace(first, slopes, n, None)
         self._place(end, y, self.track, h, self.x)
+        self._stay(y, self.x, inputs["p"])
         if self.sizes.along:
             self._place_along(end, along, self.track_along, h, r.row(self.x, n))
         return self.x
+
+    def within(self, good: Value) -> None:
+        """Let no lane stay good whose last step left, in a stage or at its end, the side of a pole on which it began."""
+        if self.same_side:
+            self.r.store(self.r.b.and_(self.r.load(good), self.r.load(self.side)), good)
+
+    def _stay(self, y: Value, place: Value, p: Value) -> None:
+        if self.same_side:
+            self.r.call(self.same_side, before=y, y=place, p=p, good=self.side)
 
     def vectors(self, y: Value, h: Value, p: Value, count: Value, runs: Value | None = None) -> None:
         """Take the tangent vectors behind ``y`` through the last step, in place, in the lanes of ``runs`` (absent: all)."""

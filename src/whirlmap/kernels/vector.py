@@ -3,19 +3,24 @@
 from typing import Any
 
 from llvmlite import ir
-from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow, cos, sin
+from sympy import Abs, Add, Expr, Integer, Mul, Piecewise, Pow, cos, sin, zoo
 from sympy import sign as sympy_sign
 from sympy.core.relational import Relational
-from sympy.logic.boolalg import And, Not, Or
+from sympy.logic.boolalg import ITE, And, BooleanAtom, Not, Or
 
 from whirlmap.errors import ModelError
-from whirlmap.kernels.lower import inverse, root
+from whirlmap.kernels.powers import inverse, power, product_of_roots, quarters_of, root
 from whirlmap.kernels.roots import Roots
 from whirlmap.kernels.routine import LANES, MASK, Routine, Value, number
 from whirlmap.kernels.sines import Sines
 
 #: Functions of the C library: they work on one lane at a time, and belong outside of a right-hand side where possible.
-LIBRARY = ("exp", "log", "atan2", "atan", "tanh")
+LIBRARY = {
+    name: name for name in (
+        "exp", "log", "tan", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh", "atanh", "erf",
+        "erfc",
+    )
+} | {"power": "pow"}  # fmt: skip
 
 
 class VectorCode:
@@ -48,7 +53,7 @@ class VectorCode:
     def _write(self, e: Any) -> Value:
         r = self.r
         if e.is_number:
-            return number(float(e))
+            return number(_real(e))
         if isinstance(e, Add):
             return self._sum(e)
         if isinstance(e, Mul):
@@ -57,6 +62,8 @@ class VectorCode:
             return r.sub(number(-0.0), product) if negative else product
         if isinstance(e, Pow):
             return self._power(e)
+        if isinstance(e, power) and (quarters := quarters_of(e.args[1])) is not None:
+            return self.value(product_of_roots(e.args[0], quarters))
         if isinstance(e, root | inverse):
             return self.roots.write(self, e)
         if isinstance(e, sin | cos):
@@ -75,7 +82,7 @@ class VectorCode:
         name = type(e).__name__
         if name not in LIBRARY:
             raise ModelError(f"function {name} cannot be lowered: {e}")
-        return r.per_lane(name, *(self.value(a) for a in e.args))
+        return r.per_lane(LIBRARY[name], *(self.value(a) for a in e.args))
 
     def _sum(self, e: Add) -> Value:
         plus: list[Value] = []
@@ -138,4 +145,16 @@ class VectorCode:
             return out
         if isinstance(condition, Not):
             return b.xor(self.truth(condition.args[0]), ir.Constant(MASK, [1] * LANES))
+        if isinstance(condition, ITE):
+            return b.select(*(self.truth(a) for a in condition.args))
+        if isinstance(condition, BooleanAtom):
+            return ir.Constant(MASK, [int(bool(condition))] * LANES)
         raise ModelError(f"condition {condition} cannot be lowered")
+
+
+def _real(constant: Expr) -> float:
+    """A constant of a branch: what is complex there is no real number, and the reciprocal of zero is infinite."""
+    if constant.has(zoo):
+        return float("inf")
+    value = complex(constant)
+    return value.real if value.imag == 0.0 else float("nan")

@@ -19,7 +19,7 @@ from whirlmap.results.regime import Regime
 #: Colours of attractors by falling share; more than these are together in the last.
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION, INDIGO, "#F0E442", "#8C6D31", "#5A5A5A")
 #: Starts that reach no attractor, in the order in which they are drawn.
-ENDED = (Regime.contact, Regime.diverged, Regime.undecided)
+ENDED = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.undecided)
 
 
 def attractor_name(ds: xr.Dataset, number: int) -> str:
@@ -127,6 +127,8 @@ def _with_legend(ds: xr.Dataset, draw: Callable[[Axes], Axes], title: str) -> Fi
         colour = _pale(COLOURS[number - 1])
         handles.append(Patch(facecolor=colour, edgecolor="#555555", lw=0.4, label=f"{name} ({share:.1%})"))
     for kind in ENDED:
+        if kind.label not in ds["outcome"].values:  # a file of an earlier version
+            continue
         share = float(ds["outcome_share"].sel(outcome=kind.label))
         if share > 0:
             look = REGIMES[kind]

@@ -31,7 +31,10 @@ PERIODIC = (
 )  # fmt: skip
 #: Longest period of each of these but the last.
 _UP_TO = np.array([1, 2, 4, 8])
-_OTHERS = (Regime.quasi_periodic, Regime.chaotic, Regime.undecided, Regime.contact, Regime.diverged)
+_OTHERS = (
+    Regime.quasi_periodic, Regime.chaotic, Regime.undecided, Regime.contact, Regime.diverged, Regime.at_rest,
+    Regime.drifting, Regime.growing,
+)  # fmt: skip
 #: How every kind of point looks, by its code.
 LOOKS: tuple[Look, ...] = (
     *PERIODIC, *(REGIMES[r] for r in _OTHERS), *UNFINISHED.values(), Look("not reached", "#FFFFFF", "."),
@@ -139,6 +142,8 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
     beside.tick_params(labelleft=False)
     common = int(ds.attrs.get("common_multiple", 1))
     counted = "T" if common == 1 else f"common periods of {common}T"
+    if "common_multiple" in ds:
+        counted = "common periods, which differ between points"
     fig.legend(handles=_legend(ds, quantity), loc="outside lower center", ncols=4, title=f"periods are counted in {counted}")
     if title:
         fig.suptitle(title)

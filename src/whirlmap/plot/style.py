@@ -78,6 +78,9 @@ REGIMES: dict[Regime, Look] = {
     Regime.chaotic: Look("chaotic", VERMILION, "^"),
     Regime.contact: Look("contact", "#FFFFFF", "X", "//////", INK),
     Regime.diverged: Look("diverged", "#F3DCE8", "P", "\\\\\\\\", INK),
+    Regime.at_rest: Look("at rest", PALE, "h", text=INK),
+    Regime.drifting: Look("drifting", ORANGE, ">", "....", INK),
+    Regime.growing: Look("growing", PURPLE, "*", "++++", INK),
 }
 
 #: How points are drawn whose run did not come to a regime at all.

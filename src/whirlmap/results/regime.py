@@ -12,8 +12,15 @@ class Regime(IntEnum):
     chaotic = 3
     contact = 4
     diverged = 5
+    at_rest = 6
+    drifting = 7
+    growing = 8
 
     @property
     def label(self) -> str:
         """Name as it is printed: ``quasi-periodic``."""
         return self.name.replace("_", "-")
+
+
+#: Motions that leave every bound, seen there or on their way.
+WITHOUT_BOUND = (Regime.diverged, Regime.drifting, Regime.growing)

@@ -11,6 +11,8 @@ class Status(IntEnum):
     diverged = 2
     unresolved = 3
     failed = 4
+    sticks = 5
+    chatters = 6
 
     @property
     def sentence(self) -> str:
@@ -21,9 +23,11 @@ class Status(IntEnum):
 SENTENCES = {
     Status.ok: "ran to its end",
     Status.contact: "a journal reached its bearing",
-    Status.diverged: "a state grew beyond the model's bound",
+    Status.diverged: "a state grew beyond the model's bound, or passed through a pole of the equations",
     Status.unresolved: "a step failed, also with steps 1024 times shorter: try more steps per T",
     Status.failed: "could not be computed",
+    Status.sticks: "sticks on two surfaces at once, or on one with tangent vectors: that motion is not followed",
+    Status.chatters: "crosses surfaces at which its rates change more than 64 times in one step",
 }
 
 

@@ -36,6 +36,7 @@ class Found:
     of: NDArray[np.int64]  # number of the attractor from 0, -1 none
     representative: list[Array]  # a state on each attractor, at phase zero
     multiple: list[int]  # its return in common periods, 0 where none
+    outcome: NDArray[np.int8]  # drifting or growing, else undecided
 
 
 class Search:
@@ -52,7 +53,9 @@ class Search:
         self.judged = np.zeros(n, dtype=bool)
         self.x = starts.copy()
         self.multiple = np.zeros(n, dtype=np.int64)
-        self.found = Found(np.zeros(n, dtype=np.int8), np.full(n, -1), [], [])
+        self.found = Found(
+            np.zeros(n, dtype=np.int8), np.full(n, -1), [], [], np.full(n, Regime.undecided, dtype=np.int8)
+        )  # fmt: skip
 
     def run(self) -> Found:
         """Gather all starts."""
@@ -130,7 +133,8 @@ class Search:
         self.found.status[chosen] = ensemble.status
         f = self.found
         traced = (label == Regime.chaotic) | (label == Regime.quasi_periodic)
-        traced |= (label == Regime.periodic) & (not forced)
+        traced |= ((label == Regime.periodic) & (not forced)) | (label == Regime.at_rest)
+        f.outcome[chosen] = np.where(np.isin(label, (Regime.drifting, Regime.growing)), label, Regime.undecided)
         waiting = np.flatnonzero(ensemble.running & traced)
         while waiting.size:
             # As many as a block of lanes holds cost what one does; few more, for the first traces may hold all others.

@@ -34,7 +34,7 @@ PILOT = 64
 #: Section points of each attractor that the Dataset keeps.
 KEPT = 512
 #: What starts come to that reach no attractor.
-OUTCOMES = (Regime.contact, Regime.diverged, Regime.undecided)
+OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.undecided)
 
 
 def attractors(
@@ -77,7 +77,7 @@ def attractors(
         Over ``attractor``, numbered from 1 by falling share: the variables of `label_points` (``regime``, ``period_T``,
         extremes, ...) with the exponent of periodic ones as well, ``vote(indicator, attractor)`` and the numbers behind
         it (see `regime`), ``starts``, ``share`` and ``share_error``, ``section(attractor, member, state)``: its points at
-        phase zero of the common period, at most `KEPT`, NaN beyond. Over ``outcome`` (contact, diverged, undecided):
+        phase zero of the common period, at most `KEPT`, NaN beyond. Over ``outcome`` (`OUTCOMES`):
         ``outcome_starts``, ``outcome_share``, ``outcome_share_error``. Over ``start``: ``start_state(state, start)``,
         ``attractor_of`` (0: none), ``start_regime``, ``start_status``.
 
@@ -210,7 +210,7 @@ def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, 
     else:
         of = np.zeros(n, dtype=np.int64)
         attributes = run_attributes(system, Search(system, labelling, starts[:, :1], None).ensemble(starts[:, :1]))
-    label = np.full(n, Regime.undecided, dtype=np.int8)
+    label = found.outcome.copy()
     if found.representative:
         label[of > 0] = ds["regime"].values[of[of > 0] - 1]
     label[found.status == Status.contact], label[found.status == Status.diverged] = Regime.contact, Regime.diverged

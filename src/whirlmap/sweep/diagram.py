@@ -1,7 +1,7 @@
 """Bifurcation diagrams: the section of a system against one parameter, every point labelled."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -9,22 +9,23 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.points import run_attributes
-from whirlmap.analysis.saltation import refuse_jumps
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
+from whirlmap.results.status import Status
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.hysteresis import with_hysteresis
+from whirlmap.sweep.measured import Measured, joined
 from whirlmap.sweep.points import (
-    RETURNS,
     Labelling,
-    Measured,
+    common_multiple_variable,
+    doubts,
     kept_states,
     point_variables,
     section_variable,
+    shared_common_multiple,
 )
 
 Array = NDArray[np.float64]
@@ -89,8 +90,6 @@ def bifurcation_diagram(
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     if not 0 <= lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
-    if lyapunov:
-        refuse_jumps(system.model, "a Lyapunov exponent")
     kept = kept_states(system, states)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers, kept=tuple(kept))
     run = _Run(system, parameter, labelling, progress)
@@ -105,12 +104,12 @@ def bifurcation_diagram(
         ds = parts[0] if len(parts) == 1 else xr.concat(parts, "direction", join="exact", coords="minimal", compat="equals")
     facts = {
         "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
-        "tolerance": settling.tolerance, "common_multiple": ensemble.common_multiple, "lyapunov_periods": lyapunov,
+        "tolerance": settling.tolerance, "lyapunov_periods": lyapunov,
+        **shared_common_multiple(system, [parameter], ensemble),
     }  # fmt: skip
     attributes = run_attributes(system, ensemble, **facts)
-    if doubts := doubtful(ds["step_verdict"].values):
-        attributes["accuracy_not_met"] = doubts
-    ds = with_attributes(ds, attributes)
+    attributes.pop("accuracy_not_met", None)  # of the last point of a chain; this is of all
+    ds = with_attributes(ds, attributes | doubts(ds))
     return with_hysteresis(ds, system, parameter) if follow == "both" else ds
 
 
@@ -134,28 +133,8 @@ class _Run:
         made: dict[int, Measured] = {}
         for i in order:
             made[i], ensemble = self.cold(points[i : i + 1], starts)
-            starts = ensemble.x.copy() if ensemble.running[0] else None
-        return _joined([made[i] for i in range(points.size)]), ensemble
-
-
-def _joined(parts: list[Measured]) -> Measured:
-    first = parts[0]
-    returns = replace(
-        first.returns,
-        **{
-            name: np.concatenate([getattr(p.returns, name) for p in parts], axis=-1)
-            for name in RETURNS
-        },
-        extremes={k: np.concatenate([p.returns.extremes[k] for p in parts], axis=-1) for k in first.returns.extremes},
-    )
-    rest = {
-        name: np.concatenate([getattr(p, name) for p in parts])
-        for name in (
-            "status", "end_time", "exponent", "exponent_error", "exponent_periods", "confidence", "winding", "start_found",
-            "steps", "step_error", "step_verdict",
-        )
-    }  # fmt: skip
-    return Measured(returns, **rest)
+            starts = made[i].end_state if made[i].status[0] == Status.ok else None
+        return joined([made[i] for i in range(points.size)], [np.array([i]) for i in range(points.size)]), ensemble
 
 
 def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset:
@@ -171,6 +150,7 @@ def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: l
     data: dict[str, Any] = {
         "section": section_variable(parameter, system, m, kept),
         **point_variables(parameter, m),
+        **common_multiple_variable(parameter, system, [parameter], m),
         **extreme_variables(parameter, system, m.returns.extremes),
     }  # fmt: skip
     return xr.Dataset(

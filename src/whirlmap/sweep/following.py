@@ -24,8 +24,8 @@ from whirlmap.sweep.judging import Judge, Verdict, verdict_variable
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
 
-#: Part of each state's range within which the extremes of two periodic motions are the same: the peak of a cosine is missed
-#: by up to 0.2 % (`whirlmap.analysis.returns.EXTREMES_STEPS`).
+#: Part of each state's range within which the extremes of two periodic motions are the same: a motion is carried on while it
+#: still settles at the new speed.
 SAME = 1e-2
 #: Part of the largest range among the states that are alike (`scales`) below which differences of a state do not count.
 LEAST = 1e-3

@@ -40,8 +40,7 @@ def with_hysteresis(ds: xr.Dataset, system: System, parameter: str) -> xr.Datase
     decided = (labels != Regime.undecided).all(axis=0)
     out[decided & (labels[0] != labels[1])] = 1
     ran = (status == Status.ok).all(axis=0)
-    common = int(ds.attrs.get("common_multiple", 1)) if system.model.forced else 1
-    a, b = (s["section"].transpose("period", "state", parameter).values[common - 1 :: common] for s in (up, down))
+    a, b = (_once_per_common_period(s, system, parameter) for s in (up, down))
     kept = [str(name) for name in ds["state"].values]
     cyclic = {kept.index(system.states[k]): p for k, p in cyclic_states(system).items() if system.states[k] in kept}
     extent = ds["peak_to_peak"].max("direction").sel(quantity=kept).transpose("quantity", ...).values
@@ -50,7 +49,7 @@ def with_hysteresis(ds: xr.Dataset, system: System, parameter: str) -> xr.Datase
                                for s in (up, down) for name in ("minimum", "maximum")])).max(axis=0)  # fmt: skip
     period = np.full(labels.shape[1], system.period)
     scale = scales(system.model, period, extent, largest, rows=[system.states.index(name) for name in kept])
-    out[periodic] = _apart(a[:, :, periodic], b[-1][:, periodic], scale[:, periodic], cyclic) > SAME_BRANCH
+    out[periodic] = _apart(a[:, :, periodic], _last(b)[:, periodic], scale[:, periodic], cyclic) > SAME_BRANCH
     for k in np.flatnonzero(ran & ~periodic & (out == 0)):
         pair = [side[np.isfinite(side[:, 0, k]), :, k] for side in (a, b)]
         if min(map(len, pair)) >= LEAST:
@@ -62,12 +61,35 @@ def with_hysteresis(ds: xr.Dataset, system: System, parameter: str) -> xr.Datase
     return ds
 
 
+def _once_per_common_period(ds: xr.Dataset, system: System, parameter: str) -> Array:
+    """Section at the phase of the common period, shape (time, state, point); NaN beyond the end of shorter ones."""
+    section = ds["section"].transpose("period", "state", parameter).values
+    if not system.model.forced:
+        return np.asarray(section)
+    if "common_multiple" not in ds:
+        common = int(ds.attrs.get("common_multiple", 1))
+        return np.asarray(section[common - 1 :: common])
+    out = np.full_like(section, np.nan)
+    for common in np.unique(ds["common_multiple"].values):
+        these = np.flatnonzero(ds["common_multiple"].values == common)
+        rows = section[common - 1 :: common, :, these]
+        out[: rows.shape[0], :, these] = rows
+    return out
+
+
+def _last(section: Array) -> Array:
+    """Last row of each point that is no padding, shape (state, point)."""
+    ends = np.maximum(np.isfinite(section[:, 0]).sum(axis=0) - 1, 0)
+    return np.take_along_axis(section, ends[None, None, :], axis=0)[0]
+
+
 def _apart(points: Array, other: Array, scale: Array, cyclic: dict[int, float]) -> Array:
     """Smallest scaled distance of any of the points (time, state, point) from one other (state, point)."""
     apart = points - other
     for k, period in cyclic.items():
         apart[:, k] -= period * np.rint(apart[:, k] / period)
-    found: Array = (np.abs(apart) / scale).max(axis=1, initial=0.0).min(axis=0, initial=np.inf)
+    distance = (np.abs(apart) / scale).max(axis=1, initial=0.0)
+    found: Array = np.fmin.reduce(distance, axis=0, initial=np.inf)  # NaN pads what is shorter
     return found
 
 

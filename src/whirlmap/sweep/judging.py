@@ -9,11 +9,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.points import make_ensemble, parameter_values
 from whirlmap.analysis.teeth import tooth_contact
 from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
-from whirlmap.results.regime import Regime
+from whirlmap.results.regime import WITHOUT_BOUND, Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import flags
 from whirlmap.sweep.points import label_points
@@ -42,7 +43,7 @@ class Verdict(IntEnum):
 
 REASONS = {
     Regime.quasi_periodic: Verdict.quasi_periodic, Regime.chaotic: Verdict.chaotic, Regime.contact: Verdict.contact,
-    Regime.diverged: Verdict.diverged, Regime.undecided: Verdict.undecided,
+    **dict.fromkeys(WITHOUT_BOUND, Verdict.diverged), Regime.undecided: Verdict.undecided,
 }  # fmt: skip
 
 
@@ -106,14 +107,17 @@ class Judge:
         returns = np.where(ds["regime"].values == Regime.periodic, ds["period_common"].values, 0)
         if self.system.model.teeth is None or not self.system.model.forced or not returns.any():
             return np.full(returns.size, np.nan)
-        these = np.flatnonzero(returns)
-        ensemble, _ = make_ensemble(
-            self.system, {name: column[these] for name, column in values.items()},
-            starts=ds["end_state"].values[these].T, steps=ds["steps"].values[these],
-            method=self.options.get("method"), workers=self.options.get("workers"),
-        )  # fmt: skip
         out = np.full(returns.size, np.nan)
-        out[these] = tooth_contact(ensemble, returns[these] * ensemble.common_multiple, self.options.get("progress"))
+        for group in order_groups(self.system, parameter_values(self.system, values), values):
+            these = group.members[returns[group.members] > 0]
+            if not these.size:
+                continue
+            ensemble, _ = make_ensemble(
+                self.system, {name: column[these] for name, column in values.items()},
+                starts=ds["end_state"].values[these].T, steps=ds["steps"].values[these],
+                method=self.options.get("method"), workers=self.options.get("workers"),
+            )  # fmt: skip
+            out[these] = tooth_contact(ensemble, returns[these] * group.common_multiple, self.options.get("progress"))
         return out
 
 

@@ -4,7 +4,7 @@ The numbers of a point depend on its own parameters and start alone: not on the 
 order, nor on the number of threads.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -15,16 +15,19 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.open_points import OpenPoints, judge_open_points
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values, run_attributes
-from whirlmap.analysis.returns import Returns, settle_and_record
+from whirlmap.analysis.returns import Returns, first_drift, settle_and_record
 from whirlmap.analysis.settling import POOL, Settling
+from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
+from whirlmap.sweep.measured import RETURNS, Measured, joined
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -36,27 +39,6 @@ SHRINK, PATIENCE = 1e-9, 4
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
 POOLS = 2
-
-#: Arrays over the points of `Returns` that can be replaced by those of a later look.
-RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated")
-
-
-@dataclass(frozen=True)
-class Measured:
-    """What was measured of points, before it becomes a Dataset; arrays of shape (point,) beside those of `Returns`."""
-
-    returns: Returns
-    status: NDArray[np.int8]
-    end_time: Array
-    exponent: Array
-    exponent_error: Array
-    exponent_periods: NDArray[np.int64]
-    confidence: Array
-    winding: Array
-    start_found: NDArray[np.bool_]
-    steps: NDArray[np.int64]
-    step_error: Array
-    step_verdict: NDArray[np.int8]
 
 
 @dataclass(frozen=True)
@@ -84,20 +66,41 @@ class Labelling:
         starts: Array | None = None,
         progress: Progress | None = None,
     ) -> tuple[Measured, Ensemble]:
-        """Measure points, each from its own start; the ensemble stands where they were left."""
+        """Measure points, each from its own start.
+
+        Returns
+        -------
+        measured : Measured
+        ensemble : Ensemble
+            Stands where the points were left. Where the common periods of points differ, those of one length are measured
+            together, and this is the ensemble of the longest.
+        """
+        columns = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in values.items()}
+        groups = order_groups(system, parameter_values(system, columns), columns)
+        parts = []
+        for group in groups:
+            at = group.members
+            some = {name: column[at] for name, column in columns.items()}
+            begin = None if starts is None else starts[:, at]
+            measured, ensemble = self._measure(system, some, begin, progress)
+            parts.append(measured)
+        return (parts[0] if len(parts) == 1 else joined(parts, [group.members for group in groups])), ensemble
+
+    def _measure(
+        self, system: System, values: Mapping[str, Array], starts: Array | None, progress: Progress | None
+    ) -> tuple[Measured, Ensemble]:
+        """Measure points that have the same orders of harmonics."""
         cyclic = cyclic_states(system)
         ensemble, start_found = make_ensemble(
             system, values, starts=starts, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
         )
         returns = self._returns(ensemble, None, cyclic, progress)
-        winding, exponent, error = (np.full(ensemble.points, np.nan) for _ in range(3))
-        found = OpenPoints(
-            returns.regime.copy(), np.where(returns.regime == Regime.undecided, 0.0, 1.0), winding, exponent, error,
-            np.zeros(ensemble.points, dtype=np.int64),
-        )  # fmt: skip
+        found = OpenPoints.none(ensemble.model.dimension, ensemble.points)
+        found.regime[:], found.confidence[:] = returns.regime, np.where(returns.regime == Regime.undecided, 0.0, 1.0)
         open_points = np.flatnonzero((returns.regime == Regime.undecided) & ensemble.running)
         if self.lyapunov and open_points.size:
             running = self._judge(system, values, ensemble, open_points, found, cyclic, progress, contraction_ends=True)
+            returns = _label_trends(ensemble, returns, open_points, found)
             undecided = found.regime[open_points] == Regime.undecided
             contracting = undecided & (found.exponent < -3 * found.error)[open_points] & running
             contracting = open_points[contracting]
@@ -111,10 +114,12 @@ class Labelling:
             ]  # fmt: skip
             if again.size:  # they stopped early for an orbit that is not there
                 self._judge(system, values, ensemble, again, found, cyclic, progress, contraction_ends=False)
+                returns = _label_trends(ensemble, returns, again, found)
         return Measured(
             replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
-            ensemble.step_verdict,
+            ensemble.step_verdict, ensemble.grazings.astype(np.int64), np.full(ensemble.points, ensemble.common_multiple),
+            np.where(ensemble.running, ensemble.x, np.nan),
         ), ensemble  # fmt: skip
 
     def _returns(
@@ -143,8 +148,8 @@ class Labelling:
             tangents=1, workers=self.workers, turn=ensemble.period[points],
         )  # fmt: skip
         judged = judge_open_points(tangent, self.lyapunov, cyclic, progress, contraction_ends=contraction_ends)
-        for name in ("exponent", "error", "periods", "winding"):
-            getattr(found, name)[points] = getattr(judged, name)
+        for name in ("exponent", "error", "periods", "winding", "growth", "drift", "centre", "reach"):
+            getattr(found, name)[..., points] = getattr(judged, name)
         # A point that reaches contact only now has no time of contact: it stays undecided.
         found.regime[points] = np.where(tangent.running, judged.regime, Regime.undecided)
         found.confidence[points] = np.where(tangent.running, judged.confidence, 0.0)
@@ -177,6 +182,19 @@ class Labelling:
         for name, values in extremes.items():
             values[..., points] = again.extremes[name]
         return replace(returns, **joined, extremes=extremes)
+
+
+def _label_trends(ensemble: Ensemble, returns: Returns, points: NDArray[np.intp], found: OpenPoints) -> Returns:
+    """Label open points that die away, grow or drift for ever, into ``found`` and the returns."""
+    parts = (found.growth, found.drift, found.centre, found.reach, found.exponent, found.error)
+    ranges = (returns.extremes["maximum"] - returns.extremes["minimum"])[: ensemble.model.dimension, points]
+    endless = label_trends(ensemble, points, Trends(*(a[..., points] for a in parts)), ranges)
+    known = endless.regime != Regime.undecided
+    at = points[known]
+    growth, drift = returns.growth.copy(), returns.drift.copy()
+    growth[at], drift[:, at] = endless.growth[known], endless.drift[:, known]
+    found.regime[at], found.confidence[at] = endless.regime[known], 1.0
+    return replace(returns, growth=growth, drift=drift)
 
 
 def label_points(
@@ -220,7 +238,8 @@ def label_points(
     xr.Dataset
         Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
         ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
-        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``; over
+        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``,
+        ``grazings``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in
         clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``.
@@ -256,7 +275,7 @@ def label_points(
         )  # fmt: skip
         part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
         if ends:
-            left = np.where(ensemble.running, ensemble.x, np.nan).T
+            left = measured.end_state.T
             part["end_state"] = variable(("point", "state"), left, "1", "state at the end of the run, at phase zero")
             part = part.assign_coords(state=names_coordinate("state", system.states, "state"))
         parts.append(part)
@@ -264,10 +283,10 @@ def label_points(
     s = labelling.settling
     attributes = run_attributes(
         system, ensemble, varied=" ".join(columns), transient=s.transient, most=s.most, tolerance=s.tolerance,
-        common_multiple=ensemble.common_multiple, lyapunov_periods=lyapunov,
+        lyapunov_periods=lyapunov, **shared_common_multiple(system, columns, ensemble),
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the last batch; this is of all
-    return with_attributes(ds, attributes | {"accuracy_not_met": doubtful(ds["step_verdict"].values) or None})
+    return with_attributes(ds, attributes | doubts(ds))
 
 
 def points_dataset(
@@ -276,6 +295,7 @@ def points_dataset(
     """Dataset of measured points over ``point``, without attributes; ``kept`` are the states whose section was kept."""
     model = system.model
     data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes)
+    data |= common_multiple_variable("point", system, columns, measured)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)
         for name, column in columns.items()
@@ -315,9 +335,22 @@ def section_variable(dim: str, system: System, measured: Measured, kept: Sequenc
     )  # fmt: skip
 
 
+def shared_common_multiple(system: System, varied: Iterable[str], ensemble: Ensemble) -> dict[str, int]:
+    """Attribute that says how many T the common period is, where it is the same for all points."""
+    return {} if orders_vary(system.model, varied) else {"common_multiple": ensemble.common_multiple}
+
+
+def common_multiple_variable(dim: str, system: System, varied: Iterable[str], measured: Measured) -> dict[str, Any]:
+    """Variable that says so for each point, where it may differ."""
+    if not orders_vary(system.model, varied):
+        return {}
+    return {"common_multiple": variable(dim, measured.common, "T", "common period of all harmonics")}
+
+
 def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     """Variables with one number for each point."""
     m, r = measured, measured.returns
+    drifts, speed = first_drift(r.drift)
     return {
         "status": status_variable(dim, m.status),
         "regime": regime_variable(dim, r.regime),
@@ -329,6 +362,9 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
         "lyapunov_periods": variable(dim, m.exponent_periods, "1", "common periods over which it was measured, 0: not"),
         "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
         "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
+        "growth_rate": variable(dim, r.growth, "1/time", "rate of the amplitude: what grows, or comes to rest"),
+        "drift_rate": variable(dim, speed, "1/time", "speed of the first state that drifts, in its unit"),
+        "drift_state": variable(dim, drifts, "1", "index of that state, -1: none"),
         "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),
         "settled_after": variable(dim, r.waited, "1", "common periods run before the record"),
@@ -339,4 +375,16 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
             dim, m.step_verdict, "1", "whether the steps meet the accuracy",
             flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
         ),
+        "grazings": variable(dim, m.grazings, "1", "grazing contacts with surfaces at which rates change, in the record"),
     }  # fmt: skip
+
+
+def doubts(ds: xr.Dataset) -> dict[str, str]:
+    """Attributes that say of how many points the accuracy is not met, and how many graze a surface; none where none does."""
+    grazing, points = int((ds["grazings"].values > 0).sum()), ds["grazings"].size
+    said = {
+        "accuracy_not_met": doubtful(ds["step_verdict"].values),
+        "grazing": f"{grazing} of {points} points touch a surface at which their rates change without crossing it plainly:"
+        " exponents and multipliers may be wrong there, and a neighbouring point may move otherwise" if grazing else "",
+    }  # fmt: skip
+    return {name: text for name, text in said.items() if text}

@@ -4,7 +4,7 @@ The numbers do not depend on the parts: points never see each other, a chain han
 to the next, and a stretch of a simulation starts from the end of the one before, at the same phase.
 """
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from math import gcd
 from typing import Any
@@ -19,15 +19,16 @@ from whirlmap.analysis.points import parameter_values
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import series_steps, simulate
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
+from whirlmap.sweep.points import doubts
 
 Array = NDArray[np.float64]
 
@@ -44,7 +45,8 @@ STRETCHES = 16
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
 NOT_REACHED = {
     "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
-    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0,
+    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
+    "grazings": 0,
 }  # fmt: skip
 
 
@@ -103,16 +105,17 @@ def diagram_in_batches(
     settling = settling or Settling()
     if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    parameter_values(system, {parameter: points[[0, -1]]})  # refuse now what the last batch would meet
+    common = longest_common(system, {parameter: points})  # refuses now what the last batch would meet
     if 0 < lyapunov < BLOCKS:
         raise RangeError(f"lyapunov must be 0 or at least {BLOCKS} common periods, not {lyapunov}")
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
     size = batch or (BATCH * LANES * (workers or cores()) if follow is None else CHAIN)
-    if follow is not None and not system.model.forced:
-        size = points.size  # its section does not hold the state at the end of a record
+    even = system.model.forced and not orders_vary(system.model, [parameter])
+    if follow is not None and not even:
+        size = points.size  # the last row of its section is not the state at the end of each record
     refuse_memory(
-        "the diagram", 2 * len(ways) * points.size * _kept(system, settling) * len(kept_states(system, states))
-        + min(size, points.size) * 2 * settling.most * system.common_multiple * system.model.dimension,
+        "the diagram", 2 * len(ways) * points.size * _kept(common, settling) * len(kept_states(system, states))
+        + min(size, points.size) * 2 * settling.most * common * system.model.dimension,
     )  # fmt: skip
     options: dict[str, Any] = {
         "settling": settling, "lyapunov": lyapunov, "states": kept_states(system, states), "steps": steps,
@@ -120,7 +123,7 @@ def diagram_in_batches(
         "workers": workers, "progress": progress,
     }  # fmt: skip
     sweeps = [
-        _Sweep(parameter, points.size, backwards=way == "down", forced=system.model.forced) for way in ways
+        _Sweep(parameter, points.size, backwards=way == "down", even=even) for way in ways
     ]  # fmt: skip
     done, total = 0, points.size * len(ways)
     try:
@@ -166,11 +169,12 @@ def _from(system: System, x: Array) -> System:
 class _Sweep:
     """Parts of a sweep in one direction, written where they belong as they come: a large diagram is not in memory twice.
 
-    Sections of unforced models differ in length. Their parts are kept, and joined at the end with NaN where one is shorter.
+    Sections of unforced models, and of points with different common periods, differ in length. Such parts are kept, and
+    joined at the end with NaN where one is shorter.
     """
 
-    def __init__(self, dim: str, total: int, *, backwards: bool, forced: bool) -> None:
-        self.dim, self.total, self.backwards, self.forced = dim, total, backwards, forced
+    def __init__(self, dim: str, total: int, *, backwards: bool, even: bool) -> None:
+        self.dim, self.total, self.backwards, self.even = dim, total, backwards, even
         self.done, self.parts, self.attrs = 0, list[xr.Dataset](), dict[Any, Any]()
         self._whole: dict[Any, tuple[Any, NDArray[Any], dict[Any, Any]]] = {}
         self._rest = xr.Dataset()
@@ -182,13 +186,13 @@ class _Sweep:
             self.attrs = part.attrs  # it began where the user said
             along = {name: v for name, v in part.variables.items() if self.dim in v.dims}
             self._rest = part.drop_vars(list(along))
-            if self.forced:
+            if self.even:
                 self._whole = {k: (v.dims, np.empty((self.total, *v.shape[1:]), v.dtype), v.attrs) for k, v in along.items()}
         first = self.total - self.done - count if self.backwards else self.done
         for name, (dims, whole, _) in self._whole.items():
             assert dims[0] == self.dim, name
             whole[first : first + count] = part.variables[name].values
-        if not self.forced:
+        if not self.even:
             self.parts.insert(0 if self.backwards else len(self.parts), part)
         self.done += count
 
@@ -216,9 +220,8 @@ def _joined(sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow 
             for name, own in meta.items():
                 made[1][name].attrs = own
         ds = _concat(made, "direction")
-    ds.attrs = {k: v for k, v in sweeps[0].attrs.items() if k != "accuracy_not_met"} | {"follow": follow or "none"}
-    if doubts := doubtful(ds["step_verdict"].values):
-        ds.attrs["accuracy_not_met"] = doubts
+    kept = {k: v for k, v in sweeps[0].attrs.items() if k not in ("accuracy_not_met", "grazing")}
+    ds.attrs = kept | {"follow": follow or "none"} | doubts(ds)
     return ds
 
 
@@ -227,7 +230,7 @@ def _fill(ds: xr.Dataset) -> dict[Any, Any]:
 
 
 def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
-    """Join along a dimension; sections of unforced models differ in length, and are filled with NaN."""
+    """Join along a dimension; sections that differ in length are filled with NaN."""
     joined: xr.Dataset = xr.concat(
         parts, dim=dim, join="outer", data_vars="minimal" if dim != "direction" else "all", coords="minimal",
         compat="equals", combine_attrs="override",
@@ -305,14 +308,29 @@ def _joined_series(parts: list[xr.Dataset], count: NDArray[np.int64], steps: int
     return ds
 
 
-def expected_periods(system: System, points: int, settling: Settling) -> int:
-    """Periods T that a diagram takes at least, over all points: what a progress bar begins with."""
+def expected_periods(
+    system: System, points: int, settling: Settling, vary: Mapping[str, ArrayLike] | None = None
+) -> int:
+    """Periods T that a diagram takes at least, over all points: what a progress bar begins with.
+
+    ``vary`` are the varied parameters, where frequencies may be among them.
+    """
     each = settling.transient + min(settling.first_window, 2 * settling.most)
-    return points * (each * system.common_multiple + _kept(system, settling))
+    if vary is None or not orders_vary(system.model, vary):
+        return points * (each * system.common_multiple + _kept(system.common_multiple, settling))
+    groups = order_groups(system, parameter_values(system, vary), vary)
+    repeats = points // sum(g.members.size for g in groups)  # sweeps up and down
+    return repeats * sum(
+        g.members.size * (each * g.common_multiple + _kept(g.common_multiple, settling)) for g in groups
+    )  # fmt: skip
 
 
-def _kept(system: System, settling: Settling) -> int:
-    common = system.common_multiple
+def longest_common(system: System, vary: Mapping[str, ArrayLike]) -> int:
+    """Number of T in the longest common period of some points."""
+    return order_groups(system, parameter_values(system, vary), vary)[-1].common_multiple
+
+
+def _kept(common: int, settling: Settling) -> int:
     return common * max(-(-settling.keep // common), 2)
 
 

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from whirlmap.analysis.points import run_attributes
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.sweep.executors import Job, Outcome, connected, in_dask, in_threads
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.manifest import claim, manifest_of, refuse_other
-from whirlmap.sweep.points import Labelling, kept_states, points_dataset
+from whirlmap.sweep.points import Labelling, kept_states, points_dataset, shared_common_multiple
 from whirlmap.sweep.refine import COARSE
 from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points
 from whirlmap.sweep.store import EVALUATION, Evaluation, clear_trials, create, exists, half_made, remove
@@ -105,6 +106,11 @@ def run_sweep(
                 system, space, labelling, store=here, refine=refine, sections=sections, workers=workers, chunk=chunk,
                 on_chunk=on_chunk,
             ).load()  # fmt: skip
+    if sections and orders_vary(system.model, space.names):
+        raise RangeError(
+            f"sections cannot be kept with {' and '.join(space.names)} varied: the common period of the forcing changes, and"
+            " with it their length; expected none, or a bifurcation diagram"
+        )
     labelling = replace(labelling, kept=tuple(kept_states(system, None)) if sections else ())
     with connected(cluster) as client:  # before anything is made or computed
         job = Job(
@@ -156,7 +162,8 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     s = job.labelling.settling
     attributes = run_attributes(
         job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,
-        common_multiple=ensemble.common_multiple, lyapunov_periods=job.labelling.lyapunov, kernel_hash=job.kernel,
+        lyapunov_periods=job.labelling.lyapunov, kernel_hash=job.kernel,
+        **shared_common_multiple(job.system, space.names, ensemble),
         seed=space.seed if space.tolerances else None, coordinates=" ".join(space.tolerances) or None,
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the pilot; the arrays say it of every point

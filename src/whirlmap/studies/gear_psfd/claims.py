@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.stats import rankdata
 
-from whirlmap.results.regime import Regime
+from whirlmap.results.regime import WITHOUT_BOUND, Regime
 from whirlmap.studies.gear_psfd.labelled import PSI, Array, Labelled, Mask, median_of, positive
 
 #: Verdicts by their number.
@@ -202,7 +202,7 @@ def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
         with np.errstate(invalid="ignore"):
             met = np.abs(value - claim.value) <= 2 * error
             near = np.nan_to_num(np.exp(-0.5 * ((value - claim.value) / (2 * error + 0.1)) ** 2))
-        whole = (Regime.periodic, Regime.quasi_periodic, Regime.contact, Regime.diverged)
+        whole = (Regime.periodic, Regime.quasi_periodic, Regime.contact, *WITHOUT_BOUND)
         asked = ~np.isin(d.orbits.regime, whole)
         decided = asked.any(axis=-1) & (np.isfinite(value) | ~asked).all(axis=-1)
         word = np.where((met & asked).any(axis=-1), HOLDS, np.where(decided, FAILS, UNKNOWN))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.regime import BREATHING
-from whirlmap.results.regime import Regime
+from whirlmap.results.regime import WITHOUT_BOUND, Regime
 
 Array = NDArray[np.float64]
 Mask = NDArray[np.bool_]
@@ -93,7 +93,7 @@ class Labelled:
         A point is chaotic here where it is labelled so, or where it is undecided, does not return, and its largest exponent
         lies three standard errors above zero and above `least`.
         """
-        returns, open_motion = self.regime == Regime.periodic, self.regime == Regime.undecided
+        returns, open_motion = np.isin(self.regime, (Regime.periodic, Regime.at_rest)), self.regime == Regime.undecided
         grows = open_motion & positive(self.exponent, self.error, self.least)
         return {
             "with the forcing": returns & (self.period == self.forced),
@@ -102,7 +102,7 @@ class Labelled:
             "chaotic": (self.regime == Regime.chaotic) | grows,
             "undecided": open_motion & ~grows,
             "contact": self.regime == Regime.contact,
-            "diverged": self.regime == Regime.diverged,
+            "diverged": np.isin(self.regime, WITHOUT_BOUND),
         }
 
     @cached_property

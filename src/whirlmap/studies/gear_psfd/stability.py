@@ -16,7 +16,7 @@ from whirlmap.analysis.points import parameter_values
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
 from whirlmap.kernels.reference import reference_rates
-from whirlmap.results.regime import Regime
+from whirlmap.results.regime import WITHOUT_BOUND, Regime
 from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
 from whirlmap.studies.gear_psfd.labelled import PSI, Array
 from whirlmap.studies.gear_psfd.variants import Variant
@@ -122,7 +122,7 @@ def against_simulation(found: Modes, ds: xr.Dataset, forced: int) -> Array:
         unstable = found.growth > GROWS
     none = np.isnan(found.growth)
     answer = (regime == Regime.periodic) & (period == forced)
-    ended = [regime == Regime.contact, regime == Regime.diverged]
+    ended = [regime == Regime.contact, np.isin(regime, WITHOUT_BOUND)]
     outcomes = [answer, ~answer & ~ended[0] & ~ended[1], *ended]
     stands = (~unstable & ~none, unstable, none)
     return np.array([[(stand & out).sum() for out in outcomes] for stand in stands], dtype=float)

@@ -1,0 +1,92 @@
+"""Whether a motion is at rest, or on its way there: an equilibrium, at all phases of the forcing, that attracts it.
+
+A small motion is no rest by its size alone, for a forced one may be small beside its start. What makes it one is that the
+equations hold still there: a forced model comes to rest only where its forcing has no amplitude, or is parametric.
+"""
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.monodromy import largest_multipliers
+from whirlmap.integrate.ensemble import Ensemble, variants
+from whirlmap.integrate.equilibrium import equilibrium
+from whirlmap.integrate.evaluation import Evaluator
+
+Array = NDArray[np.float64]
+Points = NDArray[np.intp]
+
+#: Phases of the common period at which an equilibrium is tried.
+PHASES = 16
+#: Rates at an equilibrium over those where the motion is, and where it was or their terms are large, that count as zero.
+ZERO, ROUNDING = 1e-6, 1e-12
+#: Growth per unit of time, times the common period, below which an equilibrium does not repel.
+NEUTRAL = 1e-9
+
+
+def resting_places(
+    ensemble: Ensemble, points: Points, ranges: Array, moved: Array, reach: Array | None = None
+) -> tuple[Array, NDArray[np.bool_]]:
+    """Equilibria near which some points are, and whether they are there at all phases.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Stays as it is.
+    ranges : array, shape (state, points)
+        How far each state moves now: what that does to the rates says what a small one is.
+    moved : array, shape (state, points)
+        How far each state has moved since the start: what that does to the rates says what their rounding is.
+    reach : array, shape (state, points), optional
+        How far from the present states equilibria are sought; ``moved`` where absent.
+
+    Returns
+    -------
+    x : array, shape (state, points)
+        The equilibrium that Newton's method finds from the present state; where it finds none near it, that state.
+    there : array of bool, shape (points,)
+    """
+    values, now = ensemble.values[:, points], ensemble.x[:, points]
+    place, found = equilibrium(ensemble.model, values, now)
+    close = (np.abs(place - now) <= (moved if reach is None else reach) + ROUNDING * np.abs(now)).all(axis=0)
+    x = np.where(found & close, place, now)
+    there = np.zeros(points.size, dtype=bool)
+    sizes = (ZERO, ranges), (ROUNDING, moved)
+    times = np.arange(PHASES)[:, None] / PHASES * ensemble.common_multiple * ensemble.period[points]
+    for form, members in variants(ensemble.model, values):
+        evaluate = Evaluator.of(form, values[:, members], jacobian=True)
+        here, least = (np.zeros((x.shape[0], members.size)) for _ in range(2))
+        local = np.arange(members.size)
+        for time in times:
+            rates, jacobian = evaluate(time[members], x[:, members], local)
+            here = np.maximum(here, np.abs(rates))
+            least = np.maximum(least, ROUNDING * np.einsum("ijk,jk->ik", np.abs(jacobian), np.abs(x[:, members])))
+            for share, size in sizes:
+                away = size[:, members]
+                beside = np.abs(evaluate(time[members], x[:, members] + away, local)[0])
+                beside = np.maximum(beside, np.einsum("ijk,jk->ik", np.abs(jacobian), away))
+                least = np.maximum(least, share * beside)
+        there[members] = (here <= least).all(axis=0)
+    return x, there
+
+
+def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
+    """Rate at which small motions about equilibria change, per unit of time (negative: they die away).
+
+    Parameters
+    ----------
+    x : array, shape (state, points)
+        The equilibria.
+
+    Returns
+    -------
+    array, shape (points,)
+        Infinite where the equilibrium repels.
+    """
+    at = Ensemble(
+        ensemble.model, ensemble.values[:, points], x, orders=ensemble.orders, steps=ensemble.point_steps[points],
+        method=ensemble.method, workers=ensemble.workers, turn=ensemble.period[points], beyond=ensemble.limits[:, points],
+    )  # fmt: skip
+    largest = largest_multipliers(at, np.arange(points.size), np.ones(points.size, dtype=np.int64))
+    with np.errstate(divide="ignore"):
+        growth = np.log(np.maximum(largest, np.finfo(float).tiny))
+    return np.asarray(np.where(growth <= NEUTRAL, growth / (at.common_multiple * at.period), np.inf))

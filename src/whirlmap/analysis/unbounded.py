@@ -1,0 +1,118 @@
+"""Labels of open motion whose section changes steadily: it dies away to rest, grows or drifts, each with its rate."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.goes_on import drift_goes_on, growth_goes_on
+from whirlmap.analysis.rest import rate_of_rest, resting_places
+from whirlmap.analysis.trend import PARTS, trend
+from whirlmap.equations.model import Model
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales
+from whirlmap.results.regime import Regime
+
+Array = NDArray[np.float64]
+Points = NDArray[np.intp]
+
+#: Part of the size of a state (`scales`) below which its spread is rounding.
+STILL = 1e-3
+#: Part of a rate by which two measurements of it may differ.
+AGREE = 0.2
+
+
+@dataclass(frozen=True)
+class Trends:
+    """Steady changes of the sections of some points, arrays that end in the point axis.
+
+    Attributes
+    ----------
+    growth : array, shape (point,)
+        Rate of the amplitude per unit of time; NaN where it does not change steadily.
+    drift : array, shape (state, point)
+        Speed of the mean per unit of time; zero where it does not move steadily.
+    centre, reach : array, shape (state, point)
+        Middle of the first part of the section, and how far it has to go, at its rate, to where it would stand still.
+    exponent, error : array, shape (point,)
+        Largest Lyapunov exponent; NaN where it is not known.
+    """
+
+    growth: Array
+    drift: Array
+    centre: Array
+    reach: Array
+    exponent: Array
+    error: Array
+
+    @classmethod
+    def of(
+        cls, model: Model, period: float, section: Array, time: float, exponent: tuple[float, float],
+        cyclic: Mapping[int, float] | None,
+    ) -> "Trends":  # fmt: skip
+        """Trends of one point from its section, shape (row, state), with ``time`` between its rows; ``period`` is T."""
+        extent, largest = np.ptp(section, axis=0)[:, None], np.abs(section).max(axis=0)[:, None]
+        least = STILL * scales(model, np.array([period]), extent, largest)
+        seen = trend(section[:, :, None], dict(cyclic or {}), least)
+        first = section[: max(len(section) // PARTS, 1)]
+        low, high = first.min(axis=0)[:, None], first.max(axis=0)[:, None]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            reach = (high - low) / -np.expm1(-np.abs(seen.growth) * len(first))
+        value, error = (np.array([v]) for v in exponent)
+        return cls(seen.growth / time, seen.drift / time, (low + high) / 2, reach, value, error)
+
+
+@dataclass(frozen=True)
+class Endless:
+    """Labels of some points: at rest, drifting, growing, else undecided; with the rates, as in `Returns`."""
+
+    regime: NDArray[np.int8]
+    growth: Array
+    drift: Array
+
+
+def label_trends(ensemble: Ensemble, points: Points, trends: Trends, moved: Array) -> Endless:
+    """Label points whose trend goes on for ever.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Where the sections begin; stays as it is.
+    points : array of int
+        Its points that the trends are of, in their order.
+    moved : array, shape (state, points)
+        Range of each state of the motion.
+
+    Notes
+    -----
+    Rest: an equilibrium is there at all phases, and small motions about it die away as fast as the section does. Growth: the
+    tangent vector grows as the amplitude does, and so do copies of the motion up to the bound (`goes_on`). Drift: copies
+    drift on as well; growth too where the section drifts but not the mean, at the rate 0.
+    """
+    out = Endless(
+        np.full(points.size, Regime.undecided, dtype=np.int8), np.full(points.size, np.nan), np.zeros_like(trends.drift)
+    )
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(trends.growth - trends.exponent) > AGREE * np.abs(trends.growth) + 3 * trends.error
+        falls, rises = np.flatnonzero(trends.growth < 0), np.flatnonzero((trends.growth > 0) & ~apart)
+    if falls.size:
+        reach = moved[:, falls] + trends.reach[:, falls]
+        x, there = resting_places(ensemble, points[falls], moved[:, falls], moved[:, falls], reach)
+        falls, x = falls[there], x[:, there]
+    if falls.size:
+        rate = rate_of_rest(ensemble, points[falls], x)
+        rests = (rate < 0) & (np.abs(rate - trends.growth[falls]) <= AGREE * np.abs(rate))
+        out.regime[falls[rests]], out.growth[falls[rests]] = Regime.at_rest, rate[rests]
+    if rises.size:
+        on = rises[growth_goes_on(ensemble, points[rises], trends.centre[:, rises], trends.growth[rises])]
+        rate = np.where(np.isfinite(trends.exponent), trends.exponent, trends.growth)  # the more accurate one
+        out.regime[on], out.growth[on] = Regime.growing, rate[on]
+    moves = np.flatnonzero(trends.drift.any(axis=0))
+    if moves.size:
+        time = ensemble.common_multiple * ensemble.period[points[moves]]
+        goes, means = drift_goes_on(ensemble, points[moves], trends.drift[:, moves] * time)
+        out.regime[moves[goes]] = np.where(means, Regime.drifting, Regime.growing)[goes]
+        out.growth[moves[goes & ~means]] = 0.0  # in proportion to time
+        out.drift[:, moves[goes]] = trends.drift[:, moves[goes]]
+    return out

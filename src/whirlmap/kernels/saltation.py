@@ -1,0 +1,170 @@
+"""Changes of side at a crossing: sliding, and the saltation of tangent vectors where rates jump."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from whirlmap.kernels.hermite import Between
+from whirlmap.kernels.methods import Method
+from whirlmap.kernels.routine import INTS, LANE, Routine, Value, integer, integers, number
+from whirlmap.kernels.stepping import Sizes, Stepper
+
+#: Causes for which a lane is lost.
+LIMITS, STICKS, CHATTERS = 1, 2, 3
+#: Most crossings of a lane in one step.
+MOST = 64
+#: A crossing is grazing where the surface's rate is below this part of that rate's change during the step.
+GRAZING = 1e-3
+
+
+@dataclass(frozen=True)
+class Surfaces:
+    """What a step through surfaces is made of.
+
+    Attributes
+    ----------
+    jumps, flat : sequence of bool
+        Of each surface: whether the rates jump there, and whether its gradient is constant (`surfaces.Sided`).
+    motion, tangent : Routine
+        Rates, those of sliding lanes too (`sliding`); the product of the Jacobian with a vector, where there is one.
+    guards, sides : Routine
+        Value and rate of each surface; the sign of each.
+    examine, harmonics : Routine
+        The test of a step's end; the harmonics after a part of the step.
+    between : Between
+        Extremes between the ends of a step.
+    same_side : Routine, optional
+        As in `advancing.Parts`.
+    """
+
+    jumps: Sequence[bool]
+    flat: Sequence[bool]
+    motion: Routine
+    tangent: Routine | None
+    guards: Routine
+    sides: Routine
+    examine: Routine
+    harmonics: Routine
+    between: Between
+    same_side: Routine | None
+
+
+class SurfaceStep:
+    """Memory of a step through surfaces, the rates in it, and what happens at a crossing.
+
+    Attributes
+    ----------
+    f0, f1, f2 : Value
+        Rows of rates: at the begin and at the end of a part of the step, and at its end behind a surface.
+    g0, d0, ... : Value
+        Rows of values and rates of the surfaces at these places.
+    done, to : Value
+        Parts of the step that are taken, and that the next trial goes to.
+    pending, seeking : Value
+        Lanes that have not ended their step, and those that seek a crossing.
+    """
+
+    def __init__(self, r: Routine, sizes: Sizes, method: Method, surfaces: Surfaces) -> None:
+        self.r, self.sizes, self.method, self.of = r, sizes, method, surfaces
+        self.jumps, self.flat = surfaces.jumps, surfaces.flat
+        n, k, waves = sizes.states, sizes.surfaces, 2 * sizes.harmonics
+        self.stepper = Stepper(r, sizes, method, surfaces.motion, surfaces.tangent, r.at["work"], surfaces.same_side)
+        self.f0, self.f1, self.f2 = (r.local(LANE, n) for _ in range(3))
+        self.g0, self.d0, self.g1, self.d1, self.g2, self.d2, self.change = (r.local(LANE, k) for _ in range(7))
+        self.c0, self.c1 = r.local(LANE, waves), r.local(LANE, waves)
+        self.moment, self.span, self.clock, self.pull = (r.local(LANE, size) for size in (1, 1, 1, 2))
+        self.done, self.to, self.low, self.high, self.at_low, self.at_high = (r.local(LANE) for _ in range(6))
+        self.crossed, self.dips = r.local(LANE), r.local(LANE)
+        self.pending, self.seeking, self.flag = r.local(INTS), r.local(INTS), r.local(INTS)
+        self.spare = r.local(LANE, max(sizes.slots, n))  # derivatives that nobody asks for
+        vectors = surfaces.tangent is not None or sizes.along
+        self.count = r.at["count"] if vectors else integer(0)
+        self.modes = r.row(r.at["y"], r.b.mul(r.b.add(self.count, integer(1)), integer(n)))
+        self.inputs = {name: r.at[name] for name in ("p", "tables", "offsets")} | {"modes": self.modes}
+        if any(self.jumps):
+            self.inputs["pull"] = self.pull
+
+    def _moves(self, y: Value, c: Value, out: Value) -> None:
+        """Write the rates at a state; they replace neither slopes nor Jacobians of the stages."""
+        more = {"more": self.spare} if not self.sizes.along else {"v": y, "more": self.spare}
+        self.r.call(self.of.motion, y=y, c=c, scratch=self.stepper.scratch, dy=out, **more, **self.inputs)
+
+    def _at(self, part: Value, c: Value) -> None:
+        """Write the harmonics after a part of the step."""
+        self.r.store(part, self.moment)
+        self.r.call(self.of.harmonics, c=self.r.at["c"], turn=self.r.at["turn"], part=self.moment, out=c)
+
+    def _slides(self, k: int) -> Value:
+        """Lanes that slide on a surface."""
+        return self.r.b.fcmp_ordered("==", self.r.load(self.modes, k), number(0.0))
+
+    def _cross(self, found: Value, which: Value, slope: Value) -> None:
+        """Change sides at a crossing."""
+        r, b, a = self.r, self.r.b, self.r.at
+        one, zero = number(1.0), number(0.0)
+        r.store(r.add(r.load(self.crossed), b.select(found, one, zero)), self.crossed)
+        r.store(r.add(r.load(a["tally"]), b.select(found, one, zero)), a["tally"])
+        usual = zero
+        for k in range(self.sizes.surfaces):
+            usual = b.select(b.icmp_signed("==", which, integers(k)), r.load(self.change, k), usual)
+        graze = b.and_(found, r.less(r.absolute(slope), r.mul(number(GRAZING), usual)))
+        graze = b.and_(graze, b.fcmp_ordered("!=", slope, zero))  # a lane that slides has none
+        r.store(r.add(r.load(a["tally"], 1), b.select(graze, one, zero)), a["tally"], 1)
+        here = [b.and_(found, b.icmp_signed("==", which, integers(k))) for k in range(self.sizes.surfaces)]
+        old = [r.load(self.modes, k) for k in range(self.sizes.surfaces)]
+        for k, mask in enumerate(here):
+            new = r.sub(zero, old[k])
+            if self.jumps[k]:
+                leaves = b.select(r.less(r.load(self.pull), r.load(self.pull, 1)), one, number(-1.0))
+                new = b.select(self._slides(k), leaves, new)
+            r.store(b.select(mask, new, old[k]), self.modes, k)
+        stuck = b.and_(found, b.not_(found))
+        if any(self.jumps):
+            stuck = self._jump(here, old)
+        lost = b.and_(found, r.less(number(float(MOST)), r.load(self.crossed)))
+        cause = b.select(lost, integers(CHATTERS), r.load(a["cause"]))
+        r.store(b.select(stuck, integers(STICKS), cause), a["cause"])
+        pending = b.icmp_signed("!=", r.load(self.pending), integers(0))
+        r.store(b.sext(b.and_(pending, b.not_(b.or_(lost, stuck))), INTS), self.pending)
+
+    def _jump(self, here: list[Value], old: list[Value]) -> Value:
+        """Slide where both sides point at the surface, else carry tangent vectors over the jump; gives lanes that stick."""
+        r, b, a = self.r, self.r.b, self.r.at
+        zero = number(0.0)
+        self._moves(a["y"], self.c1, self.f2)
+        guarded = {"y": a["y"], "c": self.c1, "p": a["p"], "modes": self.modes}
+        r.call(self.of.guards, v=self.f2, clock=self.clock, g=self.g2, rate=self.d2, **guarded)
+        sliding = b.fcmp_ordered("!=", zero, zero)  # in no lane
+        for k, jump in enumerate(self.jumps):
+            if jump:
+                sliding = b.or_(sliding, b.and_(b.not_(here[k]), self._slides(k)))
+        stuck = b.fcmp_ordered("!=", zero, zero)
+        vectors = r.spread(b.icmp_signed(">", self.count, integer(0)))
+        speed, jumped, slid = number(1.0), stuck, stuck
+        for k, jump in enumerate(self.jumps):
+            if not jump:
+                continue
+            crossing = b.and_(here[k], b.fcmp_ordered("!=", old[k], zero))
+            back = b.and_(crossing, b.not_(r.less(r.mul(old[k], r.load(self.d2, k)), zero)))
+            r.store(b.select(back, zero, r.load(self.modes, k)), self.modes, k)
+            with_it = self.sizes.along and self.flat[k]
+            stuck = b.or_(stuck, b.and_(back, sliding if with_it else b.or_(sliding, vectors)))
+            slid = b.or_(slid, back)
+            speed = b.select(crossing, r.load(self.d1, k), speed)
+            jumped = b.or_(jumped, crossing)
+        with b.if_then(r.any(slid)):
+            self._moves(a["y"], self.c1, self.f2)
+        n = self.sizes.states
+        still = r.local(LANE)
+        r.store(zero, still)
+        with r.loop(self.count) as v:
+            vector = r.row(a["y"], b.mul(b.add(v, integer(1)), integer(n)))
+            r.call(self.of.guards, v=vector, clock=still, g=self.g2, rate=self.d2, **guarded)
+            across = zero
+            for k, jump in enumerate(self.jumps):
+                if jump:
+                    across = b.select(here[k], r.load(self.d2, k), across)
+            factor = b.select(jumped, r.div(across, speed), zero)
+            with r.loop(n) as i:
+                change = r.mul(factor, r.sub(r.load(self.f2, i), r.load(self.f1, i)))
+                r.store(b.select(jumped, r.add(r.load(vector, i), change), r.load(vector, i)), vector, i)
+        return stuck

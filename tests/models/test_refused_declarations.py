@@ -1,0 +1,141 @@
+"""What a declaration must not say is refused where it is declared, by a sentence that names it and the way out."""
+
+import subprocess
+import sys
+
+import pytest
+import sympy as sp
+
+from whirlmap import bifurcation_diagram, load
+from whirlmap.analysis.settling import Settling
+from whirlmap.cases.entries import RESERVED
+from whirlmap.equations import Model, Output, Parameter, State, cos, t, when
+from whirlmap.equations.names import RESULTS
+from whirlmap.errors import ModelError
+from whirlmap.models import FAMILIES
+from whirlmap.sweep.basins import basins
+from whirlmap.sweep.points import label_points
+from whirlmap.sweep.waterfall import waterfall
+
+x, v = State("x", "1", "x"), State("v", "1", "v")
+p, w = Parameter("p", "1", "damping"), Parameter("w", "1", "frequency")
+
+
+def oscillator(damping=p, state=x, **more):
+    used = () if damping in (x, v) or not isinstance(damping, Parameter) else (damping,)
+    rates = {state: v, v: cos(w * t) - damping * v - state}
+    return Model("named", (state, v), (*used, w), rates, harmonics=(w,), swing=(state,), **more)
+
+
+@pytest.mark.parametrize("name", [*RESERVED, "t", "time", "mean", "period", "state", "quantity", "point", "regime", "self"])
+def test_names_that_are_taken_are_refused(name):
+    with pytest.raises(ModelError, match=f"parameter '{name}' .* expected another name, such as '{name}_0'"):
+        oscillator(Parameter(name, "1", "damping"))
+    with pytest.raises(ModelError, match=f"state '{name}'"):
+        oscillator(state=State(name, "1", "x"))
+
+
+@pytest.mark.parametrize("name", ["a b", "k-1", "", "2x", "δ"])
+def test_names_that_files_cannot_hold_are_refused(name):
+    with pytest.raises(ModelError, match="letters, digits and underscores"):
+        oscillator(Parameter(name, "1", "damping"))
+
+
+ODD = "lambda exp pi e E I erf sin select sqrt x0 formula q0 w0 f0 c0 s0 z0_0 v0 x_ x_t v_ call0 None is print dy rates _"
+
+
+@pytest.mark.parametrize("name", ODD.split())
+def test_names_of_functions_python_and_the_kernels_work(name):
+    """As parameters and as states, beside the functions of the same names."""
+    k, s = Parameter(name, "1", "k"), State(name, "1", "s")
+
+    def force(q, other):
+        chosen = when(sp.And(q > sp.Rational(1, 2), other < q), other)
+        return sp.exp(q) * sp.sqrt(q) * sp.E + sp.erf(q) + chosen + sp.sin(q) * cos(w * t) + sp.pi
+
+    for quantity, model, values in (
+        (k, Model("odd", (x, v), (k, w), {x: v, v: force(k, x) - x}, harmonics=(w,)), {name: 0.7}),
+        (s, Model("odd", (s, v), (w,), {s: v, v: force(s, v)}, harmonics=(w,)), {}),
+    ):
+        system = load(model, w=2.0, **values)
+        at = {quantity: 0.7, t: 0.3, w: 2.0, **({x: 0.2} if quantity is k else {}), v: 0.1}
+        expected = float(model.equations[v].subs(at).evalf())
+        place = [0.2 if quantity is k else 0.7, 0.1]
+        assert system.rhs(0.3, place)[1] == pytest.approx(expected, rel=1e-13)
+        assert system.reference_rhs(0.3, place)[1] == pytest.approx(expected, rel=1e-13)
+
+
+def test_reserved_names_are_those_of_results():
+    """Every dimension and variable beside a varied parameter or states is reserved, and no stock model has one."""
+    settling = Settling(transient=5, keep=4, most=8)
+    system = load("duffing")
+    made = [
+        bifurcation_diagram(system, "gamma", [0.2, 0.21], follow="both", settling=settling),
+        label_points(system, {"gamma": [0.2]}, settling=settling, lyapunov=0, ends=True),
+        waterfall(system, "gamma", [0.2, 0.21], state="x", periods=8, transient=2),
+        basins(system, {"x": [0.0, 1.0], "v": [0.0, 1.0]}, settling=settling, lyapunov=256),
+    ]
+    found = {str(name) for ds in made for name in (*ds.variables, *ds.dims)} - {"gamma", "x", "v"}
+    assert found <= RESULTS, found - RESULTS
+    for family in FAMILIES.values():
+        assert not (family.symbols() | {s.name for s in family.model().states}) & (RESULTS | set(RESERVED))
+
+
+def test_an_output_has_no_states_name():
+    with pytest.raises(ModelError, match="output 'x' has the name of a state"):
+        oscillator(outputs={"x": Output(2 * x, "1", "twice")})
+
+
+@pytest.mark.parametrize(
+    ("term", "words"),
+    [
+        (sp.Function("x")(t - 2), ("x(t - 2)", "chain of states")),
+        (sp.Function("g")(x), ("g(x)", "no function that is known", "Table")),
+        (sp.floor(x), ("floor(x)", "endlessly many", "parameters alone", "when(")),
+        (sp.Mod(x, 2), ("Mod(x, 2)", "endlessly many")),
+        (sp.gamma(x), ("gamma(x)", "sin, cos", "when")),
+        (sp.sec(x), ("sec(x)", "cos")),
+        (sp.DiracDelta(x), ("DiracDelta(x)", "force over a short time")),
+        (sp.Derivative(x**2, x, evaluate=False), ("Derivative", "state of its own")),
+        (sp.sqrt(-2) * x, ("complex",)),
+        (sp.asin(2) * x, ("asin(2)", "complex")),
+        (sp.oo * x, ("not finite",)),
+        (sp.Piecewise((x, x > 1)), ("without a default", "otherwise")),
+        (x > 1, ("x > 1", "no number", "when(")),
+    ],
+    ids=str,
+)
+def test_what_cannot_be_computed_is_refused_with_a_way_out(term, words):
+    with pytest.raises(ModelError) as error:
+        Model("refused", (x,), (), {x: term if isinstance(term, sp.logic.boolalg.Boolean) else term - x})
+    assert all(word in str(error.value) for word in ("'refused'", *words)), error.value
+
+
+def test_floor_and_remainder_of_parameters_are_numbers():
+    model = Model("stepped", (x,), (p,), {x: sp.floor(p) * x + sp.Mod(p, 2) + sp.ceiling(p / 3) + sp.erf(p)})
+    assert load(model, p=2.7).rhs(0.0, [0.5])[0] == pytest.approx(1.0 + 0.7 + 1.0 + float(sp.erf(2.7)), rel=1e-14)
+
+
+def test_a_state_of_another_time_is_refused():
+    with pytest.raises(ModelError, match=r"x\(t - 1\): .*chain of states"):
+        x(t - 1)
+
+
+def test_parameters_that_nothing_reads_are_refused():
+    """They could neither be given, which "has no effect", nor left out, for lack of a value."""
+    with pytest.raises(ModelError, match=r"declares p, but reads it nowhere"):
+        Model("idle", (x,), (p,), {x: -x})
+    assert load(Model("read", (x,), (p,), {x: -x}, outputs={"o": Output(p * x, "1", "o")}), p=1.0).parameters == ("p",)
+
+
+def test_a_case_names_file_and_line_and_the_command_ends_with_2(tmp_path):
+    (tmp_path / "own.py").write_text(
+        "from whirlmap.equations import Model, Parameter, State\n"
+        "x = State('x', '1', 'x')\nmean = Parameter('mean', '1', 'm')\n"
+        "MODEL = Model('own', (x,), (mean,), {x: -mean * x})\n"
+    )
+    (tmp_path / "own.toml").write_text('model = "own.py:MODEL"\nmean = { value = 1, assumed = "x" }\n')
+    command = [sys.executable, "-c", "from whirlmap.cli.main import run; run()", "show", str(tmp_path / "own.toml")]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert done.returncode == 2 and "Traceback" not in done.stderr
+    assert "own.py, line 4: model 'own': the parameter 'mean'" in " ".join(done.stderr.split())
