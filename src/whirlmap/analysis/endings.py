@@ -15,7 +15,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.accuracy import Verdict, choose_steps
+from whirlmap.integrate.accuracy import ALIKE, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.status import Status
 
@@ -26,8 +26,7 @@ Points = NDArray[np.intp]
 RUNS, MORE = 2, 2
 #: Common periods before an end from which the steps are chosen, and over which they are tried.
 BEFORE, SPAN = 1, 2
-#: Difference of two times of an end, in T, that are the same; of a divergence beside two steps of the coarser run, for it is
-#: seen at the end of a step.
+#: Difference of two times of an end, in T, that are the same; of a divergence beside `ALIKE` steps of the coarser run.
 SAME_TIME = 1e-3
 
 
@@ -61,7 +60,7 @@ def confirm_ends(
         every.append(ensemble.status.copy())
         with np.errstate(invalid="ignore"):
             apart = np.abs(part.end_time / part.period - time)
-            alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, 2 / coarse, 0.0))
+            alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, ALIKE / coarse, 0.0))
         # Before a pole no steps are enough.
         doubt = stiff & (part.status == Status.diverged) & (part.end_stop < len(part.model.stops))
         ensemble.status[left[doubt]] = Status.unresolved

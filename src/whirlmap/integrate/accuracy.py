@@ -25,6 +25,8 @@ LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768
 
 #: A divergence is believed where all rungs up to so many times more steps find it, and not within so many steps of the start.
 DIVERGES = 4
+#: Steps within which the ends of one divergence lie: a pole is passed by a step, and what follows grows without bound.
+ALIKE = 4
 FEW = 8
 #: Where the error falls by less than this from a rung to the one at least twice as high, the method has lost its order.
 STALLED = 4.0
@@ -122,8 +124,8 @@ def choose_steps(
     Notes
     -----
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
-    rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within a step
-    of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point that has lost its order goes on to `KINKED` steps, or to the accuracy.
+    rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
+    steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point that has lost its order goes on to `KINKED` steps, or to the accuracy.
 
     Raises
     ------
@@ -269,9 +271,9 @@ class _Trial:
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
-        # The end of a divergence is known to a step only; one within a few steps may be the method's own.
+        # The end of a divergence is known to some steps only; one within a few steps may be the method's own.
         diverged = (self.status == Status.diverged) & (finer.status == Status.diverged)
-        diverged &= (apart <= 1 / self.steps) & (self.end >= FEW / self.steps)
+        diverged &= (apart <= ALIKE / self.steps) & (self.end >= FEW / self.steps)
         out = np.where(contact, np.maximum(out, apart), out)
         worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
         return worst, np.asarray(diverged.reshape(self.sections, -1).any(axis=0))

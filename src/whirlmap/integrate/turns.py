@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 #: Parts of a typical time over which steps are tried: over many turns of a chaotic motion no two rungs agree.
 PARTS = (1, 32, 1024)
 #: Steps per typical time beyond which a motion is too stiff for an explicit method.
-MOST = 131_072
+MOST = 600_000
 
 
 def choose_unforced_steps(
