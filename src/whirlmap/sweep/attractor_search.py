@@ -134,7 +134,8 @@ class Search:
         f = self.found
         traced = (label == Regime.chaotic) | (label == Regime.quasi_periodic)
         traced |= ((label == Regime.periodic) & (not forced)) | (label == Regime.at_rest)
-        f.outcome[chosen] = np.where(np.isin(label, (Regime.drifting, Regime.growing, Regime.not_settled)), label, Regime.undecided)
+        endless = np.isin(label, (Regime.drifting, Regime.growing, Regime.not_settled))
+        f.outcome[chosen] = np.where(endless, label, Regime.undecided)
         waiting = np.flatnonzero(ensemble.running & traced)
         while waiting.size:
             # As many as a block of lanes holds cost what one does; few more, for the first traces may hold all others.
