@@ -169,6 +169,9 @@ def headline(verdict: dict[str, Any]) -> str:
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
+    elif verdict["regime"] == "not-settled":
+        turns = report.number(verdict["winding"])
+        words.append(f"{turns} turns per T, a film thins as time to the power {report.number(verdict['thinning'])}")
     elif verdict["regime"] == "drifting":
         words.append(f"{verdict['drift_state']} by {report.number(verdict['drift_rate'])} per unit of time")
     elif verdict["regime"] in ("growing", "at-rest") and verdict["growth_rate"] is not None:
