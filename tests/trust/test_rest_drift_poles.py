@@ -101,8 +101,8 @@ DRIFT = {  # name -> model, values, drifting state, its mean rate
     "rolling-back": (ROLLING, dict(A=1, a=-0.02, c=0.1, w=1.0), "x", -0.2),
     "rolling-slowly": (ROLLING, dict(A=1, a=1e-4, c=0.1, w=2.0), "x", 1e-3),
     "integral": (INTEGRAL, dict(A=1, a=0.3, c=0.2, w=0.8), "y", 0.3),
-    "whirling-pendulum": (PENDULUM, dict(A=0.3, a=1.5, c=0.5, w=2.0), "q", None),
-    "ratchet": (RATCHET, dict(A=1, c=0.2, k=0.1, w=1.0), "x", None),
+    "whirling-pendulum": (PENDULUM, dict(A=0.3, a=1.5, c=0.5, w=2.0), "q", 2.981174),
+    "ratchet": (RATCHET, dict(A=1, c=0.2, k=0.1, w=1.0), "x", 0.458947),
 }  # fmt: skip
 
 
@@ -121,12 +121,16 @@ def mean_rate(model, values, name):
     return (made.y[0, 1] - made.y[0, 0]) / (100 * T)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["whirling-pendulum", "ratchet"])
+def test_the_drift_comes_out_again(name):
+    model, values, state, rate = DRIFT[name]
+    assert mean_rate(model, values, state) == pytest.approx(rate, rel=1e-3)
+
+
 @pytest.mark.parametrize("name", DRIFT)
 def test_drift(name):
-    model, values, state, rate = DRIFT[name]
-    if rate is None:
-        rate = mean_rate(model, values, state)
-        assert abs(rate) > 0.05
+    model, values, _, rate = DRIFT[name]
     system = whirlmap.load(model, **values)
     ds = asked(diagram, system)
     assert not isinstance(ds, Refused), ds.sentence
