@@ -250,8 +250,8 @@ def _uneven(name: str, t: Array, steps: Array, start: float, written: float, pla
         step = float(steps[whole == 1].mean()) if (whole == 1).any() else step
     whole = np.round(steps / step)
     off = np.abs(steps - whole * step)
-    tolerance = max(1.01 * written, BESIDE * step)
-    if written < step and (off <= tolerance).all() and ((whole != 1).any() or off.std() <= JITTER * step):
+    tolerance = max(min(1.01 * written, 0.35 * step), BESIDE * step)
+    if written < 1.01 * step and (off <= tolerance).all() and ((whole != 1).any() or off.std() <= JITTER * step):
         return _gaps(name, t, whole.astype(np.int64), step, start, place, notices)
     if (whole <= 2).all() and float(steps.std()) <= JITTER * float(steps.mean()):
         mean = float(t[-1] / (t.size - 1))

@@ -15,6 +15,7 @@ class Regime(IntEnum):
     at_rest = 6
     drifting = 7
     growing = 8
+    not_steady = 11
 
     @property
     def label(self) -> str:
