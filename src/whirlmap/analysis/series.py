@@ -127,7 +127,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     facts = {
         "rate": rate, "unit": unit, "samples": raw.size, "thinned": thin, "swing": swing / rate,
         "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),
-        "verdict": sentences(label, votes, rate=rate, unit=unit, period=regular.period),
+        "verdict": sentences(label, votes, rate=rate, unit=unit, period=regular.period, thinned=thin),
         "whirlmap_version": package_version("whirlmap"), "citations": CITED, **_cycle(label, regular, rate),
     }  # fmt: skip
     return with_attributes(xr.Dataset(data, coords=coords), facts)

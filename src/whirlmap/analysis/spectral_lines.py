@@ -143,9 +143,9 @@ def _peaks(density: NDArray[np.float64]) -> NDArray[np.intp]:
     """Bins higher than what stands on either side; of equally high neighbours the middle one."""
     ends = np.append(np.flatnonzero(np.diff(density)), density.size - 1)  # of runs of equal values
     starts = np.append(0, ends[:-1] + 1)
-    level = np.append(density[starts], -np.inf)  # beyond the Nyquist frequency stands the mirror image: its bin may be a peak
+    level = density[starts]
     top = (level[1:-1] > level[:-2]) & (level[1:-1] > level[2:])
-    return np.asarray((starts[1:] + ends[1:]) // 2)[top]
+    return np.asarray((starts[1:-1] + ends[1:-1]) // 2)[top]
 
 
 def _floor(density: NDArray[np.float64], width: int, lobe: int) -> NDArray[np.float64]:
@@ -192,6 +192,8 @@ def _lines_of(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Frequencies, powers and floors of the lines of one spectrum, the strongest first."""
     peaks = _peaks(density)
+    if density[-1] > density[-2]:  # beyond the Nyquist frequency stands the mirror image: its bin may be a peak
+        peaks = np.append(peaks, density.size - 1)
     peaks = peaks[density[peaks] >= threshold * floor[peaks]]
     peaks = peaks[(peaks >= 4 * lobe) & (density[peaks] * step >= least * density.sum() * step)]
     # A side lobe of a stronger line is not a line. Two amplitudes may add: four times the power.

@@ -13,8 +13,12 @@ from whirlmap.recordings.table import Array, Table, find_column
 
 #: Share of a step by which times may lie beside an even grid, and scatter of the steps that is taken for jitter.
 BESIDE, JITTER = 0.1, 0.05
+#: Width, in steps, of the band around an even grid in which times lie that jitter.
+HALF = 0.5
 #: Longest gap that is filled [samples], and largest share of samples that are.
 LONGEST_GAP, MOST_FILLED = 3, 0.15
+#: Rows up to which no step is called usual.
+FEW = 10
 DAY = 86400.0
 
 
@@ -107,6 +111,7 @@ def _one(table: Table, at: int) -> Clock:
     if column.kind in (DATE, CLOCK):
         return Clock((at,), (1e-9,), name, "ns", DATE)
     unit = column.unit or unit_of_time_name(column.name)
+    unit = "1" if unit == "time" else unit  # of a model without dimensions
     scale = seconds_per(unit) if unit else None
     if scale is None and unit not in ("", "1"):
         raise InputError(f"{table.source}: found the unit {unit!r} of the times in {name!r}, expected one of time;"
@@ -237,7 +242,10 @@ def even_grid(clock: Clock, t: Array, start: float, written: float, place: Calla
         return Grid((n - 1) / float(t[-1]), start, notices=notices)
     # Steps of one and two units may be a step of 1.1 that was rounded, or missing samples: the plainer reading is the second.
     missing = written > 0 and float(np.mean(np.abs(steps - written) < 1e-6 * written)) > 0.7
-    if np.ptp(beside) <= rounding and written < 20 * slope and not missing:
+    if n > FEW and np.ptp(beside) <= rounding and t[-1] > 5 * written and not missing:
+        if written > 2 * slope:  # the rows at which the time steps are known to one row
+            at = np.flatnonzero(steps > 0) + 1
+            slope = 1 / float(np.polyfit(t[at] - t.mean(), row[at], 1)[0])
         notices.append(f"the times in {name!r} are rounded to {written:g} s: the mean step of {slope:.7g} s is taken, {1 / slope:.6g} Hz")
         return Grid(1 / slope, start, notices=notices)
     return _uneven(name, t, steps, start, written, place, notices)
@@ -251,10 +259,11 @@ def _uneven(name: str, t: Array, steps: Array, start: float, written: float, pla
     whole = np.round(steps / step)
     off = np.abs(steps - whole * step)
     tolerance = max(min(1.01 * written, 0.35 * step), BESIDE * step)
-    if written < 1.01 * step and (off <= tolerance).all() and ((whole != 1).any() or off.std() <= JITTER * step):
+    if t.size > FEW and written < 1.01 * step and (off <= tolerance).all() and ((whole != 1).any() or off.std() <= JITTER * step):
         return _gaps(name, t, whole.astype(np.int64), step, start, place, notices)
-    if (whole <= 2).all() and float(steps.std()) <= JITTER * float(steps.mean()):
-        mean = float(t[-1] / (t.size - 1))
+    row = np.arange(t.size) - (t.size - 1) / 2
+    mean = float(row @ (t - t.mean()) / (row @ row))
+    if np.ptp(t - t.mean() - mean * row) < HALF * mean:  # a row more or less would show
         notices.append(f"the steps of the times in {name!r} scatter by {100 * steps.std() / mean:.2g} %: the mean step of {mean:.6g} s"
                        f" is taken, {1 / mean:.6g} Hz")  # fmt: skip
         return Grid(1 / mean, start, notices=notices)

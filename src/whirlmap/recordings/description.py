@@ -1,6 +1,7 @@
 """What was understood of a file, as plain data: nothing is computed but ranges."""
 
 from collections.abc import Sequence
+from contextlib import closing
 from pathlib import Path
 from typing import Any
 
@@ -10,6 +11,7 @@ from whirlmap.errors import InputError
 from whirlmap.recordings.clock import even_grid, find_clock, seconds_of
 from whirlmap.recordings.fields import NUMBER
 from whirlmap.recordings.open_table import open_table
+from whirlmap.recordings.table import Table
 
 
 def describe_file(
@@ -28,12 +30,18 @@ def describe_file(
         ``file``, ``form``, ``rows``, ``columns`` (each with ``position``, ``name``, ``unit``, ``kind``, ``minimum``,
         ``maximum``, ``missing``), ``time``, ``rate``, ``start``, ``warnings``.
     """
-    table = open_table(path, separator=separator, decimal=decimal, skip=skip)
+    with closing(open_table(path, separator=separator, decimal=decimal, skip=skip)) as table:
+        return _described(table, time)
+
+
+def _described(table: Table, time: str | None) -> dict[str, Any]:
     clock = find_clock(table, time)
     numbers = [k for k, c in enumerate(table.columns) if c.kind == NUMBER]
     wanted = list(dict.fromkeys([*numbers, *(clock.positions if clock else ())]))
     same = [k for k in wanted if len(table.first_rows[k])]
-    lows, highs, counts = {}, {}, dict.fromkeys(wanted, 0)
+    lows: dict[int, float] = {}
+    highs: dict[int, float] = {}
+    counts = dict.fromkeys(wanted, 0)
     kept: dict[int, list[Any]] = {k: [] for k in (clock.positions if clock else ())}
     for values in _columns(table, same):
         for k, v in values.items():

@@ -7,12 +7,12 @@ from pathlib import Path
 
 from whirlmap.errors import InputError
 from whirlmap.recordings import array_files
-from whirlmap.recordings.sources import HEAD, open_bytes, open_text
-from whirlmap.recordings.table import Table
+from whirlmap.recordings.sources import open_bytes, open_text
+from whirlmap.recordings.table import ArrayTable, Table
 from whirlmap.recordings.text_table import open_text_table
 
 #: First bytes, where they stand, and what reads them.
-MAGIC: tuple[tuple[bytes, int, Callable[[Path], Table]], ...] = (
+MAGIC: tuple[tuple[bytes, int, Callable[[Path], ArrayTable]], ...] = (
     (b"WAVE", 8, array_files.wav), (b"\x93NUMPY", 0, array_files.npy), (b"MATLAB 5.0", 0, array_files.mat),
     (b"MATLAB 7", 0, array_files.hdf), (b"PAR1", 0, array_files.parquet), (b"CDF", 0, array_files.nc),
     (b"\x89HDF", 0, array_files.nc), (b"TDSm", 0, array_files.tdms), (b"    -1", 0, array_files.uff),
@@ -48,11 +48,21 @@ def open_table(
     if Path(path).is_dir():
         raise InputError(f"{path}: found a folder, expected a file")
     head, stream, name = open_bytes(path)
+    try:
+        return _opened(path, head, stream, name, separator, decimal, skip)
+    except BaseException:
+        stream.close()
+        raise
+
+
+def _opened(
+    path: str | Path, head: bytes, stream: io.BufferedReader, name: str, separator: str | None, decimal: str | None, skip: int
+) -> Table:
     for magic, at, read in MAGIC:
         if head[at : at + len(magic)] == magic:
             return _binary(path, head, stream, read)
     if head.startswith(b"PK\x03\x04"):
-        if b"xl/" in head[:HEAD]:
+        if b"xl/" in head:
             raise InputError(f"{name}: found a workbook of a spreadsheet program, expected a table in text: save it as CSV")
         return _binary(path, head, stream, array_files.npz)
     if head.startswith(b"\xd0\xcf\x11\xe0"):
@@ -62,13 +72,15 @@ def open_table(
     return open_text_table(open_text(head, stream, name), name, separator=separator, decimal=decimal, skip=skip)
 
 
-def _binary(path: str | Path, head: bytes, stream: io.BufferedReader, read: Callable[[Path], Table]) -> Table:
+def _binary(path: str | Path, head: bytes, stream: io.BufferedReader, read: Callable[[Path], ArrayTable]) -> Table:
     """Read a binary file; one that comes from a pipe or is packed goes to a temporary file first."""
     if str(path) != "-":
         with Path(path).open("rb") as plain:
-            if plain.read(16) == head[:16]:
-                return read(Path(path))
-    with tempfile.NamedTemporaryFile(suffix=Path(path).stem[-20:].replace("/", "")) as unpacked:
+            same = plain.read(16) == head[:16]
+        if same:
+            stream.close()
+            return read(Path(path))
+    with stream, tempfile.NamedTemporaryFile(suffix=Path(path).stem[-20:].replace("/", "")) as unpacked:
         while part := stream.read(1 << 20):
             unpacked.write(part)
         unpacked.flush()

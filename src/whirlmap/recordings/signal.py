@@ -1,6 +1,7 @@
 """One column of a file as an evenly spaced signal, with its rate and what is odd about it."""
 
 from collections.abc import Callable, Sequence
+from contextlib import closing
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -84,7 +85,14 @@ def read_signal(
     InputError
         The file or an option cannot be understood; line, what was found and what to do are said.
     """
-    table = open_table(path, separator=separator, decimal=decimal, skip=skip)
+    with closing(open_table(path, separator=separator, decimal=decimal, skip=skip)) as table:
+        return _signal(table, column, time, rate, missing, window, speed)
+
+
+def _signal(
+    table: Table, column: str | None, time: str | None, rate: float | None, missing: Sequence[str],
+    window: tuple[float, float] | None, speed: str | None,
+) -> Signal:  # fmt: skip
     at = find_column(table, column)
     clock = find_clock(table, time)
     tacho = None if speed is None else find_column(table, speed, "--speed")
@@ -124,7 +132,7 @@ def read_signal(
     rows = np.arange(values.size) if grid is None or grid.rows is None else grid.rows
     index = np.arange(rows.size) if grid is None or grid.index is None else grid.index
     kept = ~gone[rows]
-    values, offset = _filled(table, values[rows][kept], np.asarray(index)[kept], notices)
+    values, offset = _filled(values[rows][kept], np.asarray(index)[kept], notices)
     if sampled:
         start += offset / sampled
     if window is not None:
@@ -134,8 +142,9 @@ def read_signal(
 
 def _without_count(table: Table, values: Array, notices: list[str]) -> tuple[Array, int]:
     """Leave out a first value that is the number of all others."""
-    if len(table.columns) == 1 and table.columns[0].title == "" and values.size > 10 and values[0] == values.size - 1:
-        if abs(values[0]) > 3 * np.abs(values[1:]).max() or (values[1:] != np.round(values[1:])).any():
+    rest = values[1:]
+    if len(table.columns) == 1 and not table.columns[0].title and rest.size > 9 and values[0] == rest.size:
+        if abs(values[0]) > 3 * np.abs(rest).max() or (rest != np.round(rest)).any():  # noqa: SIM102
             notices.append(f"{table.place(0)} holds the number of samples, {values[0]:.0f}: skipped")
             return values[1:], 1
     return values, 0
@@ -197,7 +206,7 @@ def _grid(
     return Grid(rate, 0.0)
 
 
-def _filled(table: Table, values: Array, index: NDArray[np.int64], notices: list[str]) -> tuple[Array, int]:
+def _filled(values: Array, index: NDArray[np.int64], notices: list[str]) -> tuple[Array, int]:
     """Values on every place of the even grid, and the place of the first; long gaps cut the record."""
     steps = np.diff(index)
     if (steps == 1).all():

@@ -62,16 +62,35 @@ class Block:
 
 
 class Table(Protocol):
-    """What every format gives."""
+    """What every format gives; a file is open until `close`."""
 
     source: str
-    form: str
-    columns: tuple[Column, ...]
-    rate: float | None
     notices: list[str]
     absent: dict[int, Absent]
-    #: First rows of every column, for finding the times; NaN where there is no number.
-    first_rows: list[Array]
+
+    @property
+    def form(self) -> str:
+        """Format in words."""
+        ...
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Columns, in the order of the file."""
+        ...
+
+    @property
+    def rate(self) -> float | None:
+        """Samples per second that the file declares."""
+        ...
+
+    @property
+    def first_rows(self) -> list[Array]:
+        """First rows of every column, NaN where there is no number."""
+        ...
+
+    def close(self) -> None:
+        """Close the file."""
+        ...
 
     def blocks(self, positions: Sequence[int]) -> Iterator[Block]:
         """Read columns, once."""
@@ -129,6 +148,9 @@ class ArrayTable:
     def first_rows(self) -> list[Array]:
         """First rows of every column."""
         return [np.asarray(a[:200], dtype=np.float64) for a in self.arrays]
+
+    def close(self) -> None:
+        """Nothing is open."""
 
     def blocks(self, positions: Sequence[int]) -> Iterator[Block]:
         """Give the columns, of one length, as one block."""

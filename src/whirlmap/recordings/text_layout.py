@@ -182,6 +182,9 @@ def _decimal_comma(best: _Run, runs: Sequence[_Run], lines: Sequence[str], sourc
     if one is None or best not in (one, *[r for r in runs if r.separator == ","]) or one.rows < 2:
         return best
     two = next((r for r in runs if r.separator == "," and len(r.kinds) == 2), None)
+    named = _names_above(min(one.first, two.first) if two else 0, lines, ",")
+    if two and len(named) == 2 and all(kind_of(n, ".") == TEXT for n in named):
+        return two
     if two is None or one.rows > two.rows:
         return one if one.score >= best.score else best
     rows = [split(line, ",") for line in lines[two.first :] if line.strip() and not is_comment(line)]
@@ -244,6 +247,8 @@ def _with_names(run: _Run, lines: Sequence[str], source: str, skip: int) -> Layo
     units = [""] * count
     if not header and above:
         fields = _header_fields(lines[above[-1]], run.separator)
+        if run.separator == ";" and len(whole := split(lines[above[-1]], ";")) == count and len(fields) != count:
+            fields = whole  # ``;time;a``: the first has no name, and the line is no comment
         higher = _header_fields(lines[above[-2]], run.separator) if len(above) > 1 else []
         if _are_units(fields, count, higher, run.decimal):
             units, used = [_bare_unit(f) for f in _fitted(fields, count)], 1

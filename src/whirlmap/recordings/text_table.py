@@ -68,6 +68,10 @@ class TextTable:
         at = bisect_right(self._rows, row) - 1
         return f"line {self._lines[at] + row - self._rows[at]}" if at >= 0 else f"row {row + 1}"
 
+    def close(self) -> None:
+        """Close the file."""
+        self.stream.close()
+
     def blocks(self, positions: Sequence[int]) -> Iterator[Block]:
         """Read columns, once, piece by piece.
 
@@ -186,9 +190,7 @@ class TextTable:
     def _is_footer(self, fields: list[str]) -> bool:
         """Whether a line is none of the table: words where its first column has numbers."""
         kind = kind_of(fields[0], self.layout.decimal)
-        if kind != TEXT or self.columns[0].kind == TEXT:
-            return False
-        return len(fields) != self.layout.fields or all(kind_of(f, self.layout.decimal) in (TEXT, EMPTY) for f in fields[1:])
+        return kind == TEXT and self.columns[0].kind != TEXT
 
     def _complain_about_footer(self) -> None:
         k, text = self._footer[0]

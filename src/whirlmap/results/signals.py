@@ -1,5 +1,6 @@
 """Recorded signals: reading a column, writing a simulation as a text table."""
 
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -38,8 +39,8 @@ def rate_of(path: str | Path) -> float:
     from whirlmap.recordings.open_table import open_table
     from whirlmap.recordings.signal import read_signal
 
-    table = open_table(path)
-    clock = find_clock(table, None)
+    with closing(open_table(path)) as table:
+        clock = find_clock(table, None)
     if clock is None:
         raise InputError(f"{path}: found no column of times")
     found = read_signal(path, column=str(clock.positions[0] + 1)).rate

@@ -11,13 +11,13 @@ Array = NDArray[np.float64]
 #: Errors of a line within which it lies on a grid.
 ERRORS = 3.5
 #: Chance up to which a grid is believed, and above which one that fits says nothing.
-BELIEVED, ANYTHING = 0.01, 0.1
+BELIEVED, ANYTHING = 0.005, 0.1
 #: Periods that a record must hold at least.
 PERIODS = 2.5
 #: Multiples of a fundamental looked at beyond the Nyquist frequency, their largest share of the power, and finest grid that may have them.
 FOLDED, WEAK, COARSE = 60, 0.05, 3
-#: Harmonics from which on folded ones are looked for; coefficients of sums of two lines.
-HARMONICS, SUMS = 4, 6
+#: Coefficients of sums of two lines.
+SUMS = 6
 #: Largest number of grids.
 GRIDS = 200_000
 
@@ -65,8 +65,8 @@ def common_grid(frequency: Array, error: Array, share: Array, *, samples: int) -
     lies on a grid where it is within four errors, its own and that of the strongest line carried to it. A line without
     relation does so with the chance 2 t k / f, t the tolerance and f the strongest line: the sum over all grids up to k
     is the chance that such a line would have fitted by now. Its factors are up to two lines, the first that is no multiple of
-    the strongest and the first that is no sum of both: harmonics and sums are no independent witnesses. Of a motion with four
-    harmonics or more, weak lines may also be multiples beyond the Nyquist frequency, folded back, where that is no chance.
+    the strongest and the first that is no sum of both: harmonics and sums are no independent witnesses. Weak lines may also be
+    multiples beyond the Nyquist frequency, folded back, where that is no chance: of edges, and of rounding to few levels.
     """
     f, top = frequency, float(frequency[0])
     none = CommonGrid("none", np.nan, np.nan, np.zeros(f.size, np.int64), 1.0)
@@ -81,9 +81,9 @@ def common_grid(frequency: Array, error: Array, share: Array, *, samples: int) -
     on[:, 0] = True
     for row in range(min(COARSE, most)):
         weak = ~on[row] & (share < WEAK)
-        if (on[row] | weak).all() and weak.any() and on[row].sum() >= HARMONICS:
+        if (on[row] | weak).all() and weak.any():
             which, at, chances = _folded(f, tolerance, float(spacing[row, 0]), samples)
-            if which[weak].all() and np.prod(np.minimum(chances[weak], 1.0)) < BELIEVED:
+            if which[weak].all() and np.prod(np.minimum(chances[weak], 1.0)) < BELIEVED / COARSE:
                 multiple[row] = np.where(weak, at, multiple[row])
                 on[row] = True
     fits = np.flatnonzero(on.all(axis=1))

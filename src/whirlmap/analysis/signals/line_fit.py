@@ -12,7 +12,9 @@ Array = NDArray[np.float64]
 #: Bins on either side of a line that are fitted, and steps of the iteration.
 REACH, ITERATIONS = 2, 12
 #: Smallest error that is believed, in bins: what is left out of the model (weak lines, a slow change) is no noise.
-LEAST_ERROR = 1e-4
+LEAST_ERROR = 3e-5
+#: Factor between the error of independent bins and that under a Hann window, measured on lines in white noise.
+CORRELATED = 1.2
 
 
 @dataclass(frozen=True)
@@ -29,7 +31,7 @@ class FittedLines:
     error: Array
 
 
-def fit_lines(x: Array, frequencies: Array) -> FittedLines:
+def fit_lines(x: Array, frequencies: Array, floor: Array) -> FittedLines:
     """Refine frequencies of lines.
 
     Parameters
@@ -37,12 +39,15 @@ def fit_lines(x: Array, frequencies: Array) -> FittedLines:
     x : array, shape (time,)
     frequencies : array, shape (line,)
         In cycles per record, good to half of one.
+    floor : array, shape (line,)
+        Density of the broadband floor under each, at one sample per unit of time.
 
     Notes
     -----
     The transform under a Hann window is a sum of kernels, one for each line and one for its mirror image, so that
     neighbouring lines do not pull each other. Amplitudes, phases and frequencies are found together by Gauss-Newton
-    steps over five bins around each line; the error comes from what is left in these bins. Lines within two bins of the
+    steps over five bins around each line. The error comes from what is left in these bins, or from the floor where that is
+    higher, for few bins may fit too well, times 1.2: neighbouring bins under a window are not independent. Lines within two bins of the
     Nyquist frequency are left where they are, for there a line and its mirror image are one.
     """
     n = x.size
@@ -72,7 +77,9 @@ def fit_lines(x: Array, frequencies: Array) -> FittedLines:
         if np.abs(moved).max() < 1e-9:
             break
     squares = (rest[: bins.size] ** 2 + rest[bins.size :] ** 2).reshape(free.size, -1).sum(axis=1)
-    variance = squares / (2 * (2 * REACH + 1) - 3)
+    weights = window_weights("hann", n)
+    expected = floor[free] * float(weights @ weights) / (4 * n**2)  # of the real part of a bin of `transform`
+    variance = CORRELATED**2 * np.maximum(squares / (2 * (2 * REACH + 1) - 3), expected)
     sizes = np.sqrt((columns**2).sum(axis=0))
     scaled = columns / np.where(sizes > 0, sizes, 1.0)
     covariance = np.linalg.pinv(scaled.T @ scaled)

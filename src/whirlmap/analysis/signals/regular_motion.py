@@ -22,7 +22,7 @@ MOST = 40
 #: Largest distance after a return, beyond the power outside of lines.
 RETURNED = 0.02
 #: Periods after which a signal is held against itself at most, where one period shows too much.
-LATER = 10
+LATER = 16
 #: Beats of two neighbouring lines that a record must hold, for fewer may be a slow change.
 BEATS = 4.5
 #: Frequency steps below which power is slow drift.
@@ -63,7 +63,8 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
 
     Notes
     -----
-    Regular motion has 98 % of its power in lines: 17 dB above noise. Those with a thousandth of the power are fitted
+    Regular motion has 98 % of its power in lines: 17 dB above noise. Those with a thousandth of the power, and with more than
+    rounding to the levels of the record makes, are fitted
     (`line_fit`); where they lie on a common grid that is no chance (`common_grid`), and the signal is itself again after the
     period that this grid says (`signal_return`), it is periodic. Without a grid it is quasi-periodic, if the record holds
     4.5 beats of any two neighbouring lines.
@@ -73,13 +74,13 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
     frequency, power = np.asarray(lines["line_frequency"], float), np.asarray(lines["line_power"], float)
     total = float(power.sum()) / max(float(lines["line_fraction"]), 1e-300)
     share = power / total if power.size else power
-    counted = np.flatnonzero(share > LINE)[:MOST]
+    counted = np.flatnonzero(share > max(LINE, _rounding(x)))[:MOST]
     density = np.asarray(spectrum["density"])
     slow = float(density[:SLOW].sum() / density.sum())
     vote = "broadband" if broad > BROAD else "none"
     grid, distance, fitted = None, None, frequency[counted] * n
     if broad < 1 - LINES and counted.size:
-        lines_found = fit_lines(x, frequency[counted] * n)
+        lines_found = fit_lines(x, frequency[counted] * n, np.asarray(lines["line_floor"], float)[counted])
         fitted = lines_found.frequency
         grid = common_grid(fitted, lines_found.error, share[counted], samples=n)
         if grid.kind == "grid":
@@ -107,6 +108,15 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
     }
     found = grid if vote == "periodic" else None
     return RegularMotion(votes, n / found.fundamental if found else None, fitted / n, share[counted], broad)
+
+
+def _rounding(x: Array) -> float:
+    """Share of the power that comes from rounding, where the values stand on few levels: a twelfth of the square of their step."""
+    part = x[:100_000]
+    levels = np.unique(part)
+    if levels.size > part.size / 3 or levels.size < 3:
+        return 0.0
+    return float(np.diff(levels).min() ** 2 / 12 / x.var())
 
 
 def _at(grid: CommonGrid, fundamental: float) -> CommonGrid:

@@ -12,7 +12,7 @@ Array = NDArray[np.float64]
 #: Blocks into which a record is cut at most, and swings that one holds at least.
 BLOCKS, SWINGS = 60, 2
 #: Wald statistic from which a change is no chance: of a motion whose level differs little from block to block, and of one that
-#: scatters; scatter of the logarithm between neighbouring blocks that tells them apart.
+#: scatters or has half of the blocks only; scatter of the logarithm between neighbouring blocks that tells them apart.
 CLEAN, SCATTERED, SCATTER = 30.0, 60.0, 0.15
 #: Ratio of the rms of two thirds that counts as a change, and that no beat of two equal lines makes; change of the mean frequency
 #: in units of the record's frequency step, and relative; spread of the means of the thirds over the rms of the motion.
@@ -82,6 +82,9 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
     count = max(count - count % 3, 9)
     blocks = x[: x.size // count * count].reshape(count, -1)
     mean, power = blocks.mean(axis=1), blocks.var(axis=1)
+    if power.max() > power.sum() / 2 and count > BLOCKS // 3:  # one event, such as a wrong value, is no change of the motion
+        event = int(power.argmax())
+        power[event], mean[event] = np.median(power), np.median(mean)
     whole = float(power.mean()) or 1.0
     known = power > 1e-6 * whole
     fast = (np.diff(blocks, axis=1) ** 2).mean(axis=1)  # of a sine: 4 power sin(pi f)^2
@@ -96,7 +99,7 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
         "frequency": trend_statistic(np.log(sine)[known]) if known.sum() >= 9 else 0.0,
         "mean": trend_statistic(mean),
     }
-    critical = CLEAN if float(np.median(np.abs(np.diff(level)))) < SCATTER else SCATTERED
+    critical = CLEAN if float(np.median(np.abs(np.diff(level)))) < SCATTER and count > BLOCKS // 2 else SCATTERED
     changes = []
     ratio = float(rms.max()) / max(float(rms.min()), 1e-300)
     if (statistics["level"] > critical and ratio > LEVEL) or ratio > BURST:

@@ -33,7 +33,7 @@ def decide(votes: Mapping[str, Any]) -> tuple[Regime, float]:
     return Regime.undecided, 0.0
 
 
-def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str, period: float | None) -> str:
+def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str, period: float | None, thinned: int) -> str:
     """Say in plain words what the signal is, and why."""
     spectrum, zero_one, steady = votes["spectrum"], votes["zero_one"], votes["steadiness"]
     share = 100 * (1 - spectrum["broadband_fraction"])
@@ -55,6 +55,8 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
         text.append(f"The 0-1 test gives {zero_one['value']:.2f} (0 regular, 1 chaotic).")
     if votes["neighbours"]["vote"] == "no-dimension":
         text.append("No embedding dimension up to 8 unfolds it: noise, or motion of many dimensions.")
+    if thinned > 1 and "dimension" in votes:
+        text.append(f"Every {thinned}th sample, after a filter, serves for exponents and dimension.")
     for name in ("rosenstein", "kantz"):
         v = votes.get(name)
         if v and v["vote"] not in ("neighbours-coincide", "not-steady"):
