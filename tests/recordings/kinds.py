@@ -53,7 +53,12 @@ def decimal_comma_between_others(v):
     x = signal(v)
     separator = (";", "\t", " ", "|", ";  ")[v % 5]
     rows = stamped(x, 0.004, "{:.3f}")
-    return Recorded(table(rows, separator, f"time{separator.strip() or ' ' if separator != chr(9) else separator}acc\n", ","), x, 250.0, {"column": "acc"})
+    return Recorded(
+        table(rows, separator, f"time{separator.strip() or ' ' if separator != chr(9) else separator}acc\n", ","),
+        x,
+        250.0,
+        {"column": "acc"},
+    )
 
 
 def decimal_comma_in_comma_table(v):
@@ -87,10 +92,17 @@ def comment_lines(v):
 
 def rate_above_the_table(v):
     line, rate = (
-        ("Rate,25600", 25600.0), ("SampleRate, 100,Hz", 100.0), ("Sampling frequency: 12.8 kHz", 12800.0), ("fs=2000", 2000.0),
-        ("Sample Interval\t0.0005", 2000.0), ("dt = 2 ms", 500.0), ("Sampling Rate [Hz]: 51200", 51200.0), ("Delta_X 0.001", 1000.0),
-        ("Sample rate (kHz);48", 48000.0), ("# sampling_rate: 1000", 1000.0),
-    )[v]  # fmt: skip
+        ("Rate,25600", 25600.0),
+        ("SampleRate, 100,Hz", 100.0),
+        ("Sampling frequency: 12.8 kHz", 12800.0),
+        ("fs=2000", 2000.0),
+        ("Sample Interval\t0.0005", 2000.0),
+        ("dt = 2 ms", 500.0),
+        ("Sampling Rate [Hz]: 51200", 51200.0),
+        ("Delta_X 0.001", 1000.0),
+        ("Sample rate (kHz);48", 48000.0),
+        ("# sampling_rate: 1000", 1000.0),
+    )[v]
     x = signal(v)
     return Recorded(table([(str(k), repr(float(y))) for k, y in enumerate(x)], head=line + "\n"), x, rate, {"column": "2"})
 
@@ -98,11 +110,19 @@ def rate_above_the_table(v):
 def numeric_header(v):
     x = signal(v)
     if v < 5:  # pandas: the index has no name
-        return Recorded(table([(str(k), repr(float(y))) for k, y in enumerate(x)], head=",0\n"), x, 8.0, {"column": "0", "rate": 8.0})
+        return Recorded(
+            table([(str(k), repr(float(y))) for k, y in enumerate(x)], head=",0\n"), x, 8.0, {"column": "0", "rate": 8.0}
+        )
     many = v - 3
     names = ",".join(str(k) for k in range(many))
     rows = [[f"{y + j / 7:.5f}" for j in range(many)] for y in x]
-    return Recorded(table(rows, head=names + "\n"), [float(r[1]) for r in rows], 8.0, {"column": "2", "rate": 8.0}, warned="names that are numbers")
+    return Recorded(
+        table(rows, head=names + "\n"),
+        [float(r[1]) for r in rows],
+        8.0,
+        {"column": "2", "rate": 8.0},
+        warned="names that are numbers",
+    )
 
 
 def missing_rows(v):
@@ -124,7 +144,9 @@ def restarted_times(v):
     x = signal(v)
     at = 50 + 20 * v
     rows = [(f"{(k - at * (k >= at)) * 0.5:.1f}", repr(float(y))) for k, y in enumerate(x)]
-    return Recorded(table(rows, head="time,a\n"), refused=f"line {at + 2}: the time in 'time' goes back", options={"column": "a"})
+    return Recorded(
+        table(rows, head="time,a\n"), refused=f"line {at + 2}: the time in 'time' goes back", options={"column": "a"}
+    )
 
 
 def doubled_stamps(v):
@@ -132,20 +154,46 @@ def doubled_stamps(v):
     at = 50 + 20 * v
     rows = stamped(x, 0.5, "{:.1f}")
     rows.insert(at, rows[at])
-    return Recorded(table(rows, head="time,a\n"), x, 2.0, {"column": "a"}, warned=f"line {at + 3}: the time in 'time' is that of the row before")
+    return Recorded(
+        table(rows, head="time,a\n"),
+        x,
+        2.0,
+        {"column": "a"},
+        warned=f"line {at + 3}: the time in 'time' is that of the row before",
+    )
 
 
 def units_in_names(v):
-    name, per_second = (("t_ms", 1e3), ("time (s)", 1.0), ("Time [ms]", 1e3), ("t / s", 1.0), ("time_us", 1e6), ("Zeit in ms", 1e3),
-                        ("Time (msec)", 1e3), ("t[µs]", 1e6), ("elapsed (min)", 1 / 60), ("Timestamp [ns]", 1e9))[v]  # fmt: skip
+    name, per_second = (
+        ("t_ms", 1e3),
+        ("time (s)", 1.0),
+        ("Time [ms]", 1e3),
+        ("t / s", 1.0),
+        ("time_us", 1e6),
+        ("Zeit in ms", 1e3),
+        ("Time (msec)", 1e3),
+        ("t[µs]", 1e6),
+        ("elapsed (min)", 1 / 60),
+        ("Timestamp [ns]", 1e9),
+    )[v]
     x = signal(v)
     rows = [(f"{k * 0.002 * per_second:.9g}", repr(float(y))) for k, y in enumerate(x)]
     return Recorded(table(rows, ";", f"{name};acc [m/s^2]\n"), x, 500.0, {"column": "acc"})
 
 
 def units_row(v):
-    names, units = (("Time,Acc", "s,g"), ("Time,Acc", "[s],[m/s^2]"), ("Time,Acc", "(s),(V)"), ("Time,Acc", "ms,m/s²"), ("t,Acc", "[ms],[g]"),
-                    ("Time,Acc", "s,"), ("Time,Acc", "s,mm"), ("Time,Acc", "us,Pa"), ("X_Value,Acc", "s,N"), ("Elapsed Time,Acc", "min,rpm"))[v]  # fmt: skip
+    names, units = (
+        ("Time,Acc", "s,g"),
+        ("Time,Acc", "[s],[m/s^2]"),
+        ("Time,Acc", "(s),(V)"),
+        ("Time,Acc", "ms,m/s²"),
+        ("t,Acc", "[ms],[g]"),
+        ("Time,Acc", "s,"),
+        ("Time,Acc", "s,mm"),
+        ("Time,Acc", "us,Pa"),
+        ("X_Value,Acc", "s,N"),
+        ("Elapsed Time,Acc", "min,rpm"),
+    )[v]
     scale = {"ms": 1e3, "us": 1e6, "min": 1 / 60}.get(units.split(",")[0].strip("[]()"), 1.0)
     x = signal(v)
     rows = [(f"{k * 0.02 * scale:.9g}", repr(float(y))) for k, y in enumerate(x)]
@@ -155,12 +203,20 @@ def units_row(v):
 def labview(v):
     x = signal(v)
     comma = v % 2
-    head = ("LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n" + f"Decimal_Separator\t{',' if comma else '.'}\n"
-            "Multi_Headings\tNo\n***End_of_Header***\t\n\t\nChannels\t1\t\nSamples\t400\t\nDate\t2024/02/03\t\n"
-            "Delta_X\t0.001\t\n***End_of_Header***\t\t\nX_Value\tAcc\tComment\n")  # fmt: skip
+    head = (
+        "LabVIEW Measurement\t\nWriter_Version\t2\nSeparator\tTab\n" + f"Decimal_Separator\t{',' if comma else '.'}\n"
+        "Multi_Headings\tNo\n***End_of_Header***\t\n\t\nChannels\t1\t\nSamples\t400\t\nDate\t2024/02/03\t\n"
+        "Delta_X\t0.001\t\n***End_of_Header***\t\t\nX_Value\tAcc\tComment\n"
+    )
     times = v < 6
     rows = [(f"{k * 0.001:.6f}" if times else "", f"{y:.6f}", "") for k, y in enumerate(x)]
-    return Recorded(table(rows, "\t", head, "," if comma else ".", "\r\n" if v % 3 else "\n"), x, 1000.0, {"column": "Acc"}, suffix=".lvm")
+    return Recorded(
+        table(rows, "\t", head, "," if comma else ".", "\r\n" if v % 3 else "\n"),
+        x,
+        1000.0,
+        {"column": "Acc"},
+        suffix=".lvm",
+    )
 
 
 def numpy_text(v):
@@ -230,7 +286,9 @@ def ragged(v):
     rows = stamped(signal(v))
     at = 20 + 30 * v
     rows[at] = (*rows[at], "7") if v % 2 else rows[at][:1]
-    return Recorded(table(rows, head="time,a\n"), refused=f"line {at + 2}: found {3 if v % 2 else 1} columns", options={"column": "a"})
+    return Recorded(
+        table(rows, head="time,a\n"), refused=f"line {at + 2}: found {3 if v % 2 else 1} columns", options={"column": "a"}
+    )
 
 
 def words_in_a_row(v):
@@ -250,12 +308,19 @@ def names_twice(v):
 def excel(v):
     x = signal(v)
     separator, decimal = ((";", ","), (",", "."), ("\t", "."), ("|", "."), (";", "."))[v % 5]
-    return Recorded(table(stamped(x), separator, f"sep={separator}\n" + separator.join(("time", "a")) + "\n", decimal, "\r\n"), x, 100.0, {"column": "a"})
+    return Recorded(
+        table(stamped(x), separator, f"sep={separator}\n" + separator.join(("time", "a")) + "\n", decimal, "\r\n"),
+        x,
+        100.0,
+        {"column": "a"},
+    )
 
 
 def dates(v):
     x = signal(v)
-    form = ("{d}T{c}Z", "{d} {c}", "{d} {c}+00:00", "{e} {c}", "{u} {c}", "{c}", "{d}T{c}", "{w} {c}", "{d},{c}", "{e},{c}")[v]
+    form = ("{d}T{c}Z", "{d} {c}", "{d} {c}+00:00", "{e} {c}", "{u} {c}", "{c}", "{d}T{c}", "{w} {c}", "{d},{c}", "{e},{c}")[
+        v
+    ]
     rows = []
     for k, y in enumerate(x):
         milli = 86_390_000 + 50 * k  # over midnight after 10 s
@@ -273,7 +338,13 @@ def epoch(v):
     x = signal(v)
     scale, digits = ((1, 3), (1e3, 0), (1e6, 0), (1e9, 0), (1, 6))[v % 5]
     rows = [(f"{(1_700_000_000 + k * 0.01) * scale:.{digits}f}", repr(float(y))) for k, y in enumerate(x)]
-    return Recorded(table(rows, head=("timestamp,a\n", "time,a\n")[v % 2]), x, 100.0, {"column": "a"}, warned="" if v % 5 in (0, 4) else "stamps since 1970")
+    return Recorded(
+        table(rows, head=("timestamp,a\n", "time,a\n")[v % 2]),
+        x,
+        100.0,
+        {"column": "a"},
+        warned="" if v % 5 in (0, 4) else "stamps since 1970",
+    )
 
 
 def clock_columns(v):
@@ -292,19 +363,42 @@ def clock_columns(v):
 
 def sample_count(v):
     x = signal(v)
-    return Recorded((f"{x.size}\n" + "\n".join(repr(float(y)) for y in x) + "\n").encode(), x, 2.0, {"rate": 2.0}, warned="number of samples")
+    return Recorded(
+        (f"{x.size}\n" + "\n".join(repr(float(y)) for y in x) + "\n").encode(),
+        x,
+        2.0,
+        {"rate": 2.0},
+        warned="number of samples",
+    )
 
 
 def footers(v):
     x = signal(v)
-    foot = ("End of data", "***", "mean;0.5;", "# done", "", "END,1", "Total samples: 400", "--- 400 rows ---", "stop", "\x1a")[v]
+    foot = (
+        "End of data",
+        "***",
+        "mean;0.5;",
+        "# done",
+        "",
+        "END,1",
+        "Total samples: 400",
+        "--- 400 rows ---",
+        "stop",
+        "\x1a",
+    )[v]
     return Recorded(table(stamped(x), head="time,a\n") + foot.encode() + b"\n", x, 100.0, {"column": "a"})
 
 
 def cut_while_writing(v):
     rows = table(stamped(signal(v)), head="time,a,b\n").replace(b"\n", b",1\n").replace(b"time,a,b,1", b"time,a,b")
     lines = rows.split(b"\n")
-    return Recorded(b"\n".join(lines[:300]) + b"\n" + lines[300].split(b",")[0] + b"," * (v % 2), signal(v)[:299], 100.0, {"column": "a"}, warned="line 301")
+    return Recorded(
+        b"\n".join(lines[:300]) + b"\n" + lines[300].split(b",")[0] + b"," * (v % 2),
+        signal(v)[:299],
+        100.0,
+        {"column": "a"},
+        warned="line 301",
+    )
 
 
 def fortran(v):
@@ -327,5 +421,10 @@ def jitter(v):
     return Recorded(table(rows, head="time,a\n"), x, 10.0, {"column": "a"})
 
 
-KINDS = [f for f in list(globals().values()) if callable(f) and getattr(f, "__module__", "") == __name__
-         and f.__name__ not in ("Recorded", "signal", "table", "stamped")]  # fmt: skip
+KINDS = [
+    f
+    for f in list(globals().values())
+    if callable(f)
+    and getattr(f, "__module__", "") == __name__
+    and f.__name__ not in ("Recorded", "signal", "table", "stamped")
+]

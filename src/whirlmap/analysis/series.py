@@ -65,8 +65,8 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     xr.Dataset
         ``regime``, ``series(time)``, and under the names of their functions what the indicators gave: spectrum and lines,
         ``mutual_information(lag)``, ``false_neighbours(dimension)``, ``rosenstein(step)``, ``kantz(step)`` and
-        ``dimension_*``, where they were asked. ``attrs["indicators"]`` is a JSON object of every vote, ``attrs["verdict"]`` some
-        sentences; ``attrs["period"]`` and ``attrs["frequency"]`` are there where the signal has them.
+        ``dimension_*``, where they were asked. ``attrs["indicators"]`` is a JSON object of every vote, ``attrs["verdict"]``
+        some sentences; ``attrs["period"]`` and ``attrs["frequency"]`` are there where the signal has them.
 
     Raises
     ------
@@ -89,8 +89,8 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
        positive over a scaling range, and so is the other, or the dimension has one: coloured noise may show one of them
        by chance. Quasi-periodic motion must not wander nor have Rosenstein's exponent. Else undecided.
 
-    A signal says less than equations: exponents have no other error than the scatter within the one record, coloured noise can
-    imitate a low dimension, and filters add dimensions.
+    A signal says less than equations: exponents have no other error than the scatter within the one record, coloured noise
+    can imitate a low dimension, and filters add dimensions.
     """
     raw, scale = _checked(values, rate)
     spectrum = power_spectrum.find(raw, rate=1.0)
@@ -159,7 +159,8 @@ def _checked(values: ArrayLike, rate: Any) -> tuple[Array, float]:
         at = int(np.flatnonzero(~np.isfinite(raw))[0])
         raise RangeError(f"sample {at + 1} of the signal is {raw[at]}: all must be finite numbers")
     if isinstance(rate, str) or not SLOWEST < per_unit < 1 / SLOWEST:
-        raise RangeError(f"rate = {rate!r}: a positive number of samples per unit of time, {SLOWEST:g} to {1 / SLOWEST:g}, is needed")
+        raise RangeError(f"rate = {rate!r}: a positive number of samples per unit of time, {SLOWEST:g} to "
+            f"{1 / SLOWEST:g}, is needed")
     largest = float(np.abs(raw).max())
     if largest == 0 or float(raw.max()) / largest - float(raw.min()) / largest <= 1e-12:
         raise RangeError(f"the signal is constant ({raw[0]:g}): there is no motion in it")

@@ -102,7 +102,8 @@ def spectral_lines(
     step = float(spectrum["frequency_step"])
     floor = np.stack([_floor(column, width, lobe) for column in flat.T], axis=1)
     options: dict[str, Any] = {"step": step, "lobe": lobe, "leakage": _leakage(spectrum.attrs["window"])}
-    options |= {"threshold": np.log(bins / false_alarm), "least": least, "odd": int(spectrum.attrs.get("samples", 0)) % 2 == 1}
+    options |= {"threshold": np.log(bins / false_alarm), "least": least, "odd": int(spectrum.attrs.get("samples",
+        0)) % 2 == 1}
     found = [_lines_of(flat[:, k], floor[:, k], **options) for k in range(flat.shape[1])]
     most = max((len(f) for f, *_ in found), default=0)
     table = np.full((3, most, flat.shape[1]), np.nan)

@@ -1,12 +1,12 @@
 """``whirlmap diagnose``: everything about one operating point, and what its regime is."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from whirlmap.cli import options, pictures, report
-from whirlmap.cli import series as signals
+from whirlmap.cli import series as recorded
+from whirlmap.cli import series_options as signals
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import InputError
@@ -83,12 +83,13 @@ def diagnose(
     test and spectrum are its evidence.
     """
     if series is not None:
-        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents, "--steps": steps, "--accuracy": accuracy,
+        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents, "--steps": steps,
+            "--accuracy": accuracy,
                  "--method": method}  # fmt: skip
         for name, value in given.items():
             if value:
                 raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
-        signals.diagnose_file(
+        recorded.diagnose_file(
             series, column=column, time=time, rate=rate, separator=separator, decimal=decimal, skip=skip, missing=missing,
             window=window, speed=speed, teeth=teeth, out=out, force=force, json=json, quiet=quiet,
         )  # fmt: skip

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
-from whirlmap.cli import series as signals
+from whirlmap.cli import series as recorded
+from whirlmap.cli import series_options as signals
 from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
@@ -62,7 +63,7 @@ def show(
         for name, value in {"CASE": case, "--set": changes, "--start": start, "--equations": equations}.items():
             if value:
                 raise InputError(f"{name}: found it beside --series, which shows a file without equations")
-        signals.show_file(series, time=time, separator=separator, decimal=decimal, skip=skip, json=json)
+        recorded.show_file(series, time=time, separator=separator, decimal=decimal, skip=skip, json=json)
         return
     for name in signals.options_given(time=time, separator=separator, decimal=decimal, skip=skip):
         raise InputError(f"{name}: found it without --series FILE, which it belongs to")

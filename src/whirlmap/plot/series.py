@@ -10,7 +10,19 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from whirlmap.plot.dimension import draw_correlation_sum
-from whirlmap.plot.style import BLUE, GREEN, INK, ORANGE, VERMILION, WIDE, axes_or_new, look_of, new_figure, styled, write_reason
+from whirlmap.plot.style import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    VERMILION,
+    WIDE,
+    axes_or_new,
+    look_of,
+    new_figure,
+    styled,
+    write_reason,
+)
 from whirlmap.results.regime import Regime
 
 #: Swings of the signal that are shown in time, and in the portrait.
@@ -78,7 +90,8 @@ def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     beside.set_ylabel("frequency", color=VERMILION)
     beside.spines["right"].set_visible(True)
     shown = {look.label: look for look in looks}
-    ax.legend(handles=[Patch(facecolor=look.colour, alpha=0.35, label=name) for name, look in shown.items()], loc="upper left",
+    ax.legend(handles=[Patch(facecolor=look.colour, alpha=0.35, label=name) for name, look in shown.items()],
+        loc="upper left",
               bbox_to_anchor=(0.0, 1.25), ncols=len(shown), fontsize=6.5)  # fmt: skip
     return ax
 

@@ -31,10 +31,14 @@ def _reads(form: str) -> Callable[[Callable[[Path], ArrayTable]], Callable[[Path
                     raise
                 except ImportError as error:
                     package = getattr(error, "name", None) or "pyarrow"
-                    raise InputError(f"{path}: found {form}, which needs a package that is not installed: pip install {package}") from None
+                    raise InputError(
+                        f"{path}: found {form}, which needs a package that is not installed: pip install {package}"
+                    ) from None
                 except Exception as error:  # libraries raise what they like for broken files
                     raise InputError(f"{path}: found {form} that cannot be read ({type(error).__name__}: {error})") from None
-            table.notices += [" ".join(str(w.message).split()) for w in caught if not issubclass(w.category, DeprecationWarning)]
+            table.notices += [
+                " ".join(str(w.message).split()) for w in caught if not issubclass(w.category, DeprecationWarning)
+            ]
             return table
 
         return read
@@ -66,7 +70,11 @@ def _table(path: Path, form: str, named: Iterable[tuple[str, Any, str]], rate: f
         if array.ndim == 2 and array.shape[0] < array.shape[1]:
             notices.append(f"{name!r} of shape {array.shape} is read with a signal in each row")
             array = array.T
-        each = [(name, array)] if array.ndim == 1 else [(f"{name}_{k + 1}" if name else "", array[:, k]) for k in range(array.shape[1])]
+        each = (
+            [(name, array)]
+            if array.ndim == 1
+            else [(f"{name}_{k + 1}" if name else "", array[:, k]) for k in range(array.shape[1])]
+        )
         for title, column in each:
             columns.append(Column.of(title, NUMBER, unit))
             arrays.append(column)
@@ -156,10 +164,14 @@ def nc(path: Path) -> ArrayTable:
             named.append((str(name), v.values, unit))
             continue
         other = next(d for d in v.dims if d != long)
-        labels = [str(x) for x in ds[other].values] if other in ds.coords else [f"{name}_{k + 1}" for k in range(v.sizes[other])]
+        labels = (
+            [str(x) for x in ds[other].values] if other in ds.coords else [f"{name}_{k + 1}" for k in range(v.sizes[other])]
+        )
         each = str(v.attrs.get("unit_of_each", "")).split()
         units = each if len(each) == len(labels) else [unit] * len(labels)
-        named += [(label, v.transpose(long, other).values[:, k], u) for k, (label, u) in enumerate(zip(labels, units, strict=True))]
+        named += [
+            (label, v.transpose(long, other).values[:, k], u) for k, (label, u) in enumerate(zip(labels, units, strict=True))
+        ]
     return _table(path, "a NetCDF file", named)
 
 
@@ -170,8 +182,14 @@ def parquet(path: Path) -> ArrayTable:
 
     frame = pd.read_parquet(path)
     named = [(str(n), frame[n].to_numpy(), "") for n in frame.columns]
-    stamps = [(n, (v.astype("datetime64[ns]").astype(np.int64) * 1e-9) if v.dtype.kind == "M" else v, "s" if v.dtype.kind == "M" else u)
-              for n, v, u in named]  # fmt: skip
+    stamps = [
+        (
+            n,
+            (v.astype("datetime64[ns]").astype(np.int64) * 1e-9) if v.dtype.kind == "M" else v,
+            "s" if v.dtype.kind == "M" else u,
+        )
+        for n, v, u in named
+    ]
     return _table(path, "a Parquet file", stamps)
 
 
@@ -186,8 +204,13 @@ def tdms(path: Path) -> ArrayTable:
             for channel in group.channels():
                 step = channel.properties.get("wf_increment")
                 rates |= {1 / step} if step else set()
-                named.append((f"{group.name}/{channel.name}" if len(file.groups()) > 1 else channel.name, channel[:],
-                              str(channel.properties.get("unit_string", ""))))  # fmt: skip
+                named.append(
+                    (
+                        f"{group.name}/{channel.name}" if len(file.groups()) > 1 else channel.name,
+                        channel[:],
+                        str(channel.properties.get("unit_string", "")),
+                    )
+                )
     return _table(path, "a TDMS file", named, rates.pop() if len(rates) == 1 else None)
 
 
@@ -201,7 +224,13 @@ def uff(path: Path) -> ArrayTable:
     times = [s for s in sets if s.get("func_type") == 1]
     if not times:
         raise InputError(f"{path}: found a universal file without time records (data set 58, function 1), expected one")
-    named = [(str(s.get("id1") or s.get("id4") or f"record {k + 1}").strip(), np.real(s["data"]), str(s.get("ordinate_axis_units_lab", "")).strip())
-             for k, s in enumerate(times)]  # fmt: skip
+    named = [
+        (
+            str(s.get("id1") or s.get("id4") or f"record {k + 1}").strip(),
+            np.real(s["data"]),
+            str(s.get("ordinate_axis_units_lab", "")).strip(),
+        )
+        for k, s in enumerate(times)
+    ]
     steps = {float(s["abscissa_inc"]) for s in times if s.get("abscissa_spacing") == 1 and s.get("abscissa_inc")}
     return _table(path, "a universal file (UFF)", named, 1 / steps.pop() if len(steps) == 1 else None)

@@ -11,25 +11,148 @@ _SLASH = re.compile(r"(?P<name>[^/]+?)\s*/\s*(?P<unit>[^/].*)")
 _IN = re.compile(r"(?P<name>.+?)[\s_]+in[\s_]+(?P<unit>\S+)", re.IGNORECASE)
 _SUFFIX = re.compile(r"(?P<name>.+?)[\s_,;:]+(?P<unit>\S+)")
 #: Units that may follow a name after an underscore or a blank; other words there belong to the name.
-_SUFFIXES = frozenset({
-    "s", "ms", "us", "µs", "μs", "ns", "sec", "secs", "second", "seconds", "msec", "usec", "min", "h", "hr", "hours", "milliseconds",
-    "microseconds", "nanoseconds", "minutes", "Hz", "kHz", "rpm", "g", "mg", "mm", "um", "µm", "μm", "m", "mV", "V", "Pa", "kPa", "bar",
-    "N", "kN", "Nm", "A", "mA", "degC", "mm/s", "m/s", "m/s2", "m/s^2", "m/s²",
-})  # fmt: skip
-_TIMES = frozenset({
-    "t", "time", "times", "xvalue", "timestamp", "timestamps", "timestep", "zeit", "zeitstempel", "uhrzeit", "temps", "tiempo", "tempo",
-    "tijd", "tid", "czas", "aika", "cas", "datum", "datetime", "date", "elapsed", "elapsedtime", "relativetime", "reltime",
-    "seconds", "sec", "secs", "milliseconds", "msec", "epoch", "epochtime", "unixtime", "unix", "posixtime", "utc", "localtime", "clock",
-    "sampletime", "timevector", "timeaxis", "tsec", "tms", "timems", "timesec", "timestampms", "testtime", "runtime", "totaltime",
-})  # fmt: skip
-_OF_NAMES = {"milliseconds": "ms", "msec": "ms", "tms": "ms", "timems": "ms", "timestampms": "ms", "seconds": "s", "sec": "s", "secs": "s",
-             "tsec": "s", "timesec": "s"}  # fmt: skip
+_SUFFIXES = frozenset(
+    {
+        "s",
+        "ms",
+        "us",
+        "µs",
+        "μs",
+        "ns",
+        "sec",
+        "secs",
+        "second",
+        "seconds",
+        "msec",
+        "usec",
+        "min",
+        "h",
+        "hr",
+        "hours",
+        "milliseconds",
+        "microseconds",
+        "nanoseconds",
+        "minutes",
+        "Hz",
+        "kHz",
+        "rpm",
+        "g",
+        "mg",
+        "mm",
+        "um",
+        "µm",
+        "μm",
+        "m",
+        "mV",
+        "V",
+        "Pa",
+        "kPa",
+        "bar",
+        "N",
+        "kN",
+        "Nm",
+        "A",
+        "mA",
+        "degC",
+        "mm/s",
+        "m/s",
+        "m/s2",
+        "m/s^2",
+        "m/s²",
+    }
+)
+_TIMES = frozenset(
+    {
+        "t",
+        "time",
+        "times",
+        "xvalue",
+        "timestamp",
+        "timestamps",
+        "timestep",
+        "zeit",
+        "zeitstempel",
+        "uhrzeit",
+        "temps",
+        "tiempo",
+        "tempo",
+        "tijd",
+        "tid",
+        "czas",
+        "aika",
+        "cas",
+        "datum",
+        "datetime",
+        "date",
+        "elapsed",
+        "elapsedtime",
+        "relativetime",
+        "reltime",
+        "seconds",
+        "sec",
+        "secs",
+        "milliseconds",
+        "msec",
+        "epoch",
+        "epochtime",
+        "unixtime",
+        "unix",
+        "posixtime",
+        "utc",
+        "localtime",
+        "clock",
+        "sampletime",
+        "timevector",
+        "timeaxis",
+        "tsec",
+        "tms",
+        "timems",
+        "timesec",
+        "timestampms",
+        "testtime",
+        "runtime",
+        "totaltime",
+    }
+)
+_OF_NAMES = {
+    "milliseconds": "ms",
+    "msec": "ms",
+    "tms": "ms",
+    "timems": "ms",
+    "timestampms": "ms",
+    "seconds": "s",
+    "sec": "s",
+    "secs": "s",
+    "tsec": "s",
+    "timesec": "s",
+}
 #: Parts of a clock that stand in columns of their own, each with its seconds.
 CLOCK_PARTS = {
-    "hour": 3600.0, "hours": 3600.0, "hh": 3600.0, "h": 3600.0, "minute": 60.0, "minutes": 60.0, "min": 60.0, "mm": 60.0,
-    "second": 1.0, "seconds": 1.0, "sec": 1.0, "ss": 1.0, "millisecond": 1e-3, "milliseconds": 1e-3, "msec": 1e-3, "ms": 1e-3,
-    "microsecond": 1e-6, "microseconds": 1e-6, "usec": 1e-6, "us": 1e-6, "µs": 1e-6, "nanosecond": 1e-9, "nanoseconds": 1e-9, "ns": 1e-9,
-}  # fmt: skip
+    "hour": 3600.0,
+    "hours": 3600.0,
+    "hh": 3600.0,
+    "h": 3600.0,
+    "minute": 60.0,
+    "minutes": 60.0,
+    "min": 60.0,
+    "mm": 60.0,
+    "second": 1.0,
+    "seconds": 1.0,
+    "sec": 1.0,
+    "ss": 1.0,
+    "millisecond": 1e-3,
+    "milliseconds": 1e-3,
+    "msec": 1e-3,
+    "ms": 1e-3,
+    "microsecond": 1e-6,
+    "microseconds": 1e-6,
+    "usec": 1e-6,
+    "us": 1e-6,
+    "µs": 1e-6,
+    "nanosecond": 1e-9,
+    "nanoseconds": 1e-9,
+    "ns": 1e-9,
+}
 
 
 def split_unit(text: str) -> tuple[str, str]:
@@ -73,7 +196,11 @@ def seconds_per(unit: str) -> float | None:
 def is_time(name: str) -> bool:
     """Whether a name, without its unit, is one of the usual ones of a time column."""
     plain = _plain(name)
-    return plain in _TIMES or plain.startswith(("timestamp", "timein")) or bool(re.match(r"(?i)(time|zeit)[\s_.-]", name.strip()))
+    return (
+        plain in _TIMES
+        or plain.startswith(("timestamp", "timein"))
+        or bool(re.match(r"(?i)(time|zeit)[\s_.-]", name.strip()))
+    )
 
 
 def unit_of_time_name(name: str) -> str:

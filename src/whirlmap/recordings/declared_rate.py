@@ -7,12 +7,14 @@ from whirlmap.recordings.column_names import seconds_per
 
 _NUMBER = r"([+-]?(?:\d+(?:[.,]\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
 _RATE = re.compile(
-    r"^\W*(?:(?:sampl\w*|scan|acquisition|data|abtast)[\s_-]*(?:rate|frequency|freq\.?)|rate|fs|samples per second|abtastrate)"
+    r"^\W*(?:(?:sampl\w*|scan|acquisition|data|abtast)[\s_-]*(?:rate|frequency|freq\.?)|rate|fs|samples per "
+    "second|abtastrate)"
     rf"\s*[\[(]?\s*(?P<before>[kM]?(?:Hz|S/s|Sa/s))?[\])]?\W*?{_NUMBER}\W*(?P<unit>[kM]?(?:Hz|S/s|Sa/s|1/s))?",
     re.IGNORECASE,
 )
 _STEP = re.compile(
-    r"^\W*(?:delta[\s_-]?[xt]|dt|(?:sampl\w*|time|scan)[\s_-]*(?:interval|period|step|increment)|increment|time base step|hresolution)"
+    r"^\W*(?:delta[\s_-]?[xt]|dt|(?:sampl\w*|time|scan)[\s_-]*(?:interval|period|step|increment)|increment|time base "
+    "step|hresolution)"
     rf"\s*[\[(]?\s*(?P<before>[munµ]?s(?:ec)?)?[\])]?\W*?{_NUMBER}\W*(?P<unit>[munµ]?s(?:ec|econds)?\b)?",
     re.IGNORECASE,
 )

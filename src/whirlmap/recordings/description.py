@@ -8,7 +8,8 @@ from typing import Any
 import numpy as np
 
 from whirlmap.errors import InputError
-from whirlmap.recordings.clock import even_grid, find_clock, seconds_of
+from whirlmap.recordings.clock import find_clock, seconds_of
+from whirlmap.recordings.even_grid import even_grid
 from whirlmap.recordings.fields import NUMBER
 from whirlmap.recordings.open_table import open_table
 from whirlmap.recordings.table import Table
@@ -63,16 +64,27 @@ def _described(table: Table, time: str | None) -> dict[str, Any]:
             notices.append(str(fault))
     columns = [
         {
-            "position": k + 1, "name": c.title, "unit": c.unit, "kind": c.kind, "minimum": lows.get(k), "maximum": highs.get(k),
+            "position": k + 1,
+            "name": c.title,
+            "unit": c.unit,
+            "kind": c.kind,
+            "minimum": lows.get(k),
+            "maximum": highs.get(k),
             "missing": table.absent[k].count if k in table.absent else 0,
             "first_missing": table.place(table.absent[k].row) if k in table.absent and table.absent[k].count else None,
         }
         for k, c in enumerate(table.columns)
-    ]  # fmt: skip
+    ]
     return {
-        "file": table.source, "form": table.form, "rows": max(counts.values(), default=0), "columns": columns,
-        "time": clock.name if clock else None, "rate": rate, "start": start, "warnings": notices,
-    }  # fmt: skip
+        "file": table.source,
+        "form": table.form,
+        "rows": max(counts.values(), default=0),
+        "columns": columns,
+        "time": clock.name if clock else None,
+        "rate": rate,
+        "start": start,
+        "warnings": notices,
+    }
 
 
 def _columns(table: Any, positions: Sequence[int]) -> Any:

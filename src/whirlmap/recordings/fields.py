@@ -4,9 +4,34 @@ import re
 from datetime import UTC, datetime, timedelta
 
 #: Words that stand for a value that is not there.
-ABSENT = frozenset({"", "nan", "na", "n/a", "#n/a", "#na", "null", "none", "-", "--", "?", "inf", "-inf", "+inf", "1.#qnan",
-                    "-1.#ind", "1.#inf", "#num!", "#value!", "#div/0!", "missing"})  # fmt: skip
-_NUMBER = {mark: re.compile(rf"[+-]?(?:\d+(?:{re.escape(mark)}\d*)?|{re.escape(mark)}\d+)(?:[eEdD][+-]?\d+)?") for mark in ".,"}
+ABSENT = frozenset(
+    {
+        "",
+        "nan",
+        "na",
+        "n/a",
+        "#n/a",
+        "#na",
+        "null",
+        "none",
+        "-",
+        "--",
+        "?",
+        "inf",
+        "-inf",
+        "+inf",
+        "1.#qnan",
+        "-1.#ind",
+        "1.#inf",
+        "#num!",
+        "#value!",
+        "#div/0!",
+        "missing",
+    }
+)
+_NUMBER = {
+    mark: re.compile(rf"[+-]?(?:\d+(?:{re.escape(mark)}\d*)?|{re.escape(mark)}\d+)(?:[eEdD][+-]?\d+)?") for mark in ".,"
+}
 _CLOCK = r"(\d{1,2}):(\d{2})(?::(\d{2})(?:[.,:](\d{1,9}))?)?\s*([AaPp][Mm])?"
 _CLOCK_ONLY = re.compile(_CLOCK)
 _YEAR_FIRST = re.compile(rf"(\d{{4}})([-/.])(\d{{1,2}})\2(\d{{1,2}})(?:[T ]+{_CLOCK})?\s*(?:Z|UTC|[+-]\d{{2}}:?\d{{2}})?")

@@ -13,15 +13,19 @@ from whirlmap.recordings.text_table import open_text_table
 
 #: First bytes, where they stand, and what reads them.
 MAGIC: tuple[tuple[bytes, int, Callable[[Path], ArrayTable]], ...] = (
-    (b"WAVE", 8, array_files.wav), (b"\x93NUMPY", 0, array_files.npy), (b"MATLAB 5.0", 0, array_files.mat),
-    (b"MATLAB 7", 0, array_files.hdf), (b"PAR1", 0, array_files.parquet), (b"CDF", 0, array_files.nc),
-    (b"\x89HDF", 0, array_files.nc), (b"TDSm", 0, array_files.tdms), (b"    -1", 0, array_files.uff),
-)  # fmt: skip
+    (b"WAVE", 8, array_files.wav),
+    (b"\x93NUMPY", 0, array_files.npy),
+    (b"MATLAB 5.0", 0, array_files.mat),
+    (b"MATLAB 7", 0, array_files.hdf),
+    (b"PAR1", 0, array_files.parquet),
+    (b"CDF", 0, array_files.nc),
+    (b"\x89HDF", 0, array_files.nc),
+    (b"TDSm", 0, array_files.tdms),
+    (b"    -1", 0, array_files.uff),
+)
 
 
-def open_table(
-    path: str | Path, *, separator: str | None = None, decimal: str | None = None, skip: int = 0
-) -> Table:
+def open_table(path: str | Path, *, separator: str | None = None, decimal: str | None = None, skip: int = 0) -> Table:
     """Open a file as a table; nothing but its head is read.
 
     Parameters
@@ -38,7 +42,9 @@ def open_table(
     """
     for option, value, allowed in (("--separator", separator, 1), ("--decimal", decimal, 1)):
         if value is not None and value != "blank" and len(value) != allowed:
-            raise InputError(f"{option}: found {value!r}, expected one character" + (", or blank" if option == "--separator" else ""))
+            raise InputError(
+                f"{option}: found {value!r}, expected one character" + (", or blank" if option == "--separator" else "")
+            )
     if decimal is not None and decimal not in ".,":
         raise InputError(f"--decimal: found {decimal!r}, expected . or ,")
     if decimal is not None and decimal == separator:
@@ -56,7 +62,13 @@ def open_table(
 
 
 def _opened(
-    path: str | Path, head: bytes, stream: io.BufferedReader, name: str, separator: str | None, decimal: str | None, skip: int
+    path: str | Path,
+    head: bytes,
+    stream: io.BufferedReader,
+    name: str,
+    separator: str | None,
+    decimal: str | None,
+    skip: int,
 ) -> Table:
     for magic, at, read in MAGIC:
         if head[at : at + len(magic)] == magic:

@@ -8,12 +8,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.errors import CaseError, InputError, RangeError
-from whirlmap.recordings.clock import Clock, Grid, even_grid, find_clock, seconds_of
+from whirlmap.errors import InputError
+from whirlmap.recordings.clock import Clock, find_clock, seconds_of
+from whirlmap.recordings.even_grid import Grid, even_grid
 from whirlmap.recordings.open_table import open_table
+from whirlmap.recordings.shaft_speed import shaft_speed
 from whirlmap.recordings.suspects import suspects
 from whirlmap.recordings.table import Array, Table, find_column
-from whirlmap.units import factor
 
 #: Difference between a rate that was asked for and that of the times, relative, from which it is said.
 CONTRADICTS = 5e-3
@@ -55,10 +56,18 @@ class Signal:
 
 
 def read_signal(
-    path: str | Path, *, column: str | None = None, time: str | None = None, rate: float | None = None, separator: str | None = None,
-    decimal: str | None = None, skip: int = 0, missing: Sequence[str] = (), window: tuple[float, float] | None = None,
+    path: str | Path,
+    *,
+    column: str | None = None,
+    time: str | None = None,
+    rate: float | None = None,
+    separator: str | None = None,
+    decimal: str | None = None,
+    skip: int = 0,
+    missing: Sequence[str] = (),
+    window: tuple[float, float] | None = None,
     speed: str | None = None,
-) -> Signal:  # fmt: skip
+) -> Signal:
     """Read one column of a file.
 
     Parameters
@@ -90,9 +99,14 @@ def read_signal(
 
 
 def _signal(
-    table: Table, column: str | None, time: str | None, rate: float | None, missing: Sequence[str],
-    window: tuple[float, float] | None, speed: str | None,
-) -> Signal:  # fmt: skip
+    table: Table,
+    column: str | None,
+    time: str | None,
+    rate: float | None,
+    missing: Sequence[str],
+    window: tuple[float, float] | None,
+    speed: str | None,
+) -> Signal:
     at = find_column(table, column)
     clock = find_clock(table, time)
     tacho = None if speed is None else find_column(table, speed, "--speed")
@@ -118,8 +132,11 @@ def _signal(
 
     for k in clock.positions if clock else ():
         if table.absent.get(k) and table.absent[k].count:
-            raise InputError(f"{table.source}, {table.place(table.absent[k].row)}: found {table.absent[k].text!r} in column {k + 1},"
-                             " expected a time; --time none with --rate leaves the times out")  # fmt: skip
+            raise InputError(
+                f"{table.source}, {table.place(table.absent[k].row)}: found {table.absent[k].text!r} in "
+                f"column {k + 1},"
+                " expected a time; --time none with --rate leaves the times out"
+            )
     gone = _missing(table, at, values, missing, notices, place)
     grid = _grid(table, clock, loaded, rate, place, notices)
     sampled = grid.rate if grid else rate if rate is not None else table.rate
@@ -128,7 +145,10 @@ def _signal(
     start = grid.start if grid else 0.0
     present = np.flatnonzero(~gone)
     notices += suspects(values[present], lambda k: place(int(present[k])))
-    turns = None if tacho is None else _turns(table, tacho, np.asarray(loaded[tacho], dtype=np.float64), sampled, notices)
+    pulses = None if tacho is None else np.asarray(loaded[tacho], dtype=np.float64)
+    turns = None if tacho is None or pulses is None else shaft_speed(table, tacho, pulses, sampled, notices)
+        None if tacho is None else shaft_speed(table, tacho, np.asarray(loaded[tacho], dtype=np.float64), sampled, notices)
+    )
     rows = np.arange(values.size) if grid is None or grid.rows is None else grid.rows
     index = np.arange(rows.size) if grid is None or grid.index is None else grid.index
     kept = ~gone[rows]
@@ -143,11 +163,12 @@ def _signal(
 def _without_count(table: Table, values: Array, notices: list[str]) -> tuple[Array, int]:
     """Leave out a first value that is the number of all others."""
     rest = values[1:]
-    if len(table.columns) == 1 and not table.columns[0].title and rest.size > 9 and values[0] == rest.size:
-        if abs(values[0]) > 3 * np.abs(rest).max() or (rest != np.round(rest)).any():  # noqa: SIM102
-            notices.append(f"{table.place(0)} holds the number of samples, {values[0]:.0f}: skipped")
-            return values[1:], 1
-    return values, 0
+    if len(table.columns) > 1 or table.columns[0].title or rest.size < 10 or values[0] != rest.size:
+        return values, 0
+    if values[0] <= 3 * np.abs(rest).max() and (rest == np.round(rest)).all():
+        return values, 0  # it may be a value like the others
+    notices.append(f"{table.place(0)} holds the number of samples, {values[0]:.0f}: skipped")
+    return rest, 1
 
 
 def _missing(
@@ -160,8 +181,11 @@ def _missing(
     if gone.any() and not {"nan", "empty"} & set(words):
         k = int(np.argmax(gone))
         text = absent.text if absent and absent.count else str(values[k])
-        raise InputError(f"{table.source}, {place(k)}: found {text!r} in column {at + 1} ({int(gone.sum())} such fields), expected a finite"
-                         " number; --missing nan leaves them out")  # fmt: skip
+        raise InputError(
+            f"{table.source}, {place(k)}: found {text!r} in column {at + 1} ({int(gone.sum())} such "
+            "fields), expected a finite"
+            " number; --missing nan leaves them out"
+        )
     for word in words:
         if word in ("nan", "empty"):
             continue
@@ -181,9 +205,13 @@ def _missing(
 
 
 def _grid(
-    table: Table, clock: Clock | None, loaded: dict[int, NDArray[np.generic]], rate: float | None, place: Callable[[int], str],
+    table: Table,
+    clock: Clock | None,
+    loaded: dict[int, NDArray[np.generic]],
+    rate: float | None,
+    place: Callable[[int], str],
     notices: list[str],
-) -> Grid | None:  # fmt: skip
+) -> Grid | None:
     """Sampling by the times, held against the rate that was asked for and the one that the file declares."""
     if clock is None:
         return None
@@ -193,14 +221,20 @@ def _grid(
     except InputError as fault:
         if rate is None:
             raise InputError(f"{table.source}: {fault}") from None
-        notices.append(f"{str(fault).partition(', expected')[0]}; the samples are taken as evenly spaced, {rate:g} per second as --rate says")
+        notices.append(
+            f"{str(fault).partition(', expected')[0]}; the samples are taken as evenly spaced, {rate:g} per second as "
+            "--rate says"
+        )
         return None
     notices += grid.notices
     for what, other in (("--rate", rate), ("a line above the table", table.rate)):
         if other and abs(other / grid.rate - 1) > CONTRADICTS:
             taken = f"the rate of {what} is taken" if what == "--rate" else "the times are taken"
-            notices.append(f"{place(0)} to {place(1)}: the time in {clock.name!r} steps by {1 / grid.rate:.6g} s, {grid.rate:.6g} samples per"
-                           f" second, but {what} says {other:g}: {taken}")  # fmt: skip
+            notices.append(
+                f"{place(0)} to {place(1)}: the time in {clock.name!r} steps by {1 / grid.rate:.6g} s, "
+                f"{grid.rate:.6g} samples per"
+                f" second, but {what} says {other:g}: {taken}"
+            )
     if rate is None or abs(rate / grid.rate - 1) <= CONTRADICTS:
         return grid if rate is None else replace(grid, rate=rate)
     return Grid(rate, 0.0)
@@ -216,7 +250,9 @@ def _filled(values: Array, index: NDArray[np.int64], notices: list[str]) -> tupl
         ends = np.r_[0, np.flatnonzero(steps > 1) + 1, index.size]
         best = int(np.argmax(np.diff(ends)))
         part = slice(ends[best], ends[best + 1])
-        notices.append(f"only the longest part without missing values is read: {ends[best + 1] - ends[best]} of {values.size} values")
+        notices.append(
+            f"only the longest part without missing values is read: {ends[best + 1] - ends[best]} of {values.size} values"
+        )
         return values[part], int(index[part.start])
     from scipy.interpolate import CubicSpline
 
@@ -226,41 +262,15 @@ def _filled(values: Array, index: NDArray[np.int64], notices: list[str]) -> tupl
     return np.asarray(CubicSpline(index.astype(float), values)(every.astype(float))), int(index[0])
 
 
-def _window(table: Table, values: Array, rate: float | None, start: float, window: tuple[float, float]) -> tuple[Array, float]:
+def _window(
+    table: Table, values: Array, rate: float | None, start: float, window: tuple[float, float]
+) -> tuple[Array, float]:
     if not rate:
         raise InputError("--window: found it without a rate, expected --rate or a time column, for it is in seconds")
     end = start + values.size / rate
     first, last = (round((edge - start) * rate) for edge in (max(window[0], start), min(window[1], end)))
     if last - first < 1:
-        raise InputError(f"--window: found {window[0]:g}:{window[1]:g}, but {table.source} goes from {start:.6g} to {end:.6g} s")
+        raise InputError(
+            f"--window: found {window[0]:g}:{window[1]:g}, but {table.source} goes from {start:.6g} to {end:.6g} s"
+        )
     return values[first:last], start + first / rate
-
-
-def _turns(table: Table, at: int, values: Array, rate: float | None, notices: list[str]) -> float:
-    """Turns per second of a column with the speed, or with one pulse per turn."""
-    column = table.columns[at]
-    title = column.title or f"column {at + 1}"
-    values = values[np.isfinite(values)]
-    if column.unit and column.unit not in ("V", "mV", "1"):
-        turns = values * turns_per(column.unit, title)
-        if np.ptp(turns) > 0.01 * abs(turns.mean()):
-            notices.append(f"the speed in {title!r} varies from {turns.min():.6g} to {turns.max():.6g} turns per second: its mean is taken")
-        return abs(float(turns.mean()))
-    high = values > (values.max() + values.min()) / 2
-    rises = np.flatnonzero(high[1:] & ~high[:-1])
-    if rate is None or rises.size < 3:
-        raise RangeError(f"--speed: found no unit and {rises.size} pulses in {title!r}, expected a unit such as [rpm], or pulses")
-    spread = np.diff(rises)
-    if np.ptp(spread) > max(2.0, 0.02 * float(spread.mean())):
-        notices.append(f"the pulses in {title!r} come every {spread.min()} to {spread.max()} samples: their mean is taken as the turn")
-    return float(rate * (rises.size - 1) / (rises[-1] - rises[0]))
-
-
-def turns_per(unit: str, where: str) -> float:
-    """Turns per second in one unit of speed; Hz counts turns here."""
-    if unit in ("Hz", "1/s"):
-        return 1.0
-    try:
-        return float(factor(unit, "turn/s"))
-    except CaseError:
-        raise RangeError(f"--speed: found the unit {unit!r} in {where}, expected one of speed, such as rpm or Hz") from None

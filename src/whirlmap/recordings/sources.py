@@ -14,8 +14,13 @@ from whirlmap.errors import InputError
 
 #: Bytes by which format and encoding are told.
 HEAD = 1 << 19
-_MARKS = ((b"\xef\xbb\xbf", "utf-8-sig"), (b"\xff\xfe\x00\x00", "utf-32"), (b"\x00\x00\xfe\xff", "utf-32"),
-          (b"\xff\xfe", "utf-16"), (b"\xfe\xff", "utf-16"))  # fmt: skip
+_MARKS = (
+    (b"\xef\xbb\xbf", "utf-8-sig"),
+    (b"\xff\xfe\x00\x00", "utf-32"),
+    (b"\x00\x00\xfe\xff", "utf-32"),
+    (b"\xff\xfe", "utf-16"),
+    (b"\xfe\xff", "utf-16"),
+)
 
 
 class _Joined(io.RawIOBase):
@@ -51,7 +56,7 @@ def open_bytes(path: str | Path) -> tuple[bytes, io.BufferedReader, str]:
     name = "standard input" if str(path) == "-" else str(path)
     streams: list[IO[bytes]] = []
     try:
-        streams.append(sys.stdin.buffer if str(path) == "-" else Path(path).open("rb"))
+        streams.append(sys.stdin.buffer if str(path) == "-" else Path(path).open("rb"))  # noqa: SIM115 (closed with the stream that is returned)
         head = streams[0].read(HEAD)
         for magic, module in ((b"\x1f\x8b", gzip), (b"BZh", bz2), (b"\xfd7zXZ", lzma)):
             if head.startswith(magic):
@@ -83,10 +88,15 @@ def open_text(head: bytes, stream: IO[bytes], name: str) -> io.TextIOWrapper:
     """
     encoding = _encoding(head)
     text = head.decode(encoding, errors="replace")[:20_000]
-    strange = sum(c < " " and c not in "\t\r\n\x0c\x1a" or c == "\x7f" for c in text)
-    if strange > 0.01 * len(text) or (encoding.startswith("utf-16") and text and not any(c.isascii() and c.isprintable() for c in text)):
-        raise InputError(f"{name}: found bytes that are no text and no format that is known (CSV and other text, .wav, .mat, .npy,"
-                         " .npz, .parquet, .nc, .tdms, .uff), expected one of these")  # fmt: skip
+    strange = sum((c < " " and c not in "\t\r\n\x0c\x1a") or c == "\x7f" for c in text)
+    if strange > 0.01 * len(text) or (
+        encoding.startswith("utf-16") and text and not any(c.isascii() and c.isprintable() for c in text)
+    ):
+        raise InputError(
+            f"{name}: found bytes that are no text and no format that is known (CSV and other text, .wav, "
+            ".mat, .npy,"
+            " .npz, .parquet, .nc, .tdms, .uff), expected one of these"
+        )
     return io.TextIOWrapper(stream, encoding=encoding, errors="replace", newline=None)
 
 

@@ -47,8 +47,11 @@ def _outliers(values: Array, place: Callable[[int], str]) -> list[str]:
         at = np.flatnonzero(values == value)
         times = "once" if at.size == 1 else f"{at.size} times"
         rest = np.delete(values, far)
-        said.append(f"{place(int(at[0]))}: the value {value:g} ({times}) is far from all others, {rest.min():g} to {rest.max():g};"
-                    f" if it means that there is no value: --missing {value:g}")  # fmt: skip
+        said.append(
+            f"{place(int(at[0]))}: the value {value:g} ({times}) is far from all others, {rest.min():g} to "
+            f"{rest.max():g};"
+            f" if it means that there is no value: --missing {value:g}"
+        )
     if kinds.size > 3:
         said.append(f"{far.size} values in all are as far from the others, the first at {place(int(far[0]))}")
     return said
@@ -62,8 +65,11 @@ def _still(values: Array, place: Callable[[int], str]) -> list[str]:
         return []
     first = long[0]
     begin = int(ends[first] - lengths[first] + 1)
-    return [f"{place(begin)} to {place(int(ends[first])).split()[-1]}: the value stands still at {values[begin]:g}"
-            f" ({long.size} such stretch{'es' * (long.size > 1)}, {int(lengths[long].sum())} samples in all): no signal there, or clipped"]  # fmt: skip
+    return [
+        f"{place(begin)} to {place(int(ends[first])).split()[-1]}: the value stands still at {values[begin]:g}"
+        f" ({long.size} such stretch{'es' * (long.size > 1)}, {int(lengths[long].sum())} samples in all): no signal "
+        "there, or clipped"
+    ]
 
 
 def _clipped(values: Array, levels: Array, place: Callable[[int], str]) -> list[str]:
@@ -74,5 +80,8 @@ def _clipped(values: Array, levels: Array, place: Callable[[int], str]) -> list[
         near = int((np.abs(values - edge) <= span).sum()) - at.size
         runs = at.size and int(np.max(np.diff(np.r_[-1, np.flatnonzero(np.diff(at) != 1), at.size - 1])))
         if at.size >= max(0.005 * values.size, 10) and runs >= 3 and at.size > 2 * near:
-            said.append(f"{place(int(at[0]))}: {at.size} samples stand exactly at the {word} value, {edge:g}: the signal may be clipped")
+            said.append(
+                f"{place(int(at[0]))}: {at.size} samples stand exactly at the {word} value, {edge:g}: the signal may be "
+                "clipped"
+            )
     return said

@@ -117,8 +117,17 @@ def find_column(table: Table, wanted: str | None, option: str = "--column") -> i
         raise InputError(f"{table.source}: found {len(known)} columns, expected {option} to say which: {shown}")
     wanted = wanted.strip()
     titles = [c.title for c in table.columns]
-    for names in (titles, [c.name for c in table.columns], [t.lower() for t in titles], [c.name.lower() for c in table.columns]):
-        at = [k for k, name in enumerate(names) if name == (wanted if names is titles else wanted.lower() if name.islower() else wanted)]
+    for names in (
+        titles,
+        [c.name for c in table.columns],
+        [t.lower() for t in titles],
+        [c.name.lower() for c in table.columns],
+    ):
+        at = [
+            k
+            for k, name in enumerate(names)
+            if name == (wanted if names is titles else wanted.lower() if name.islower() else wanted)
+        ]
         if len(at) > 1:
             numbers = " and ".join(str(k + 1) for k in at)
             raise InputError(
@@ -156,7 +165,9 @@ class ArrayTable:
         """Give the columns, of one length, as one block."""
         sizes = {self.arrays[k].size for k in positions}
         if len(sizes) > 1:
-            raise InputError(f"{self.source}: found columns of {' and '.join(map(str, sorted(sizes)))} values, expected one length")
+            raise InputError(
+                f"{self.source}: found columns of {' and '.join(map(str, sorted(sizes)))} values, expected one length"
+            )
         values = [np.asarray(self.arrays[k], dtype=np.float64) for k in positions]
         for k, v in zip(positions, values, strict=True):
             bad = np.flatnonzero(~np.isfinite(v))

@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from whirlmap.errors import InputError
 from whirlmap.recordings.fields import ABSENT, CLOCK, DATE, EMPTY, NUMBER, TEXT, kind_of, nanoseconds, number_of
 from whirlmap.recordings.table import Absent, Array, Block, Column
-from whirlmap.recordings.text_layout import NAMED, SOUGHT, Layout, find_layout, is_comment, split
+from whirlmap.recordings.text_layout import NAMED, SOUGHT, find_layout
+from whirlmap.recordings.text_names import Layout
+from whirlmap.recordings.text_rows import is_comment, split
 
 #: Characters of one piece.
 PIECE = 1 << 22
@@ -53,13 +55,21 @@ class TextTable:
     def form(self) -> str:
         """The layout in words."""
         mark = "point" if self.layout.decimal == "." else "comma"
-        between = "" if len(self.columns) == 1 else f"fields separated by {NAMED.get(self.layout.separator, repr(self.layout.separator))}, "
+        between = (
+            ""
+            if len(self.columns) == 1
+            else f"fields separated by {NAMED.get(self.layout.separator, repr(self.layout.separator))}, "
+        )
         return f"text, {between}decimal {mark}, table from line {self.layout.first + 1}"
 
     @property
     def first_rows(self) -> list[Array]:
         """First rows of every column."""
-        rows = [split(x, self.layout.separator) for x in self.head[self.layout.first : self.layout.first + 200] if not is_comment(x)]
+        rows = [
+            split(x, self.layout.separator)
+            for x in self.head[self.layout.first : self.layout.first + 200]
+            if not is_comment(x)
+        ]
         rows = [row for row in rows if len(row) == self.layout.fields]
         return [np.array([_value(row[k], self.layout.decimal) for row in rows]) for k in range(len(self.columns))]
 
@@ -96,7 +106,9 @@ class TextTable:
             yield Block(values)
         if self._footer:
             first, text = self._footer[0]
-            self.notices.append(f"{_lines(first, self._footer[-1][0])} after the table, beginning with {text[:40]!r}, skipped")
+            self.notices.append(
+                f"{_lines(first, self._footer[-1][0])} after the table, beginning with {text[:40]!r}, skipped"
+            )
 
     def _pieces(self) -> Iterator[tuple[list[str], bool]]:
         lines, rest = self.head[self.layout.first :], True
@@ -126,10 +138,18 @@ class TextTable:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
                 frame = pd.read_csv(
-                    io.StringIO(text), sep=r"\s+" if separator is None else separator, decimal=self.layout.decimal, header=None,
-                    usecols=sorted(set(positions)), dtype=kinds, na_filter=False, quoting=3, skipinitialspace=True,
-                    skip_blank_lines=False, engine="c",
-                )  # fmt: skip
+                    io.StringIO(text),
+                    sep=r"\s+" if separator is None else separator,
+                    decimal=self.layout.decimal,
+                    header=None,
+                    usecols=sorted(set(positions)),
+                    dtype=kinds,
+                    na_filter=False,
+                    quoting=3,
+                    skipinitialspace=True,
+                    skip_blank_lines=False,
+                    engine="c",
+                )
         except (ValueError, OverflowError, Warning):
             return None
         if len(frame) != len(lines):
@@ -164,10 +184,14 @@ class TextTable:
             if len(fields) != layout.fields:
                 last = ended and k == first + len(lines) - 1
                 if last and len(fields) < layout.fields and len(lines) > 2:
-                    self.notices.append(f"line {k}, the last one, has {len(fields)} fields instead of {layout.fields} (cut off?): skipped")
+                    self.notices.append(
+                        f"line {k}, the last one, has {len(fields)} fields instead of {layout.fields} (cut off?): skipped"
+                    )
                     continue
-                raise InputError(f"{self.source}, line {k}: found {len(fields)} columns, {text.strip()[:60]!r}, expected"
-                                 f" {layout.fields} as above; mend the line, or say --separator or --skip")  # fmt: skip
+                raise InputError(
+                    f"{self.source}, line {k}: found {len(fields)} columns, {text.strip()[:60]!r}, expected"
+                    f" {layout.fields} as above; mend the line, or say --separator or --skip"
+                )
             rows.append(fields)
             at.append(k)
         values: list[NDArray[np.generic]] = []
@@ -176,11 +200,14 @@ class TextTable:
             made = [nanoseconds(r[p]) if times else _value(r[p], layout.decimal) for r in rows]
             absent = self.absent[p]
             for j, v in enumerate(made):
-                if v is None or v != v:  # noqa: PLR0124 (NaN)
+                if v is None or v != v:
                     field_text = rows[j][p]
                     if times or field_text.lower() not in ABSENT:
-                        raise InputError(f"{self.source}, line {at[j]}: found {field_text[:60]!r} in column {p + 1}, expected a"
-                                         f" {'time' if times else 'finite number'}")  # fmt: skip
+                        raise InputError(
+                            f"{self.source}, line {at[j]}: found {field_text[:60]!r} in column {p + 1}, "
+                            "expected a"
+                            f" {'time' if times else 'finite number'}"
+                        )
                     if not absent.count:
                         absent.row, absent.text = row + j, field_text
                     absent.count += 1
@@ -194,8 +221,11 @@ class TextTable:
 
     def _complain_about_footer(self) -> None:
         k, text = self._footer[0]
-        raise InputError(f"{self.source}, line {k}: found {text[:60]!r} in the middle of the table, expected a row of numbers;"
-                         f" several tables in one file? --skip {k} reads the one below")  # fmt: skip
+        raise InputError(
+            f"{self.source}, line {k}: found {text[:60]!r} in the middle of the table, expected a row of "
+            "numbers;"
+            f" several tables in one file? --skip {k} reads the one below"
+        )
 
 
 def open_text_table(
@@ -222,7 +252,9 @@ def _fields_per_line(text: str, separator: str | None) -> int:
         blank = (data == 32) | (data == 9) | (data == 13) | (data == 10)
         marks = np.flatnonzero(~blank & np.r_[True, blank[:-1]])
     else:
-        marks = np.flatnonzero(data == ord(separator)) if len(separator) == 1 and ord(separator) < 128 else np.zeros(0, np.intp)
+        marks = (
+            np.flatnonzero(data == ord(separator)) if len(separator) == 1 and ord(separator) < 128 else np.zeros(0, np.intp)
+        )
     counts = np.diff(np.searchsorted(marks, ends), prepend=0)
     if not counts.size or (counts != counts[0]).any():
         return -1

@@ -1,4 +1,4 @@
-"""The finest common grid of spectral lines whose chance of fitting is bounded: is there one frequency of which all are multiples?"""
+"""The finest common grid of spectral lines whose chance of fitting is bounded: one frequency of which all are multiples."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -14,7 +14,8 @@ ERRORS = 3.5
 BELIEVED, ANYTHING = 0.005, 0.1
 #: Periods that a record must hold at least.
 PERIODS = 2.5
-#: Multiples of a fundamental looked at beyond the Nyquist frequency, their largest share of the power, and finest grid that may have them.
+#: Multiples of a fundamental looked at beyond the Nyquist frequency, their largest share of the power, and finest grid that
+#: may have them.
 FOLDED, WEAK, COARSE = 60, 0.05, 3
 #: Coefficients of sums of two lines.
 SUMS = 6
@@ -61,12 +62,13 @@ def common_grid(frequency: Array, error: Array, share: Array, *, samples: int) -
 
     Notes
     -----
-    The strongest line is the k-th multiple of the fundamental, k = 1, 2, ..., as long as the record holds 2.5 periods. A line
-    lies on a grid where it is within four errors, its own and that of the strongest line carried to it. A line without
+    The strongest line is the k-th multiple of the fundamental, k = 1, 2, ..., as long as the record holds 2.5 periods. A
+    line lies on a grid where it is within 3.5 errors, its own and that of the strongest line carried to it. A line without
     relation does so with the chance 2 t k / f, t the tolerance and f the strongest line: the sum over all grids up to k
-    is the chance that such a line would have fitted by now. Its factors are up to two lines, the first that is no multiple of
-    the strongest and the first that is no sum of both: harmonics and sums are no independent witnesses. Weak lines may also be
-    multiples beyond the Nyquist frequency, folded back, where that is no chance: of edges, and of rounding to few levels.
+    is the chance that such a line would have fitted by now. Its factors are up to two lines, the first that is no multiple
+    of the strongest and the first that is no sum of both: harmonics and sums are no independent witnesses. Weak lines may
+    also be multiples beyond the Nyquist frequency, folded back, where that is no chance: of edges, and of rounding to few
+    levels.
     """
     f, top = frequency, float(frequency[0])
     none = CommonGrid("none", np.nan, np.nan, np.zeros(f.size, np.int64), 1.0)

@@ -47,8 +47,8 @@ def fit_lines(x: Array, frequencies: Array, floor: Array) -> FittedLines:
     The transform under a Hann window is a sum of kernels, one for each line and one for its mirror image, so that
     neighbouring lines do not pull each other. Amplitudes, phases and frequencies are found together by Gauss-Newton
     steps over five bins around each line. The error comes from what is left in these bins, or from the floor where that is
-    higher, for few bins may fit too well, times 1.2: neighbouring bins under a window are not independent. Lines within two bins of the
-    Nyquist frequency are left where they are, for there a line and its mirror image are one.
+    higher, for few bins may fit too well, times 1.2: neighbouring bins under a window are not independent. Lines within two
+    bins of the Nyquist frequency are left where they are, for there a line and its mirror image are one.
     """
     n = x.size
     transform = np.fft.rfft((x - x.mean()) * window_weights("hann", n)) / n
@@ -65,8 +65,11 @@ def fit_lines(x: Array, frequencies: Array, floor: Array) -> FittedLines:
     for _ in range(ITERATIONS):
         forward, backward = _kernel(bins[:, None] - f[free], n), _kernel(bins[:, None] + f[free], n)
         step = 1e-4
-        turned = [(_kernel(bins[:, None] - s * (f[free] + step), n) - _kernel(bins[:, None] - s * (f[free] - step), n)) / (2 * step)
-                  for s in (1, -1)]  # fmt: skip
+        turned = [
+            (_kernel(bins[:, None] - s * (f[free] + step), n) - _kernel(bins[:, None] - s * (f[free] - step), n))
+            / (2 * step)
+            for s in (1, -1)
+        ]
         amplitude = _solved(np.hstack([_stacked(forward + backward), _stacked(1j * (forward - backward))]), _parted(data))
         c = amplitude[: free.size] + 1j * amplitude[free.size :]
         slopes = c * turned[0] + c.conj() * turned[1]

@@ -22,7 +22,8 @@ def order_name(frequency: float, turns: float, teeth: int | None, step: float) -
 
     Notes
     -----
-    A line may lie half a step beside an order, or 0.2 % of its frequency. Where neighbouring orders would both fit, none is named.
+    A line may lie half a step beside an order, or 0.2 % of its frequency. Where neighbouring orders would both fit, none is
+    named.
     """
     tolerance = max(step / 2, BESIDE * frequency)
     if turns <= 2 * tolerance:

@@ -1,4 +1,4 @@
-"""Regular motion by its lines: do they hold the power, have they a common fundamental, does the signal return?"""
+"""Regular motion by its lines: whether they hold the power and have a common fundamental, and whether the signal returns."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -63,8 +63,8 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
 
     Notes
     -----
-    Regular motion has 98 % of its power in lines: 17 dB above noise. Those with a thousandth of the power, and with more than
-    rounding to the levels of the record makes, are fitted
+    Regular motion has 98 % of its power in lines: 17 dB above noise. Those with a thousandth of the power, and with more
+    than rounding to the levels of the record makes, are fitted
     (`line_fit`); where they lie on a common grid that is no chance (`common_grid`), and the signal is itself again after the
     period that this grid says (`signal_return`), it is periodic. Without a grid it is quasi-periodic, if the record holds
     4.5 beats of any two neighbouring lines.
@@ -96,9 +96,15 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
                 if exact <= distance:
                     distance, grid = exact, _at(grid, n / whole)
         vote = _vote(grid, distance, broad, fitted)
-    named = _named(lines, grid, frequency, share, fitted, counted, 1.0 / n)
+    named = _named(lines, grid, share, fitted, counted, 1.0 / n)
     votes = {
-        "spectrum": {"vote": vote, "broadband_fraction": broad, "slow_fraction": slow, "lines": int(lines["count"]), "named": named},
+        "spectrum": {
+            "vote": vote,
+            "broadband_fraction": broad,
+            "slow_fraction": slow,
+            "lines": int(lines["count"]),
+            "named": named,
+        },
         "grid": {
             "vote": grid.kind if grid else None,
             "chance": grid.chance if grid else None,
@@ -111,7 +117,7 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
 
 
 def _rounding(x: Array) -> float:
-    """Share of the power that comes from rounding, where the values stand on few levels: a twelfth of the square of their step."""
+    """Share of the power that comes from rounding to few levels: a twelfth of the square of their step."""
     part = x[:100_000]
     levels = np.unique(part)
     if levels.size > part.size / 3 or levels.size < 3:
@@ -133,7 +139,12 @@ def _vote(grid: CommonGrid, distance: float | None, broad: float, fitted: Array)
 
 
 def _named(
-    lines: Findings, grid: CommonGrid | None, frequency: Array, share: Array, fitted: Array, counted: NDArray[np.intp], step: float
+    lines: Findings,
+    grid: CommonGrid | None,
+    share: Array,
+    fitted: Array,
+    counted: NDArray[np.intp],
+    step: float,
 ) -> list[dict[str, Any]]:
     """Lines with frequency, share and name: fractions of the strongest where there is a grid, else sums of two."""
     if grid is None or grid.kind != "grid":

@@ -7,7 +7,7 @@ Array = NDArray[np.float64]
 
 
 def return_distance(x: Array, period: float) -> float:
-    """Mean square of x(t + P) - x(t) over twice the variance: 0 where the signal returns, about 1 where it has nothing to do with itself.
+    """Mean square of x(t + P) - x(t) over twice the variance: 0 where the signal returns, about 1 for noise.
 
     Parameters
     ----------
@@ -17,7 +17,8 @@ def return_distance(x: Array, period: float) -> float:
 
     Notes
     -----
-    Between samples the signal is moved by the phases of its transform; a Hann weight keeps the ends out, where that is wrong.
+    Between samples the signal is moved by the phases of its transform; a Hann weight keeps the ends out, where that is
+    wrong.
     """
     whole = round(period)
     part = period - whole

@@ -15,7 +15,13 @@ MOST = 200
 
 
 def sliding_verdict(
-    values: ArrayLike, *, rate: float, length: float, start: float = 0.0, unit: str = "s", progress: Callable[[int], None] | None = None
+    values: ArrayLike,
+    *,
+    rate: float,
+    length: float,
+    start: float = 0.0,
+    unit: str = "s",
+    progress: Callable[[int], None] | None = None,
 ) -> xr.Dataset:
     """Judge windows of a record, half a window apart.
 
@@ -34,8 +40,8 @@ def sliding_verdict(
     Returns
     -------
     xr.Dataset
-        ``window_regime``, ``window_rms`` and ``window_frequency`` over ``window_start``; windows that cannot be judged (few swings, no motion)
-        are ``undecided``, and their frequency is NaN.
+        ``window_regime``, ``window_rms`` and ``window_frequency`` over ``window_start``; windows that cannot be judged (few
+        swings, no motion) are ``undecided``, and their frequency is NaN.
 
     Raises
     ------
@@ -68,7 +74,9 @@ def sliding_verdict(
         {
             "window_regime": regime_variable("window_start", regimes),
             "window_rms": variable("window_start", rms, "1", "rms of the window about its mean"),
-            "window_frequency": variable("window_start", frequency, f"1/{unit}", "frequency: of the cycle, else of the strongest line"),
+            "window_frequency": variable(
+                "window_start", frequency, f"1/{unit}", "frequency: of the cycle, else of the strongest line"
+            ),
         },
         {"window_start": variable("window_start", start + begins / rate, unit, "first time of the window")},
         {"window_length": length},

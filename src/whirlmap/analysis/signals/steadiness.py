@@ -11,14 +11,15 @@ Array = NDArray[np.float64]
 
 #: Blocks into which a record is cut at most, and swings that one holds at least.
 BLOCKS, SWINGS = 60, 2
-#: Wald statistic from which a change is no chance: of a motion whose level differs little from block to block, and of one that
-#: scatters or has half of the blocks only; scatter of the logarithm between neighbouring blocks that tells them apart.
+#: Wald statistic from which a change is no chance: of a motion whose level differs little from block to block, and of one
+#: that scatters or has half of the blocks only; scatter of the logarithm between neighbouring blocks that tells them apart.
 CLEAN, SCATTERED, SCATTER = 30.0, 60.0, 0.15
-#: Ratio of the rms of two thirds that counts as a change, and that no beat of two equal lines makes; change of the mean frequency
-#: in units of the record's frequency step, and relative; spread of the means of the thirds over the rms of the motion.
+#: Ratio of the rms of two thirds that counts as a change, and that no beat of two equal lines makes; change of the mean
+#: frequency in units of the record's frequency step, and relative; spread of the means of the thirds over the rms of the
+#: motion.
 LEVEL, BURST, STEPS, FREQUENCY, MEAN = 1.1, 3.5, 3.0, 2e-3, 0.25
-#: Parts in which the phase of the strongest line is followed, scatter of its amplitude up to which it has one, and departure of
-#: the phase from a straight line that counts [rad].
+#: Parts in which the phase of the strongest line is followed, scatter of its amplitude up to which it has one, and
+#: departure of the phase from a straight line that counts [rad].
 PARTS, AMPLITUDE, PHASE = 12, 0.1, 0.25
 #: Frequency steps around the strongest line in which no other may lie where its phase is followed.
 APART = 24
@@ -66,15 +67,15 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
 
     Notes
     -----
-    1. The record is cut into 60 blocks, of two swings and one and a half periods of the slowest line at least. The logarithm of their rms, the logarithm of their mean
-       frequency (rms of differences over rms) and their mean are three series whose mean may change once
-       (`trend_statistic`). A change counts where it is beyond chance and the thirds differ by an amount that matters: a factor
-       of 1.1 in rms, three frequency steps of the record, a quarter of the rms in the mean. A factor of 3.5 counts
-       whatever the statistic says: a burst in the middle comes and goes.
-    2. Where lines hold nearly all of the power, their amplitudes are fitted to each third, and the sum of their squares is held
-       to the same factor of 1.1: growth of a motion whose slow lines leave few blocks.
-    3. The phase of the strongest line, where no other is near, is followed over twelve parts. Where it has one amplitude, but
-       its phase leaves the straight line by 0.25 rad, the frequency moves: a chirp too slow to be seen in blocks.
+    1. The record is cut into 60 blocks, of two swings and one and a half periods of the slowest line at least. The
+       logarithm of their rms, the logarithm of their mean frequency (rms of differences over rms) and their mean are three
+       series whose mean may change once (`trend_statistic`). A change counts where it is beyond chance and the thirds
+       differ by an amount that matters: a factor of 1.1 in rms, three frequency steps of the record, a quarter of the rms
+       in the mean. A factor of 3.5 counts whatever the statistic says: a burst in the middle comes and goes.
+    2. Where lines hold nearly all of the power, their amplitudes are fitted to each third, and the sum of their squares is
+       held to the same factor of 1.1: growth of a motion whose slow lines leave few blocks.
+    3. The phase of the strongest line, where no other is near, is followed over twelve parts. Where it has one amplitude,
+       but its phase leaves the straight line by 0.25 rad, the frequency moves: a chirp too slow to be seen in blocks.
     """
     slow = lines[(share > SEEN) & (broad < FEW)]
     length = max(SWINGS * swing, 1.5 / float(slow.min()) if slow.size else 0.0, 16)
@@ -109,9 +110,11 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
         if amplitudes.max() > LEVEL * amplitudes.min():
             rms = amplitudes / np.sqrt(2)
             changes.append("level")
-    if statistics["frequency"] > critical and float(np.ptp(frequency)) > max(STEPS / x.size, FREQUENCY * float(frequency.mean())):
+    if statistics["frequency"] > critical and float(np.ptp(frequency)) > max(
+        STEPS / x.size, FREQUENCY * float(frequency.mean())
+    ):
         changes.append("frequency")
-    elif _alone(lines, share, x.size) and "level" not in changes and (moved := _followed(x, float(lines[0]))) is not None:
+    elif _alone(lines, x.size) and "level" not in changes and (moved := _followed(x, float(lines[0]))) is not None:
         frequency = moved
         changes.append("frequency")
     if statistics["mean"] > critical and float(np.ptp(means)) > MEAN * np.sqrt(whole):
@@ -123,7 +126,7 @@ def _thirds(values: Array) -> Array:
     return np.asarray(values.reshape(3, -1).mean(axis=1))
 
 
-def _alone(lines: Array, share: Array, n: int) -> bool:
+def _alone(lines: Array, n: int) -> bool:
     """Whether no other line lies so near to the strongest that both are one in a twelfth of the record."""
     return lines.size > 0 and bool((np.abs(lines[1:] - lines[0]) * n > APART).all())
 
@@ -157,7 +160,8 @@ def trend_statistic(series: Array, lags: int = 4, least: int = 4) -> float:
     """Largest Wald statistic for one change of the mean [andrews1993].
 
     The squared difference of the means before and after, over its variance, at the place where it is largest; the long-run
-    variance, with Bartlett weights, is that of what is left when both means are taken off, so that a change does not hide itself.
+    variance, with Bartlett weights, is that of what is left when both means are taken off, so that a change does not hide
+    itself.
     """
     size = float(np.abs(series).max())
     if size == 0 or np.ptp(series) <= 1e-9 * size:

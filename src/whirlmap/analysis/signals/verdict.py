@@ -46,8 +46,10 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
     }[label]
     text = [said, *_changes(steady, unit)]
     if period is not None and label == Regime.periodic:
-        text.append(f"It returns after {period:.7g} samples, {period / rate:.7g} {unit}, with a distance of"
-                    f" {votes['return']['distance']:.2g} (0: exactly, 1: not at all).")  # fmt: skip
+        text.append(
+            f"It returns after {period:.7g} samples, {period / rate:.7g} {unit}, with a distance of"
+            f" {votes['return']['distance']:.2g} (0: exactly, 1: not at all)."
+        )
     text.append(f"{spectrum['lines']} spectral lines hold {share:.4g} % of its power.")
     if label == Regime.undecided:
         text += _reasons(votes)
@@ -76,8 +78,13 @@ def _changes(steady: Mapping[str, Any], unit: str) -> list[str]:
     rms, frequency, mean = (steady[key] for key in ("rms", "frequency", "mean"))
     words = {
         "level": f"Its rms in the three thirds is {rms[0]:.4g}, {rms[1]:.4g}, {rms[2]:.4g}"
-        + (f": it {'grows' if rms[2] > rms[0] else 'falls'} by a factor of {_ratio(rms)}." if rms[0] > 0 and rms[2] > 0 else "."),
-        "frequency": f"Its frequency in the three thirds is {frequency[0]:.6g}, {frequency[1]:.6g}, {frequency[2]:.6g} per {unit}.",
+        + (
+            f": it {'grows' if rms[2] > rms[0] else 'falls'} by a factor of {_ratio(rms)}."
+            if rms[0] > 0 and rms[2] > 0
+            else "."
+        ),
+        "frequency": f"Its frequency in the three thirds is {frequency[0]:.6g}, {frequency[1]:.6g}, {frequency[2]:.6g} "
+        f"per {unit}.",
         "mean": f"Its mean drifts: {mean[0]:.4g}, {mean[1]:.4g}, {mean[2]:.4g} in the three thirds.",
     }
     return [words[change] for change in steady["changes"]]
@@ -92,7 +99,9 @@ def _reasons(votes: Mapping[str, Any]) -> list[str]:
     spectrum, grid = votes["spectrum"], votes["grid"]["vote"]
     out = []
     if spectrum["slow_fraction"] > DRIFT:
-        out.append(f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: take it off, or judge a shorter part.")
+        out.append(
+            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: take it off, or judge a shorter part."
+        )
     elif 0.02 < spectrum["broadband_fraction"] < 0.5:
         decibel = 10 * np.log10((1 - spectrum["broadband_fraction"]) / spectrum["broadband_fraction"])
         out.append(f"The lines stand {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
@@ -101,6 +110,8 @@ def _reasons(votes: Mapping[str, Any]) -> list[str]:
     elif grid == "none" and spectrum["vote"] == "none":
         out.append("Two lines lie so close that the record holds too few of their beats.")
     elif grid == "grid" and spectrum["vote"] == "none":
-        out.append(f"The lines have a common fundamental, but the signal does not return after its period"
-                   f" (distance {votes['return']['distance']:.2g}).")  # fmt: skip
+        out.append(
+            f"The lines have a common fundamental, but the signal does not return after its period"
+            f" (distance {votes['return']['distance']:.2g})."
+        )
     return out
