@@ -147,8 +147,6 @@ def _signal(
     notices += suspects(values[present], lambda k: place(int(present[k])))
     pulses = None if tacho is None else np.asarray(loaded[tacho], dtype=np.float64)
     turns = None if tacho is None or pulses is None else shaft_speed(table, tacho, pulses, sampled, notices)
-        None if tacho is None else shaft_speed(table, tacho, np.asarray(loaded[tacho], dtype=np.float64), sampled, notices)
-    )
     rows = np.arange(values.size) if grid is None or grid.rows is None else grid.rows
     index = np.arange(rows.size) if grid is None or grid.index is None else grid.index
     kept = ~gone[rows]
