@@ -16,6 +16,7 @@ class Regime(IntEnum):
     drifting = 7
     growing = 8
     not_settled = 10
+    not_steady = 11
 
     @property
     def label(self) -> str:
