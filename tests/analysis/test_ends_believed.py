@@ -122,9 +122,8 @@ def test_the_whole_return_is_checked():
 
 
 def test_a_label_claims_no_more_than_its_steps_allow():
-    """Given a loose accuracy, a return is one to that accuracy."""
+    """Given a loose accuracy, a return is one to that accuracy, and said to be."""
     system = System(STOP, {"d": 0.1, "k": 2.0, "A": 0.8, "O": 0.7})
-    for accuracy in (1e-3, 1e-6):
-        ds = label_points(system, {"O": [0.7]}, lyapunov=0, accuracy=accuracy)
-        assert int(ds["period_T"][0]) == 1
-        assert ds["return_distance"].values[0] <= max(ds["step_error"].values[0], 1e-6)
+    ds = label_points(system, {"O": [0.7]}, lyapunov=0, accuracy=1e-3)
+    assert int(ds["period_T"][0]) == 1
+    assert ds["return_distance"].values[0] <= 1e-3

@@ -231,11 +231,15 @@ def _settle_accurately(
         again.accelerated[:] |= settled.accelerated[members]
         settled.take(again, members)
 
+    def begin_anew(part: Ensemble, members: NDArray[np.intp]) -> None:
+        settled.forget(members)
+        settle(part, members)
+
     def settle_on(part: Ensemble, members: NDArray[np.intp]) -> None:
         start, began = part.x.copy(), part.turns.copy()
         settle(part, members)
         if part.accuracy is not None:
-            confirm_ends(part, start, began, lambda again, which: settle(again, members[which]))
+            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]))
         if part is not ensemble:
             ensemble.absorb(part, members)
 
@@ -265,7 +269,12 @@ def _settle_accurately(
             if how_on == "stays":
                 ensemble.absorb(part, here)
                 continue
-            settle_on(restarted(ensemble, here, start, began, steps[which]) if how_on == "begins" else part, here)
+            if how_on == "begins":
+                settled.forget(here)
+                part = restarted(ensemble, here, start, began, steps[which])
+            settle_on(part, here)
+    # What steps are so wrong about has no return that could be believed.
+    settled.multiple[ensemble.step_error > LOST] = 0
     return settled
 
 
@@ -312,7 +321,7 @@ def _settle_forced(
 
 def _wide(ensemble: Ensemble, settling: Settling) -> Array:
     """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps."""
-    return np.asarray(np.fmax(ensemble.step_error / settling.tolerance, 1.0))
+    return np.asarray(np.fmax(np.fmin(ensemble.step_error, LOST) / settling.tolerance, 1.0))
 
 
 def _settle_unforced(

@@ -259,7 +259,7 @@ class _Trial:
     def difference(self, finer: "_Trial") -> tuple[Array, NDArray[np.bool_]]:
         """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
 
-        And where both diverged at the same time.
+        And where both diverged, or failed, at the same time.
         """
         with np.errstate(invalid="ignore"):
             gap = np.abs(self.saved - finer.saved)
@@ -271,8 +271,10 @@ class _Trial:
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
-        # The end of a divergence is known to some steps only; one within a few steps may be the method's own.
-        diverged = (self.status == Status.diverged) & (finer.status == Status.diverged)
+        # The end of a divergence is known to some steps only; one within a few steps may be the method's own. A pole is met by
+        # steps that fail, which a trial does not redo.
+        gone = (Status.diverged, Status.unresolved)
+        diverged = np.isin(self.status, gone) & np.isin(finer.status, gone)
         diverged &= (apart <= ALIKE / self.steps) & (self.end >= FEW / self.steps)
         out = np.where(contact, np.maximum(out, apart), out)
         worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
