@@ -20,8 +20,9 @@ d, k, A, O = (Parameter(n, "1", n) for n in ("d", "k", "A", "O"))
 
 #: x'' + d x' + x + k max(x - 1, 0) = A cos(O t): the wall is a hundred times as stiff as the spring, and not met at first.
 STOP = Model(
-    "stop", (x, v), (d, k, A, O), {x: v, v: A * cos(O * t) - d * v - x - k * when(x > 1, x - 1, 0)}, harmonics=(O,), swing=(x,)
-)
+    "stop", (x, v), (d, k, A, O), {x: v, v: A * cos(O * t) - d * v - x - k * when(x > 1, x - 1, 0)}, harmonics=(O,),
+    swing=(x,),
+)  # fmt: skip
 
 
 def settled_by_scipy(O_, periods=200):

@@ -1,8 +1,9 @@
 """Ends of runs that are believed: those that more steps find again.
 
 Steps are chosen where a motion begins. A stop that is reached later, a wall or a stiff contact may ask for many more, and a
-run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from its
-start, twice at most, each time with twice the steps or as many as the motion shortly before its end asks for (`choose_steps`):
+run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from
+its start, twice at most, each time with twice the steps or as many as the motion shortly before its end asks for
+(`choose_steps`):
 
 1. An end is believed where the next run ends alike, at the same time.
 2. Where the motion before it is chaotic the times differ: then it is believed where all runs end alike.

@@ -33,7 +33,7 @@ from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
-from whirlmap.integrate.system import periods
+from whirlmap.integrate.system import periods as periods_of
 from whirlmap.integrate.turns import with_turns
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -49,10 +49,11 @@ MORE_STEPS = 3
 CHECKED, OPEN = 8, 4
 #: Error of its steps from which a settled motion is not that of the equations: the point begins anew, with more of them.
 LOST = 1e-2
-#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not return.
+#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not
+#: return.
 SLACK = 10.0
-#: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most, and
-#: how many times longer or shorter than a turn a typical time may be.
+#: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most,
+#: and how many times longer or shorter than a turn a typical time may be.
 TURNS, SOUGHT, FAR_OFF = 4, 65_536, 2.0
 #: Motion in a typical time, over the size of a state, below which a point is at rest.
 STILL = 1e-9
@@ -284,8 +285,8 @@ def _steps_of_settled(
     """Steps that settled points need, and the error of those that they took.
 
     They are asked over all of the common periods that they return after, up to `CHECKED`; where they do not, over `OPEN`.
-    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their
-    error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their error is that of fewer ones.
+    Errors and verdicts of the ensemble are set.
     """
     assert ensemble.accuracy is not None
     steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
@@ -307,7 +308,8 @@ def _steps_of_settled(
     there = rough[ensemble.point_steps[members[rough]] >= CONFIRMED]
     if there.size:
         here = members[there]
-        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=np.full(here.size, LADDER[-2]), progress=progress)
+        last = np.full(here.size, LADDER[-2])
+        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=last, progress=progress)
         ensemble.step_error[here] = tried.error
     return steps, first
 
@@ -408,7 +410,7 @@ def _learn_turns(
     while left.size and length <= most:
         turn = _time_turns(ensemble, left, length, settled, progress)
         ratio = turn / ensemble.period[left]
-        own = np.abs(ensemble.period[left] / periods(ensemble.model, ensemble.values[:, left]) - 1) > 0  # timed before
+        own = np.abs(ensemble.period[left] / periods_of(ensemble.model, ensemble.values[:, left]) - 1) > 0  # timed before
         with np.errstate(invalid="ignore"):
             wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF) | (own & np.isfinite(ratio))
         here = left[wrong]
@@ -433,7 +435,7 @@ def _learn_turns(
 def _time_turns(
     ensemble: Ensemble, members: NDArray[np.intp], periods: int, settled: Settled, progress: Callable[[int], None] | None
 ) -> Array:
-    """Run points on, in place, and time their turns, shape (member,); NaN where they have met fewer than `TURNS` crossings."""
+    """Run points on, in place, and time their turns, shape (member,); NaN where they cross fewer than `TURNS` times."""
     run = ensemble.subset(members)
     _, times, _ = run_with_crossings(run, periods, progress=progress)
     ensemble.absorb(run, members)
@@ -448,7 +450,8 @@ def _time_turns(
 def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Whether the rates still carry a state anywhere in a typical time, beyond rounding."""
     x, period = ensemble.x[:, members], ensemble.period[members]
-    rates = np.abs(Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)(0.0, x, np.arange(members.size))[0])
+    evaluate = Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)
+    rates = np.abs(evaluate(0.0, x, np.arange(members.size))[0])
     size = scales(ensemble.model, period, np.zeros_like(x), np.abs(x)) / FLOOR
     return np.asarray((rates * period > STILL * size).any(axis=0))
 
