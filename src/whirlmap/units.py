@@ -225,6 +225,15 @@ def _looked_up(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]
     return Fraction(scale), {name: Fraction(power) for name, power in root._units.items()}
 
 
+def known(unit: str) -> bool:
+    """Whether a text is a unit, of whatever dimension; degC is one too."""
+    try:
+        _root(unit, "1")
+    except CaseError as fault:
+        return "has an offset" in str(fault)
+    return True
+
+
 @lru_cache(maxsize=1)
 def _registry() -> Any:
     from pint import UnitRegistry  # 0.5 s to a second

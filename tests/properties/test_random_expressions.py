@@ -69,6 +69,8 @@ class Dual:
         out = [mp.nan if isinstance(v, mp.mpc) and v.imag != 0 else mp.re(v) for v in out]
         if mp.isnan(out[0]):
             out = [mp.nan] * 3
+            if not e.has(State):  # a constant that is complex at these values: comparisons with it are not compared
+                self.near = mp.mpf(0)
         return [v * (1 + self.noise * self.random.uniform(-1, 1)) for v in out] if e.args else out
 
     def _chain(self, value, *parts):

@@ -71,6 +71,7 @@ def test_contact_and_growth_that_come_late(name):
     assert extreme_error(ds, "xv", truth["low"], truth["high"]) < EXTREME
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", ["stop-1000", "parametric"])
 def test_diagnosed(name):
     model, _, values, start, _ = LATE[name]
@@ -180,7 +181,8 @@ def test_an_escape_is_seen_at_its_time(name):
     assert at is not None
     ds = diagram(whirlmap.load(model, **values, start=dict(zip("xv", start, strict=True))))
     assert Status(int(ds["status"][0])) in (Status.diverged, Status.unresolved) and not label(ds, 0).endswith("T")
-    assert float(ds["end_time"][0]) == pytest.approx(at, abs=0.05 * 2 * np.pi / values["w"])
+    # An error of 1e-6 at the start moves the last escape by 0.08 T, and the end is known to a step.
+    assert float(ds["end_time"][0]) == pytest.approx(at, abs=0.1 * 2 * np.pi / values["w"])
 
 
 @pytest.mark.parametrize("name", BOUNDED)

@@ -6,7 +6,7 @@ make a claim false. Sums are the mean of the divergence (Liouville), known even 
 
 import numpy as np
 import pytest
-from asking import Refused, asked, label, load
+from asking import Refused, asked, label, load, some
 from kinked_cases import BY_NAME
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
@@ -80,7 +80,7 @@ def test_linear_systems(name):
     agree(found, exact, period=T / values["w"], error_below=2e-2, floor=floor)  # pairs of complex multipliers turn
 
 
-@pytest.mark.parametrize("name", ["mild", "fast", "sheared-fast", "breathing-fast", "overdamped"])
+@pytest.mark.parametrize("name", some(["mild", "fast", "sheared-fast", "breathing-fast", "overdamped"], ["fast"]))
 def test_linear_systems_diagnosed(name):
     model, values, exact = LINEAR[name]
     ds = whirlmap.diagnose(whirlmap.load(model, **values))
@@ -121,7 +121,7 @@ SLAVED = Model(name="slaved_duffing", states=(x, v, r), parameters=(A, k), harmo
                equations={x: v, v: A * cos(1.2 * t) - 0.3 * v + x - x**3, r: -k * (r - x)})  # fmt: skip
 
 
-@pytest.mark.parametrize("k_", [0.02, 8.0, 60.0])
+@pytest.mark.parametrize("k_", some([0.02, 8.0, 60.0], [60.0]))
 def test_a_slaved_state_of_a_chaotic_motion(k_):
     """-k exactly, beside the two exponents of Duffing's oscillator, whose sum is -0.3."""
     value, error = spectrum(whirlmap.load(SLAVED, A=0.5, k=k_), periods=1600)
@@ -133,7 +133,7 @@ def test_a_slaved_state_of_a_chaotic_motion(k_):
     assert np.all(errors < 0.01)
 
 
-@pytest.mark.parametrize("periods", [400, 1600])
+@pytest.mark.parametrize("periods", some([400, 1600], [400]))
 def test_lorenz(periods):
     """0.9056, 0 and -14.572, of sum -41/3 exactly."""
     model = FLOWS["lorenz"][0]
@@ -159,6 +159,7 @@ def test_the_mean_divergence_comes_out_again():
     assert mean_divergence() == pytest.approx(TORUS, abs=1e-5)
 
 
+@pytest.mark.slow
 def test_a_torus():
     """Forced van der Pol: the largest exponent is zero; the sum is the mean of mu (1 - x^2)."""
     system = whirlmap.load("van_der_pol", mu=1.0, A=0.5, omega=1.387)
@@ -188,7 +189,7 @@ FREE = {  # name -> values, start, time to settle, typical time of the model, ex
 }
 
 
-@pytest.mark.parametrize("name", FREE)
+@pytest.mark.parametrize("name", some(FREE, ["hopf", "van_der_pol-stiff", "predator_prey"]))
 def test_cycles_have_one_zero(name):
     values, start, time, exact = FREE[name]
     model, names, rates, cut = FLOWS["hopf" if name == "hopf-weak" else name.removesuffix("-stiff")]
@@ -228,6 +229,7 @@ def test_periodic_motions_across_jumps(name):
 CHAOS_ACROSS_JUMPS = ["chaos-pendulum", "chaos-stop", "chaos-belt"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", CHAOS_ACROSS_JUMPS)
 def test_chaos_across_kinks_and_jumps(name):
     case, truth = BY_NAME[name], NUMBERS[name]

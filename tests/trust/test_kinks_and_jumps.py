@@ -5,7 +5,7 @@ from functools import cache
 import kinked_cases
 import numpy as np
 import pytest
-from asking import EXTREME, STATE, Refused, asked, diagram, extreme_error, label, load
+from asking import EXTREME, STATE, Refused, asked, diagram, extreme_error, label, load, some
 from dead_zone import DeadZone
 from sympy import lambdify
 from truth_numbers import compute, kept
@@ -93,11 +93,15 @@ def test_multipliers_of_the_dead_zone(name):
         assert np.abs(value - one).min() < 1e-9
 
 
-@pytest.mark.parametrize(("case", "model"), ONCE)
-def test_diagnosis(case, model):
+#: Points whose diagnosis is asked in the quick tests.
+QUICK = ["dry-w=0.7", "dry-stops-F=0.8-d=0-w=0.5", "bilinear-k=4-w=4", "stop-w=0.8", "relay-w=1", "gear-4T-Omega=1"]
+
+
+@pytest.mark.parametrize("name", some([case.name for case in PERIODIC], QUICK))
+def test_diagnosis(name):
     """The label is the same, and every exponent is as near to the truth as its error says."""
-    truth = NUMBERS[case.name]
-    ds = asked(whirlmap.diagnose, load(model, case.values, case.start))
+    case, truth = kinked_cases.BY_NAME[name], NUMBERS[name]
+    ds = asked(whirlmap.diagnose, load(case.models[0], case.values, case.start))
     if isinstance(ds, Refused):
         assert case.jumps and ds.names_the_jump, ds.sentence
         return

@@ -50,7 +50,7 @@ REST = {  # name -> model, values, start, where it rests
     "lorenz-origin": (LORENZ, dict(r=0.5), {}, (0.0, 0.0, 0.0)),
     "lorenz-focus": (LORENZ, dict(r=10.0), {}, (24**0.5, 24**0.5, 9.0)),
     "no-force": (UNHEARD, dict(A=0, c=0.1, w=1.3), {}, (0.0, 0.0)),
-    "hill-below": (HILL, dict(a=1, b=0.19, c=0.2, w=2), {}, (0.0, 0.0)),
+    "hill-below": (HILL, dict(a=1, b=0.18, c=0.2, w=2), {}, (0.0, 0.0)),
     "hill-detuned": (HILL, dict(a=1.3, b=0.2, c=0.2, w=2), {}, (0.0, 0.0)),
     "meissner-below": (MEISSNER, dict(a=1, b=0.1, c=0.2, w=2), {}, (0.0, 0.0)),
 }  # fmt: skip
@@ -60,7 +60,8 @@ REST = {  # name -> model, values, start, where it rests
 def test_at_rest(name):
     model, values, start, where = REST[name]
     system = whirlmap.load(model, start=start, **values)
-    ds = diagram(system)
+    assert label(diagram(system), 0) in ("at-rest", "undecided")  # without an exponent it may stay open
+    ds = diagram(system, lyapunov=512)
     assert label(ds, 0) == "at-rest"
     mean = ds["mean"].values[0, : len(where)]
     np.testing.assert_allclose(mean, where, rtol=0, atol=1e-4 * max(1.0, np.abs(where).max()))
@@ -73,7 +74,11 @@ def test_at_rest(name):
 
 def test_stuck_by_dry_friction():
     """|A| < F: wherever it stops between -(F - A) and F - A, it stays."""
-    ds = diagram(whirlmap.load(STUCK, A=0.4, k=1.0, w=0.9, start={"x": 3.0}))
+    system = whirlmap.load(STUCK, A=0.4, k=1.0, w=0.9, start={"x": 3.0})
+    ds = asked(diagram, system, lyapunov=512)
+    if isinstance(ds, Refused):
+        assert ds.names_the_jump
+        ds = diagram(system)
     assert label(ds, 0) in ("at-rest", "sticks")
     if label(ds, 0) == "at-rest":
         assert -0.6 <= float(ds["mean"].sel(quantity="x")[0]) <= 0.6
@@ -96,8 +101,8 @@ DRIFT = {  # name -> model, values, drifting state, its mean rate
     "rolling-back": (ROLLING, dict(A=1, a=-0.02, c=0.1, w=1.0), "x", -0.2),
     "rolling-slowly": (ROLLING, dict(A=1, a=1e-4, c=0.1, w=2.0), "x", 1e-3),
     "integral": (INTEGRAL, dict(A=1, a=0.3, c=0.2, w=0.8), "y", 0.3),
-    "whirling-pendulum": (PENDULUM, dict(A=0.3, a=1.5, c=0.5, w=2.0), "q", None),
-    "ratchet": (RATCHET, dict(A=1, c=0.2, k=0.1, w=1.0), "x", None),
+    "whirling-pendulum": (PENDULUM, dict(A=0.3, a=1.5, c=0.5, w=2.0), "q", 2.981174),
+    "ratchet": (RATCHET, dict(A=1, c=0.2, k=0.1, w=1.0), "x", 0.458947),
 }  # fmt: skip
 
 
@@ -116,12 +121,16 @@ def mean_rate(model, values, name):
     return (made.y[0, 1] - made.y[0, 0]) / (100 * T)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["whirling-pendulum", "ratchet"])
+def test_the_drift_comes_out_again(name):
+    model, values, state, rate = DRIFT[name]
+    assert mean_rate(model, values, state) == pytest.approx(rate, rel=1e-3)
+
+
 @pytest.mark.parametrize("name", DRIFT)
 def test_drift(name):
-    model, values, state, rate = DRIFT[name]
-    if rate is None:
-        rate = mean_rate(model, values, state)
-        assert abs(rate) > 0.05
+    model, values, _, rate = DRIFT[name]
     system = whirlmap.load(model, **values)
     ds = asked(diagram, system)
     assert not isinstance(ds, Refused), ds.sentence
@@ -179,7 +188,12 @@ def test_growth(name):
     if isinstance(rate, str):
         rate = hill_rate(values["c"], values["a"], values["b"], values["w"], rate == "square")
         assert rate > 2e-3
-    ds = diagram(whirlmap.load(model, **values))
+    system = whirlmap.load(model, **values)
+    assert label(diagram(system), 0) in ("growing", "undecided", "diverged")  # without an exponent it may stay open
+    ds = asked(diagram, system, lyapunov=512)
+    if isinstance(ds, Refused):
+        assert model is MEISSNER and ds.names_the_jump
+        return
     assert label(ds, 0) in ("growing", "diverged") if rate > 0.02 else label(ds, 0) == "growing"
     if label(ds, 0) == "growing" and rate:
         said = [name for name in ds.data_vars if "grow" in name]
@@ -188,7 +202,7 @@ def test_growth(name):
 
 
 def test_a_spiral_without_forcing_grows():
-    assert label(diagram(whirlmap.load(SPIRAL, c=0.05)), 0) in ("growing", "diverged")
+    assert label(diagram(whirlmap.load(SPIRAL, c=0.05), lyapunov=512), 0) in ("growing", "diverged")
 
 
 @pytest.mark.parametrize(("b_", "grows"), [(0.2000, False), (0.2009, True)])
@@ -223,7 +237,7 @@ def time_of_pole(model, values, start, duration, pole):
         return [m[1], values.get("A", 0) * np.cos(values.get("w", 1) * s) - values["c"] * m[1] - m[0] + force(m[0], values)]
 
     def near(s, m):
-        return abs(m[0]) - pole * (1 - 1e-6)
+        return (abs(m[0]) if model is BOTH else m[0]) - pole * (1 - 1e-6)
 
     near.terminal = True
     made = solve_ivp(rates, (0, duration), start, method="DOP853", rtol=1e-10, atol=1e-12, events=near, dense_output=True)

@@ -8,7 +8,7 @@ truth as in the other files.
 import kinked_models
 import numpy as np
 import pytest
-from asking import EXTREME, Refused, asked, diagram, label
+from asking import EXTREME, Refused, asked, diagram, label, some
 from kinked_cases import BY_NAME
 from scaled_models import ANGLE, OSCILLATOR, ROTOR, THREE, scaled, size_of
 from sympy import Abs
@@ -74,7 +74,7 @@ def unscaled(name):
 
 
 @pytest.mark.parametrize("name", SYSTEMS)
-@pytest.mark.parametrize("scales", SCALES, ids=lambda s: f"L={s[0]:g}-tau={s[1]:g}")
+@pytest.mark.parametrize("scales", some(SCALES, SCALES[5:8:2]))
 def test_label_and_extremes(name, scales):
     _, powers, _, _, wanted = SYSTEMS[name]
     one, ds = unscaled(name), answer(name, *scales)
@@ -101,8 +101,8 @@ def test_the_unscaled_ones_are_right(name):
                                atol=EXTREME * np.subtract(truth["high"], truth["low"]).max())  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["duffing-1", "gear-4", "van-der-pol-free", "roessler-2"])
-@pytest.mark.parametrize("scales", [(1e-9, 1.0), (1e-6, 2.5e-3), (1e3, 1e6)], ids=lambda s: f"L={s[0]:g}-tau={s[1]:g}")
+@pytest.mark.parametrize("name", some(["duffing-1", "gear-4", "van-der-pol-free", "roessler-2"], ["duffing-1"]))
+@pytest.mark.parametrize("scales", some([(1e-9, 1.0), (1e-6, 2.5e-3), (1e3, 1e6)], [(1e-9, 1.0)]))
 def test_diagnosis(name, scales):
     """The swarm of starts stays on one attractor at any scale; exponents count per unit of the model's time."""
     wanted = SYSTEMS[name][4]

@@ -11,7 +11,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 import unforced_models
-from asking import EXTREME, Refused, asked, diagram, label
+from asking import EXTREME, Refused, asked, diagram, label, some
 from truth_cycles import Flow
 from truth_orbits import Pieces, extremes
 from unforced_models import FLOWS
@@ -93,7 +93,7 @@ def test_label(name):
     assert said in allowed
 
 
-@pytest.mark.parametrize("name", CYCLES)
+@pytest.mark.parametrize("name", some(CYCLES, ["hopf", "van-der-pol-20", "roessler-2"]))
 def test_diagnosis(name):
     ds = asked(whirlmap.diagnose, loaded(name))
     if isinstance(ds, Refused):
@@ -109,7 +109,7 @@ def test_diagnosis(name):
         assert votes["floquet"]["vote"] != "unstable"
 
 
-@pytest.mark.parametrize("name", [n for n in CYCLES if n not in STIFF])
+@pytest.mark.parametrize("name", some([n for n in CYCLES if n not in STIFF], ["hopf-fast", "van-der-pol-5", "lorenz-260"]))
 def test_period_and_extremes(name):
     """Crossings of the section, as far apart as the truth's; extremes of the first state."""
     known, system = CYCLES[name], loaded(name)
@@ -124,7 +124,7 @@ def test_period_and_extremes(name):
                                    atol=EXTREME * np.ptp(known.extremes))  # fmt: skip
 
 
-@pytest.mark.parametrize("factor", [0.1, 0.31, 3.0, 10.0])
+@pytest.mark.parametrize("factor", some([0.1, 0.31, 3.0, 10.0], [0.1, 10.0]))
 def test_a_typical_time_that_is_wrong_by_ten(factor):
     """The declared typical time only guides: the label does not hang on it."""
     model = FLOWS["van_der_pol"][0]
@@ -133,7 +133,7 @@ def test_a_typical_time_that_is_wrong_by_ten(factor):
     assert label(ds, 0) == "1T"
 
 
-@pytest.mark.parametrize("mu", [1.0, 5.0])
+@pytest.mark.parametrize("mu", some([1.0, 5.0], [5.0]))
 def test_an_orbit_that_does_not_close_has_no_multipliers(mu):
     """Given a wrong duration, the trivial multiplier or the closure says so; given the right one, both are good."""
     model, names, rates, cut = FLOWS["van_der_pol"]

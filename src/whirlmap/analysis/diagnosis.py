@@ -42,7 +42,7 @@ Array = NDArray[np.float64]
 #: Start states that run side by side; how much they scatter is the error of an exponent.
 RUNS = 32
 #: Motions without an attractor other than a place of rest.
-ENDLESS = (Regime.at_rest, Regime.drifting, Regime.growing)
+ENDLESS = (Regime.at_rest, Regime.drifting, Regime.growing, Regime.not_settled)
 #: Section points, in common periods, that the indicators of open motion are given.
 SECTION = 2048
 #: A motion that contracts is given the time to shrink by this, and at most so many common periods, to return.
@@ -152,6 +152,8 @@ def diagnose(
     data["growth_rate"] = variable((), returns.growth[0], "1/time", "rate of the amplitude: what grows, or comes to rest")
     data["drift_rate"] = variable((), speed[0], "1/time", "speed of the first state that drifts, in its unit")
     data["drift_state"] = variable((), state[0], "1", "index of that state, -1: none")
+    data["thinning"] = variable((), returns.thinning[0], "1", "power of time with which the narrowest gap falls")
+    data["winding"] = variable((), returns.turning[0], "1", "rotation number of a motion whose film thins")
     data["regime"] = regime_variable((), label)
     data["confidence"] = variable(
         (), confidence, "1", "share of the start states, times that of the indicators asked, that speak for the label"
@@ -319,6 +321,8 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
         "period_turns": {k: abs(v) * n for k, v in json.loads(ds.attrs["clocks"]).items()} if periodic else None,
         "confidence": number(ds["confidence"]),
         "growth_rate": number(ds["growth_rate"]),
+        "thinning": number(ds["thinning"]),
+        "winding": number(ds["winding"]),
         "drift_rate": number(ds["drift_rate"]),
         "drift_state": str(np.asarray(ds["state"])[int(ds["drift_state"])]) if int(ds["drift_state"]) >= 0 else None,
         "lyapunov": [number(v) for v in exponent],

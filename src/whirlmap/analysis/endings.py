@@ -32,8 +32,9 @@ SAME_TIME = 1e-3
 
 
 def confirm_ends(
-    ensemble: Ensemble, start: Array, began: NDArray[np.int64], settle_again: Callable[[Ensemble, Points], None]
-) -> None:
+    ensemble: Ensemble, start: Array, began: NDArray[np.int64], settle_again: Callable[[Ensemble, Points], None],
+    believed: NDArray[np.bool_],
+) -> None:  # fmt: skip
     """Run points that have ended again, with more steps, in place: they go on, or their end is believed, or unresolved.
 
     Parameters
@@ -45,9 +46,11 @@ def confirm_ends(
         The ``turns`` at which the points began there, whole common periods.
     settle_again : callable
         ``settle_again(part, members)`` runs a part of the points on from their start as they were run before.
+    believed : array of bool, shape (point,)
+        Points whose end is known: their steps failed for a film that thins on and on.
     """
     assert ensemble.accuracy is not None
-    left = np.flatnonzero(~ensemble.running)
+    left = np.flatnonzero(~ensemble.running & ~believed)
     every = [ensemble.status.copy()]
     for _ in range(RUNS):
         if not left.size:

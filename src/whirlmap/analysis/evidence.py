@@ -162,13 +162,13 @@ def windings_of(section: Array, cyclic: Mapping[int, float] | None = None) -> li
         line = columns[lines, moves[lines].argmax(axis=1)]
         found = winding_numbers(line[:, 1:], line[:, :-1])
         if planes.size:
-            found += winding_numbers(*_largest_extents(columns[planes]))
+            found += winding_numbers(*largest_extents(columns[planes]))
         for k, winding in zip(np.concatenate([lines, planes]), found, strict=True):
             out[part[k]] = winding
     return out
 
 
-def _largest_extents(columns: Array) -> tuple[Array, Array]:
+def largest_extents(columns: Array) -> tuple[Array, Array]:
     """Coordinates of each point along its two largest extents, each of shape (point, time)."""
     products = np.stack([(columns[:, k, None] * columns).sum(axis=2) for k in range(columns.shape[1])], axis=1)
     axes = np.linalg.eigh(products)[1]

@@ -6,6 +6,8 @@ every one of them must go on at least half as fast as the one before. That takes
 together, where running to the bound would take ln(bound) / rate.
 """
 
+from typing import Literal
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -51,7 +53,8 @@ def growth_goes_on(ensemble: Ensemble, points: Points, centre: Array, growth: Ar
         copies.advance(int(window) * common)
         sizes = []
         for _ in range(2):
-            segment = copies.advance(int(window) * common, save_periods=common, extremes=False if ensemble.model.forced else "between")
+            kind: Literal[False, "between"] = False if ensemble.model.forced else "between"
+            segment = copies.advance(int(window) * common, save_periods=common, extremes=kind)
             # Strobed, a forced motion shows its free part alone; without a forcing there is no phase to strobe at.
             whole = segment.extremes
             ranges = None if whole is None else (whole["maximum"] - whole["minimum"])[: ensemble.model.dimension]

@@ -19,6 +19,7 @@ from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
 from whirlmap.integrate.system import System, periods
 from whirlmap.integrate.turns import choose_unforced_steps
+from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.methods import method as method_named
 from whirlmap.results.provenance import provenance
 
@@ -71,13 +72,13 @@ def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
 
 def _follow_defaults(system: System, columns: Mapping[str, Array], values: Array) -> None:
     """Parameters that follow from others by default go on following the varied ones."""
-    from sympy import lambdify, sympify
+    from sympy import sympify
 
     for parameter, rule in system.model.defaults.items():
         follows = {q.name for q in sympify(rule).free_symbols} & set(columns)
         if follows and system.notes.get(parameter.name, "").startswith("default"):
-            function = lambdify([list(system.model.parameters)], sympify(rule), modules="numpy")
-            values[system.parameters.index(parameter.name)] = function(list(values))
+            function = HoistedFunction.of(system.model.parameters, [sympify(rule)])
+            values[system.parameters.index(parameter.name)] = function.evaluate(values)[0]
 
 
 def make_ensemble(

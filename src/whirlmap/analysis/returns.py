@@ -28,6 +28,7 @@ from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.rest import ROUNDING, rate_of_rest, resting_places
 from whirlmap.analysis.settling import Settled, Settling, settle
+from whirlmap.analysis.thinning import narrowest_gap, thinning_power, turning
 from whirlmap.analysis.trend import trend
 from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
@@ -89,6 +90,9 @@ class Returns:
     drift : array, shape (state, point)
         Speed of the section of each state per unit of time where the motion drifts, or grows in proportion to time; zero
         elsewhere.
+    thinning, turning : array
+        Power of time with which the narrowest gap falls where a film thins without settling, and the rotation number there;
+        NaN elsewhere.
     extremes : dict of arrays, shape (row, point)
         Of every state and output over the recorded stretch.
     """
@@ -102,6 +106,8 @@ class Returns:
     accelerated: NDArray[np.bool_]
     growth: Array
     drift: Array
+    thinning: Array
+    turning: Array
     extremes: dict[str, Array]
 
 
@@ -125,6 +131,7 @@ def settle_and_record(
         States whose section is returned; all of them where absent. The search for the smallest return sees them all.
     """
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
+    start = ensemble.x.copy()
     settled = _settle_accurately(ensemble, settling, longest, cyclic, progress)
     common, forced = ensemble.common_multiple, ensemble.model.forced
     periods = common * max(-(-settling.keep // common), 2)
@@ -134,11 +141,15 @@ def settle_and_record(
     period, extremes = multiple.copy(), _empty_extremes(ensemble)
     ensemble.crossings[:], ensemble.grazings[:] = 0, 0  # of the record alone
     drift = np.zeros((ensemble.model.dimension, ensemble.points))
+    shape = (periods // common, *drift.shape) if ensemble.model.stops else (0, 0, 0)
+    whole = np.full(shape, np.nan)  # once per common period
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
         fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], EXTREMES_STEPS))
         saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
         section[:, :, members] = saved[:, rows]
+        if ensemble.model.stops:
+            whole[:, :, members] = saved[common - 1 :: common]
         for name, values in _extremes(fine, multiple[members], periods, progress).items():
             extremes[name][:, members] = values
         multiple[members] = np.where(ensemble.running[members], multiple[members], 0)
@@ -147,6 +158,10 @@ def settle_and_record(
             period[members] = _periods_in_T(
                 saved, multiple[members], settled.scale[:, members], common, settling, cyclic
             )
+    thinning, turn = settled.thinning.copy(), settled.turning.copy()
+    for p in np.flatnonzero((multiple == 0) & ensemble.running) if ensemble.model.stops and forced else ():
+        thinning[p] = _thins(ensemble, int(p), whole[:, :, p], int(settled.waited[p]), start[:, p])
+        turn[p] = turning(whole[:, :, p], cyclic) if np.isfinite(thinning[p]) else np.nan
     growth = _rest(ensemble, settled, extremes, settling.tolerance)
     rests, repels = growth < np.inf, np.isposinf(growth)
     beyond = ensemble.status == Status.diverged
@@ -158,9 +173,18 @@ def settle_and_record(
     period = np.where(multiple > 0, period, 0)
     label = _labels(ensemble, multiple)  # undecided where a motion rests though the smallest disturbance grows
     label[rests], label[drift.any(axis=0)], label[swells | (growth > 0)] = Regime.at_rest, Regime.drifting, Regime.growing
+    label[np.isfinite(thinning) & (label == Regime.undecided)] = Regime.not_settled
     return Returns(
-        section, label, period, multiple, settled.distance, settled.waited, settled.accelerated, growth, drift, extremes,
+        section, label, period, multiple, settled.distance, settled.waited, settled.accelerated, growth, drift, thinning,
+        turn, extremes,
     )  # fmt: skip
+
+
+def _thins(ensemble: Ensemble, point: int, section: Array, waited: int, start: Array) -> float:
+    """Power of time with which the gap of one point falls over its record."""
+    values = ensemble.values[:, point]
+    widest = narrowest_gap(ensemble.model, values, np.vstack([start, section]))
+    return thinning_power(ensemble.model, values, section, waited, float(widest.max()))
 
 
 def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tolerance: float) -> Array:
@@ -240,7 +264,8 @@ def _settle_accurately(
         start, began = part.x.copy(), part.turns.copy()
         settle(part, members)
         if part.accuracy is not None:
-            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]))
+            believed = np.isfinite(settled.thinning[members])
+            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]), believed)
         if part is not ensemble:
             ensemble.absorb(part, members)
 

@@ -11,14 +11,17 @@ from scipy import signal
 
 from whirlmap.analysis.dimension import correlation_dimension
 from whirlmap.analysis.embedding import delay_embedding, false_neighbours, mutual_information
-from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.recurrence import recurrence
 from whirlmap.analysis.signal_exponents import signal_exponents
+from whirlmap.analysis.signals.regular_motion import RegularMotion, regular_motion
+from whirlmap.analysis.signals.steadiness import steadiness
+from whirlmap.analysis.signals.verdict import decide, sentences
 from whirlmap.analysis.spectral_lines import spectral_lines
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.zero_one import STATUS as ZERO_ONE_STATUS
 from whirlmap.analysis.zero_one import zero_one_test
 from whirlmap.errors import RangeError
+from whirlmap.results.findings import Findings
 from whirlmap.results.provenance import package_version
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import regime_variable, variable, with_attributes
@@ -33,11 +36,14 @@ STRONG = 0.95
 FINE = 40
 #: Samples whose false neighbours, vectors whose distances, and points whose recurrences are looked at.
 NEIGHBOURS, VECTORS, RECURRENT = 12_000, 8_000, 1_500
+#: Smallest rate, and the inverse of the largest.
+SLOWEST = 1e-280
 #: Damping of the 0-1 test, for noise.
 DAMPING = 1.0
-#: Shares of the power: of one line that counts, of all lines in regular motion, outside of lines in broadband motion.
-LINE, LINES, BROAD = 1e-3, 0.98, 0.1
-CITED = "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007"
+CITED = (
+    "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007"
+    " andrews1993"
+)
 #: K of the 0-1 test above and below which it has a say; clean sections allow tighter ones (`regime`).
 WANDERS, BOUNDED = 0.8, 0.3
 
@@ -48,7 +54,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     Parameters
     ----------
     values : array, shape (time,)
-        Evenly spaced samples of a steady motion.
+        Evenly spaced samples.
     rate : float
         Samples per unit of time.
     unit : str
@@ -59,7 +65,8 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     xr.Dataset
         ``regime``, ``series(time)``, and under the names of their functions what the indicators gave: spectrum and lines,
         ``mutual_information(lag)``, ``false_neighbours(dimension)``, ``rosenstein(step)``, ``kantz(step)`` and
-        ``dimension_*``. ``attrs["indicators"]`` is a JSON object of every vote, ``attrs["verdict"]`` some sentences.
+        ``dimension_*``, where they were asked. ``attrs["indicators"]`` is a JSON object of every vote, ``attrs["verdict"]``
+        some sentences; ``attrs["period"]`` and ``attrs["frequency"]`` are there where the signal has them.
 
     Raises
     ------
@@ -71,44 +78,57 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     1. The root mean square frequency, over the strongest bins of the spectrum that hold 95 % of the power, gives the
        swing. A signal with more than 80 samples per swing is thinned, after an anti-alias filter, to about 40;
        exponents and dimension are of the thinned signal.
-    2. Lag from the first minimum of the mutual information (without one, a quarter swing, which is said), dimension from
-       false neighbours; without one at that lag, nor at a half or a quarter of it, none of the embedded indicators
-       speaks: noise, or too many dimensions.
-    3. Exponents as `signal_exponents` says.
-    4. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
+    2. Steadiness (`steadiness`): where level, frequency or mean change within the record, it is ``not-steady``.
+    3. Regular motion (`regular_motion`): 98 % of the power in lines; periodic where they have a common fundamental and
+       the signal is itself again after its period, quasi-periodic where they have none.
+    4. Where the motion is steady and does not return: lag from the first minimum of the mutual information (without one, a
+       quarter swing, which is said), dimension from false neighbours; without one at that lag, nor at a half or a quarter of
+       it, none of the embedded indicators speaks: noise, or too many dimensions. Exponents as `signal_exponents` says. On
+       signals that return neighbours coincide, and no exponent is asked.
+    5. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
        positive over a scaling range, and so is the other, or the dimension has one: coloured noise may show one of them
-       by chance. Regular: the lines do, the 0-1 test does not wander, and Rosenstein's exponent is not
-       seen; periodic where all strong lines are multiples and fractions of one frequency, quasi-periodic where they
-       need two. Else undecided.
+       by chance. Quasi-periodic motion must not wander nor have Rosenstein's exponent. Else undecided.
 
-    A signal says less than equations: exponents have no other error than the scatter within the one record, slow drift
-    looks like slow motion, coloured noise can imitate a low dimension, and filters add dimensions.
+    A signal says less than equations: exponents have no other error than the scatter within the one record, coloured noise
+    can imitate a low dimension, and filters add dimensions.
     """
-    x, thin, swing, spectrum = _prepared(values, rate)
-    lines = spectral_lines(spectrum)
-    votes: dict[str, Any] = {"spectrum": _spectrum_vote(lines, float(spectrum["frequency_step"]))}
-    data: dict[str, Any] = {
-        "power": variable("frequency", spectrum["power"].values, "1", "power of a line, a^2/2"),
-        "line_frequency": variable("line", lines["line_frequency"].values, f"1/{unit}", "frequency of the line"),
-        "line_power": variable("line", lines["line_power"].values, "1", "power of the line"),
-        "series": variable("time", x, "1", "signal, thinned where it was sampled finely"),
-    }
-    coords = {
-        "time": variable("time", np.arange(x.size) * thin / rate, unit, "time"),
-        "frequency": variable("frequency", spectrum["frequency"].values, f"1/{unit}", "frequency"),
-    }
-    lag, dimension = _embedding(x, swing, votes, data, coords)
+    raw, scale = _checked(values, rate)
+    spectrum = power_spectrum.find(raw, rate=1.0)
+    swing = _swing(raw, spectrum, rate)
+    lines = spectral_lines.find(spectrum)
+    regular = regular_motion(raw, spectrum, lines)
+    steady = steadiness(raw, swing, regular.frequency, regular.share, regular.broad)
+    votes: dict[str, Any] = {
+        "steadiness": {
+            "vote": "not-steady" if steady.changes else "steady", "changes": list(steady.changes),
+            "rms": (steady.rms * scale).tolist(), "frequency": (steady.frequency * rate).tolist(),
+            "mean": (steady.mean * scale).tolist(), "statistics": steady.statistics,
+        }
+    }  # fmt: skip
+    votes |= regular.votes
+    for line in votes["spectrum"]["named"]:
+        line["frequency"] *= rate
+    thin = int(swing // FINE) if swing > 2 * FINE else 1
+    x, per_swing = _thinned(raw, thin), max(ceil(swing / thin), 2)
+    data, coords = _spectral_data(x * scale, spectrum, lines, thin, scale, rate, unit)
+    lag, dimension = _lag(x, per_swing, votes, data, coords), 0
     votes["zero_one"] = _zero_one_vote(x, lag)
+    if steady.changes or regular.period is not None:
+        why = "not-steady" if steady.changes else "neighbours-coincide"
+        votes["neighbours"] = {"vote": why, "dimension": None}
+        votes |= {name: {"vote": why, "value": None, "error": None, "range": None} for name in ("rosenstein", "kantz")}
+    else:
+        lag, dimension = _dimension(x, lag, per_swing, votes, data, coords)
     if dimension:
-        _embedded(x, lag, dimension, swing, rate / thin, votes, data, coords)
-    label, confidence = _decide(votes)
+        _embedded(x, lag, dimension, per_swing, rate / thin, votes, data, coords)
+    label, confidence = decide(votes)
     data["regime"] = regime_variable((), label)
     data["confidence"] = variable((), confidence, "1", "share of the indicators with a vote that speak for the regime")
     facts = {
-        "rate": rate, "unit": unit, "samples": int(np.size(values)), "thinned": thin, "swing": swing * thin / rate,
+        "rate": rate, "unit": unit, "samples": raw.size, "thinned": thin, "swing": swing / rate,
         "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),
-        "verdict": _sentences(label, votes, unit), "whirlmap_version": package_version("whirlmap"),
-        "citations": CITED,
+        "verdict": sentences(label, votes, rate=rate, unit=unit, period=regular.period, thinned=thin),
+        "whirlmap_version": package_version("whirlmap"), "citations": CITED, **_cycle(label, regular, rate),
     }  # fmt: skip
     return with_attributes(xr.Dataset(data, coords=coords), facts)
 
@@ -116,9 +136,10 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
 def series_json(ds: xr.Dataset) -> dict[str, Any]:
     """Label, sentences and votes of `diagnose_series` as plain data; unknown numbers as None."""
     votes = json.loads(ds.attrs["indicators"])
-    keys = ("rate", "samples", "thinned", "swing", "lag", "embedding_dimension")
+    keys = ("rate", "unit", "samples", "thinned", "swing", "lag", "embedding_dimension")
     return {
         "regime": Regime(int(ds["regime"])).label, "confidence": float(ds["confidence"]), "verdict": ds.attrs["verdict"],
+        "period": ds.attrs.get("period"), "frequency": ds.attrs.get("frequency"),
         "lyapunov": votes.get("rosenstein", {}).get("value"), "lyapunov_error": votes.get("rosenstein", {}).get("error"),
         "correlation_dimension": votes.get("dimension", {}).get("value"),
         "correlation_dimension_error": votes.get("dimension", {}).get("error"), "indicators": votes,
@@ -126,54 +147,79 @@ def series_json(ds: xr.Dataset) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _prepared(values: ArrayLike, rate: float) -> tuple[Array, int, int, xr.Dataset]:
-    """Signal, thinned; by how much; samples per swing; spectrum of the whole."""
-    raw = np.asarray(values, dtype=np.float64)
+def _checked(values: ArrayLike, rate: Any) -> tuple[Array, float]:
+    """Signal over a power of two, so that squares stay within floats, and that power."""
+    try:
+        raw, per_unit = np.asarray(values, dtype=np.float64), float(rate)
+    except (TypeError, ValueError):
+        raise RangeError(f"values of type {type(values).__name__}, rate = {rate!r}: numbers are needed") from None
     if raw.ndim != 1 or raw.size < FEWEST:
         raise RangeError(f"the signal has shape {raw.shape}: one series of at least {FEWEST} samples is needed")
     if not np.isfinite(raw).all():
         at = int(np.flatnonzero(~np.isfinite(raw))[0])
         raise RangeError(f"sample {at + 1} of the signal is {raw[at]}: all must be finite numbers")
-    if not 0 < rate < np.inf:
-        raise RangeError(f"rate = {rate}: a positive number of samples per unit of time is needed")
-    if np.ptp(raw) <= 1e-12 * np.abs(raw).max():
+    if isinstance(rate, str) or not SLOWEST < per_unit < 1 / SLOWEST:
+        raise RangeError(f"rate = {rate!r}: a positive number of samples per unit of time, {SLOWEST:g} to "
+            f"{1 / SLOWEST:g}, is needed")
+    largest = float(np.abs(raw).max())
+    if largest == 0 or float(raw.max()) / largest - float(raw.min()) / largest <= 1e-12:
         raise RangeError(f"the signal is constant ({raw[0]:g}): there is no motion in it")
-    spectrum = power_spectrum(raw, rate=rate)
-    power = spectrum["power"].values.copy()
+    scale = float(np.ldexp(1.0, int(np.frexp(largest)[1]) - 1))
+    return raw / scale, scale
+
+
+def _swing(raw: Array, spectrum: Findings, rate: float) -> float:
+    """Samples per swing."""
+    power = np.asarray(spectrum["power"], dtype=float).copy()
     power[:2] = 0.0  # offset and slow drift are no swing
     strongest = np.argsort(-power, kind="stable")
     held = strongest[: int(np.searchsorted(np.cumsum(power[strongest]), STRONG * power.sum())) + 1]
-    squares = spectrum["frequency"].values[held] ** 2
-    swing = rate / float(np.sqrt(np.average(squares, weights=power[held])))
+    squares = np.asarray(spectrum["frequency"], dtype=float)[held] ** 2
+    swing = 1.0 / float(np.sqrt(np.average(squares, weights=power[held])))
     if raw.size < FEWEST_SWINGS * swing:
         raise RangeError(
             f"the signal holds {raw.size / swing:.3g} swings of its mean frequency, {rate / swing:.4g}:"
             f" at least {FEWEST_SWINGS} are needed. Record longer, or take off a slow drift."
         )
-    thin = int(swing // FINE) if swing > 2 * FINE else 1
+    return swing
+
+
+def _thinned(raw: Array, thin: int) -> Array:
     x = raw - raw.mean()
     if thin > 1:
         edge = 20  # the filter's reach, in samples of the thinned signal
         x = signal.resample_poly(x, 1, thin)[edge:-edge]
-    return x, thin, max(ceil(swing / thin), 2), spectrum
+    return np.asarray(x)
 
 
-def _spectrum_vote(lines: xr.Dataset, step: float) -> dict[str, Any]:
-    broad = float(lines["broadband_fraction"])
-    named = [line for line in named_shares(lines, {}, step=step) if float(str(line["share"])) > LINE]
-    words = " ".join(str(line["name"]) for line in named)
-    vote = "none"
-    if broad > BROAD:
-        vote = "broadband"
-    elif 1 - broad > LINES and named and all(line["name"] for line in named):
-        vote = "quasi-periodic" if "f2" in words else "periodic"
-    return {"vote": vote, "broadband_fraction": broad, "lines": int(lines["count"]), "named": named}
+def _cycle(label: Regime, regular: RegularMotion, rate: float) -> dict[str, float]:
+    """Period and frequency: of the cycle where there is one, else the strongest line's frequency."""
+    if label == Regime.periodic and regular.period is not None:
+        return {"period": regular.period / rate, "frequency": rate / regular.period}
+    return {"frequency": float(regular.frequency[0]) * rate} if regular.frequency.size and label != Regime.not_steady else {}
 
 
-def _embedding(
-    x: Array, swing: int, votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any]
-) -> tuple[int, int]:
-    """Lag and dimension; dimension 0 where false neighbours find none."""
+def _spectral_data(
+    x: Array, spectrum: Findings, lines: Findings, thin: int, scale: float, rate: float, unit: str
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Variables and coordinates of signal, spectrum and lines in units of the record."""
+    square = scale * scale if 1e-140 < scale < 1e140 else 1.0
+    word = "power of a line, a^2/2" if square != 1.0 or scale == 1.0 else f"power of a line, a^2/2, over {scale:g}^2"
+    data: dict[str, Any] = {
+        "power": variable("frequency", spectrum["power"] * square, "1", word),
+        "line_frequency": variable("line", lines["line_frequency"] * rate, f"1/{unit}", "frequency of the line"),
+        "line_power": variable("line", lines["line_power"] * square, "1", word.replace("a line", "the line")),
+        "series": variable("time", x, "1", "signal, thinned where it was sampled finely"),
+    }
+    coords = {
+        "time": variable("time", np.arange(x.size) * thin / rate, unit, "time"),
+        "frequency": variable("frequency", spectrum["frequency"] * rate, f"1/{unit}", "frequency"),
+    }
+    return data, coords
+
+
+def _lag(x: Array, swing: int, votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any]) -> int:
+    """Lag of the embedding [samples]."""
     part = x[:NEIGHBOURS]
     longest = min(2 * swing + 2, part.size // 10)
     information = mutual_information(part, longest, bins=16 if part.size > 6000 else 7)
@@ -184,6 +230,14 @@ def _embedding(
         votes["lag"] |= {"samples": lag, "from": "a quarter swing: the mutual information has no minimum"}
     coords["lag"] = variable("lag", information["lag"].values, "1", "lag in samples")
     data["mutual_information"] = variable("lag", information["mutual_information"].values, "bit", "mutual information")
+    return lag
+
+
+def _dimension(
+    x: Array, lag: int, swing: int, votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any]
+) -> tuple[int, int]:
+    """Lag, shortened where that helps, and dimension; dimension 0 where false neighbours find none."""
+    part = x[:NEIGHBOURS]
     most = min(8, max((part.size - 200) // (2 * lag), 1))
     first = lag
     for shorter in dict.fromkeys(max(first // k, 1) for k in (1, 2, 4)):
@@ -238,52 +292,6 @@ def _embedded(
     coords |= {str(key): c.variable for key, c in d.coords.items()}
     r = recurrence(vectors[:: max(lag, 1)][:RECURRENT], theiler=max(ceil(swing / max(lag, 1)), 1))
     votes["recurrence"] = {"vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"])}
-
-
-def _decide(votes: dict[str, Any]) -> tuple[Regime, float]:
-    """Combine the votes; one against, and it is undecided."""
-    wanders = votes["zero_one"]["vote"]
-    lines = votes["spectrum"]["vote"]
-    grows = [votes.get(name, {}).get("vote") for name in ("rosenstein", "kantz")]
-    structure = [*(g == "positive" for g in grows), votes.get("dimension", {}).get("vote") == "ok"]
-    if wanders == "chaotic" and any(structure[:2]) and sum(structure) >= 2 and lines not in ("periodic", "quasi-periodic"):
-        speaks = [True, *structure, lines == "broadband"]
-        return Regime.chaotic, sum(speaks) / len(speaks)
-    # On a torus whole neighbourhoods shear apart for a while, so that Kantz's curve alone is no veto.
-    if lines in ("periodic", "quasi-periodic") and wanders != "chaotic" and grows[0] != "positive":
-        speaks = [True, wanders == "regular", grows[1] != "positive"]
-        return (Regime.periodic if lines == "periodic" else Regime.quasi_periodic), sum(speaks) / len(speaks)
-    return Regime.undecided, 0.0
-
-
-def _sentences(label: Regime, votes: dict[str, Any], unit: str) -> str:
-    """Say in plain words what the signal is, and why."""
-    spectrum, zero_one = votes["spectrum"], votes["zero_one"]
-    share = 100 * (1 - spectrum["broadband_fraction"])
-    said = {
-        Regime.chaotic: "The signal is chaotic.",
-        Regime.periodic: "The signal is periodic.",
-        Regime.quasi_periodic: "The signal is quasi-periodic.",
-        Regime.undecided: "The indicators do not agree on what the signal is.",
-    }[label]
-    text = [said, f"{spectrum['lines']} spectral lines hold {share:.4g} % of its power."]
-    if zero_one["value"] is not None:
-        text.append(f"The 0-1 test gives {zero_one['value']:.2f} (0 regular, 1 chaotic).")
-    if votes["neighbours"]["vote"] == "no-dimension":
-        text.append("No embedding dimension up to 8 unfolds it: noise, or motion of many dimensions.")
-    for name in ("rosenstein", "kantz"):
-        if name in votes:
-            v = votes[name]
-            text.append(
-                f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} per {unit}."
-                if v["value"] is not None
-                else f"After {name.capitalize()} neighbours do not part exponentially ({v['vote']})."
-            )
-    d = votes.get("dimension")
-    if d:
-        has = d["value"] is not None
-        text.append(f"D2 is {d['value']:.3g} +- {d['error']:.2g}." if has else f"It has no dimension ({d['vote']}).")
-    return " ".join(text)
 
 
 def _finite(value: float) -> float | None:

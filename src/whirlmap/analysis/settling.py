@@ -28,6 +28,7 @@ from whirlmap.analysis.compiled import compiled
 from whirlmap.analysis.extrapolation import DIFFERENCES
 from whirlmap.analysis.periodicity import period_of
 from whirlmap.analysis.return_search import search_windows
+from whirlmap.analysis.thinning import narrowest_gap, thinning_power, turning
 from whirlmap.analysis.trend import trend
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
@@ -116,6 +117,8 @@ class Settled:
         Rate per common period of the amplitude of points that grew steadily beyond the bound; NaN in others.
     drift : array, shape (state, point)
         Speed per common period of the mean of points that drifted beyond the bound; zero in others.
+    thinning, turning : array
+        Power of time with which a gap fell where steps failed at last, and rotation number (`thinning`); NaN in others.
     """
 
     multiple: Integers
@@ -126,6 +129,8 @@ class Settled:
     moved: Array
     growth: Array
     drift: Array
+    thinning: Array
+    turning: Array
 
     @classmethod
     def none(cls, ensemble: Ensemble) -> "Settled":
@@ -134,7 +139,8 @@ class Settled:
         none = np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan)
         zero = np.zeros((states, n))
         return cls(
-            *none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_), zero, np.full(n, np.nan), zero.copy()
+            *none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_), zero, np.full(n, np.nan), zero.copy(),
+            np.full(n, np.nan), np.full(n, np.nan),
         )  # fmt: skip
 
     def forget(self, points: NDArray[np.intp]) -> None:
@@ -148,6 +154,7 @@ class Settled:
         self.waited[points] += again.waited
         self.moved[:, points] = np.maximum(self.moved[:, points], again.moved)
         self.growth[points], self.drift[:, points] = again.growth, again.drift
+        self.thinning[points], self.turning[points] = again.thinning, again.turning
 
 
 def looks(ran: Integers, longest: Integers) -> Integers:
@@ -265,6 +272,7 @@ class _Pool:
         self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
         self.next = looks(self.ran, longest)
         self.settled = Settled.none(ensemble)
+        self.cyclic = {int(k): float(period[k]) for k in np.flatnonzero(np.isfinite(period))}
         self.windows = np.array(windows(settling))
         self.tolerance = np.array([settling.tolerance])
         self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(max(self.history.shape[1], states))
@@ -322,6 +330,7 @@ class _Pool:
         s.scale[:, at] = self.sizes(at, running)
         s.moved[:, at] = np.fmax(s.moved[:, at], (self.high[self.slot[at]] - self.low[self.slot[at]]).T)
         self.beyond(at[~running & ~trying & (self.ensemble.status[at] == Status.diverged)])
+        self.thins(at[~running & ~trying & (self.ensemble.status[at] == Status.unresolved)])
         self.forget(at)
         plain = at
         if trying.any():
@@ -351,15 +360,27 @@ class _Pool:
         What only swings further from period to period has not drifted: its range since the last look is too large.
         """
         ring = self.history.shape[1]
-        cyclic = {int(k): float(self.period[k]) for k in np.flatnonzero(np.isfinite(self.period))}
         for p in points:
             rows = (self.ran[p] - np.arange(min(self.ran[p], ring), 0, -1)) % ring
             section = self.history[self.slot[p], rows]
-            seen = trend(section[np.isfinite(section).all(axis=1), :, None], cyclic)
+            seen = trend(section[np.isfinite(section).all(axis=1), :, None], self.cyclic)
             drift, slot = seen.drift[:, 0], self.slot[p]
             way = np.abs(drift) * (self.ran[p] - self.looked[p])
             drifts = (self.high[slot] - self.low[slot] <= SWINGS * way) | (drift == 0)
             self.settled.growth[p], self.settled.drift[:, p] = seen.growth[0], drift if drifts.all() else 0.0
+
+    def thins(self, points: NDArray[np.intp]) -> None:
+        """See whether points whose steps failed had a film that thinned on and on."""
+        e, ring = self.ensemble, self.history.shape[1]
+        for p in points:
+            rows = (self.ran[p] - np.arange(min(self.ran[p], ring), 0, -1)) % ring
+            section = self.history[self.slot[p], rows]
+            section = section[np.isfinite(section).all(axis=1)]
+            widest = float(narrowest_gap(e.model, e.values[:, p], section).max(initial=0.0))
+            late = section[len(section) // 2 :]
+            begin = max(int(self.ran[p]) - len(rows), 0) + len(section) // 2
+            self.settled.thinning[p] = thinning_power(e.model, e.values[:, p], late, begin, widest)
+            self.settled.turning[p] = turning(late, self.cyclic)
 
     def search(self, points: NDArray[np.intp]) -> None:
         """Search the windows of points that are due."""

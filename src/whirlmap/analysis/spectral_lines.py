@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 LINE_STATUS = ("ok", "no-power")
 """Meaning of ``status`` of ``spectral_lines`` by value."""
 
+#: Numbers in all windows of a running median, above which they are not written out.
+LONG = 1 << 24
+
 
 @gives_dataset
 def spectral_lines(
@@ -63,7 +66,7 @@ def spectral_lines(
     3. A line is a local maximum of the density above ln(bins / false_alarm) times the floor, at least four
        lobe-widths from zero frequency (of slower motions the record does not hold enough), with a share of
        the power above ``least`` in its highest bin, and more than four times what any stronger line may leak
-       there.
+       there. The Nyquist frequency may be one: a period of two samples.
     4. Its power is the density above the floor, summed over its main lobe; bins between two lines closer than
        two lobes go to the nearer. Its frequency is the vertex of the parabola through the logarithms of three
        bins, good to 0.02 bins with Hann and 0.3 with the flat top.
@@ -99,7 +102,8 @@ def spectral_lines(
     step = float(spectrum["frequency_step"])
     floor = np.stack([_floor(column, width, lobe) for column in flat.T], axis=1)
     options: dict[str, Any] = {"step": step, "lobe": lobe, "leakage": _leakage(spectrum.attrs["window"])}
-    options |= {"threshold": np.log(bins / false_alarm), "least": least}
+    options |= {"threshold": np.log(bins / false_alarm), "least": least, "odd": int(spectrum.attrs.get("samples",
+        0)) % 2 == 1}
     found = [_lines_of(flat[:, k], floor[:, k], **options) for k in range(flat.shape[1])]
     most = max((len(f) for f, *_ in found), default=0)
     table = np.full((3, most, flat.shape[1]), np.nan)
@@ -157,6 +161,10 @@ def _floor(density: NDArray[np.float64], width: int, lobe: int) -> NDArray[np.fl
 
 def _running_median(x: NDArray[np.float64], width: int) -> NDArray[np.float64]:
     """Median of the ``width`` values around each one (the upper of two), the ends mirrored."""
+    if x.size * width > LONG:  # a heap in place of all windows at once: the same medians in little memory
+        from scipy.ndimage import rank_filter
+
+        return np.asarray(rank_filter(x, width // 2, size=width, mode="reflect"))
     mirrored = np.pad(x, (width // 2, width - 1 - width // 2), mode="symmetric")
     windows = np.lib.stride_tricks.sliding_window_view(mirrored, width)
     return np.asarray(np.partition(windows, width // 2, axis=-1)[:, width // 2])
@@ -181,18 +189,24 @@ def _lines_of(
     leakage: NDArray[np.float64],
     threshold: float,
     least: float,
+    odd: bool,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
     """Frequencies, powers and floors of the lines of one spectrum, the strongest first."""
     peaks = _peaks(density)
+    if density[-1] > density[-2]:  # beyond the Nyquist frequency stands the mirror image: its bin may be a peak
+        peaks = np.append(peaks, density.size - 1)
     peaks = peaks[density[peaks] >= threshold * floor[peaks]]
     peaks = peaks[(peaks >= 4 * lobe) & (density[peaks] * step >= least * density.sum() * step)]
     # A side lobe of a stronger line is not a line. Two amplitudes may add: four times the power.
-    reach = np.abs(peaks[:, None] - peaks)
-    leaked = (
-        np.where(reach < leakage.size, leakage[np.minimum(reach, leakage.size - 1)], 0.0) * density[peaks]
-    )
-    np.fill_diagonal(leaked, 0.0)
-    peaks = peaks[density[peaks] > 4.0 * leaked.max(axis=1, initial=0.0)]
+    leaked = np.zeros(peaks.size)
+    for apart in range(1, leakage.size):  # in the list of peaks, which are a bin apart at least
+        reach = peaks[apart:] - peaks[:-apart]
+        if not (reach < leakage.size).any():
+            break
+        share = np.where(reach < leakage.size, leakage[np.minimum(reach, leakage.size - 1)], 0.0)
+        leaked[apart:] = np.maximum(leaked[apart:], share * density[peaks[:-apart]])
+        leaked[:-apart] = np.maximum(leaked[:-apart], share * density[peaks[apart:]])
+    peaks = peaks[density[peaks] > 4.0 * leaked]
     if peaks.size == 0:
         return (np.zeros(0),) * 3
     index = np.arange(density.size)
@@ -204,13 +218,16 @@ def _lines_of(
     inside = np.abs(index - peaks[owner]) <= lobe
     excess = np.where(inside, density - floor, 0.0)
     power = np.bincount(owner, weights=excess, minlength=peaks.size) * step
-    # A peak is never the first or last bin, so both neighbours exist; zeros would break the
-    # logarithm.
-    around = np.log(np.maximum(density[peaks[:, None] + np.array([-1, 0, 1])], np.finfo(float).tiny))
+    # Beyond the last bin stands its mirror image, which for an odd number of samples is the last bin itself; zeros would
+    # break the logarithm.
+    beyond = density[-1 if odd else -2]
+    around = np.log(np.maximum(np.append(density, beyond)[peaks[:, None] + np.array([-1, 0, 1])], np.finfo(float).tiny))
     curvature = around[:, 0] - 2 * around[:, 1] + around[:, 2]
     shift = np.divide(
         (around[:, 0] - around[:, 2]) / 2, curvature, out=np.zeros(peaks.size), where=curvature < 0
     )
+    if odd:  # two equal bins on either side of the Nyquist frequency
+        shift = np.where(peaks == density.size - 1, 0.5, shift)
     frequency = np.asarray((peaks + shift) * step)
     order = np.argsort(-power, kind="stable")
     return frequency[order], np.asarray(power[order]), floor[peaks[order]]

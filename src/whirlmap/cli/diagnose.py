@@ -1,22 +1,22 @@
 """``whirlmap diagnose``: everything about one operating point, and what its regime is."""
 
-from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from whirlmap.cli import options, pictures, report
+from whirlmap.cli import series as recorded
+from whirlmap.cli import series_options as signals
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
-from whirlmap.errors import InputError, RangeError
-
-SERIES = "Measured signal"
+from whirlmap.errors import InputError
 
 EXAMPLES = (
     "whirlmap diagnose duffing --set gamma=0.29",
     "whirlmap diagnose gear-psfd/intended --set s=3.27 --set psi=1e-4 --json",
     'whirlmap diagnose gear-psfd/machine --set "speed=1500 rpm" --out sheet.png',
     "whirlmap diagnose --series run7.csv --column y --rate 25600 --out run7.png",
+    'whirlmap diagnose --series run7.csv --column y --speed "1480 rpm" --teeth 23',
 )
 
 
@@ -55,28 +55,17 @@ def diagnose(
             help="Section points of the correlation dimension, where the motion does not return.",
         ),
     ] = 5000,
-    series: Annotated[
-        Path | None,
-        typer.Option(
-            "--series", metavar="FILE", rich_help_panel=SERIES,
-            help="Diagnose a recorded signal instead of a case: a CSV file, values separated by commas, semicolons,"
-            " tabs or blanks.",
-        ),
-    ] = None,
-    column: Annotated[
-        str | None,
-        typer.Option(
-            "--column", metavar="NAME", rich_help_panel=SERIES,
-            help="Column of the signal, by its name or its number from 1.",
-        ),
-    ] = None,
-    rate: Annotated[
-        float | None,
-        typer.Option(
-            "--rate", metavar="X", rich_help_panel=SERIES,
-            help="Samples per second; from the column named time where absent.",
-        ),
-    ] = None,
+    series: signals.File = None,
+    column: signals.Column = None,
+    time: signals.Time = None,
+    rate: signals.Rate = None,
+    separator: signals.Separator = None,
+    decimal: signals.Decimal = None,
+    skip: signals.Skip = 0,
+    missing: signals.Missing = None,
+    window: signals.Window = None,
+    speed: signals.Speed = None,
+    teeth: signals.Teeth = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,
@@ -94,12 +83,22 @@ def diagnose(
     test and spectrum are its evidence.
     """
     if series is not None:
-        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents, "--steps": steps}
-        _diagnose_series(series, column, rate, given, out, force=force, json=json)
+        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents, "--steps": steps,
+            "--accuracy": accuracy,
+                 "--method": method}  # fmt: skip
+        for name, value in given.items():
+            if value:
+                raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
+        recorded.diagnose_file(
+            series, column=column, time=time, rate=rate, separator=separator, decimal=decimal, skip=skip, missing=missing,
+            window=window, speed=speed, teeth=teeth, out=out, force=force, json=json, quiet=quiet,
+        )  # fmt: skip
         return
-    for name, value in (("--column", column), ("--rate", rate)):
-        if value is not None:
-            raise InputError(f"{name}: found it without --series FILE, which it belongs to")
+    for name in signals.options_given(
+        column=column, time=time, rate=rate, separator=separator, decimal=decimal, skip=skip, missing=missing, window=window,
+        speed=speed, teeth=teeth,
+    ):  # fmt: skip
+        raise InputError(f"{name}: found it without --series FILE, which it belongs to")
     if case is None:
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
                          "  try: whirlmap diagnose --help")  # fmt: skip
@@ -127,37 +126,6 @@ def diagnose(
         report.print_written(files)
 
 
-def _diagnose_series(
-    file: Path, column: str | None, rate: float | None, given: dict[str, Any], out: Path | None, *, force: bool, json: bool
-) -> None:
-    for name, value in given.items():
-        if value:
-            raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
-    destination = claim(out, "diagnose", force=force)
-    from whirlmap.analysis.series import diagnose_series, series_json
-    from whirlmap.results.signals import has_column, rate_of, read_column
-
-    if rate is None and not has_column(file, "time"):
-        raise InputError("--rate: missing beside --series; samples per second, as in --rate 25600, or a column named time")
-    rate = rate_of(file) if rate is None else rate
-    values = read_column(file, column)
-    try:
-        ds = diagnose_series(values, rate=rate)
-    except RangeError as fault:
-        raise RangeError(f"{file}: {fault}") from None
-    verdict = series_json(ds)
-    files = destination.write(ds, lambda made: pictures.series(made, file.name))
-    if json:
-        report.print_json({**verdict, "file": str(file), "column": column, "files": files})
-        return
-    typer.echo(f"{file.name}: {verdict['regime']}")
-    for sentence in str(verdict["verdict"]).split(". "):
-        typer.echo(f"  {sentence.rstrip('.')}.")
-    rows = [(name, _evidence(vote)) for name, vote in verdict["indicators"].items()]
-    report.show(report.table("Evidence", ("indicator", "says"), rows))
-    report.print_written(files)
-
-
 def headline(verdict: dict[str, Any]) -> str:
     """Say the regime in a few words: ``periodic, 4T, 1 common period, 4 turns of forcing``."""
     words = [str(verdict["regime"])]
@@ -169,6 +137,9 @@ def headline(verdict: dict[str, Any]) -> str:
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
+    elif verdict["regime"] == "not-settled":
+        turns = report.number(verdict["winding"])
+        words.append(f"{turns} turns per T, a film thins as time to the power {report.number(verdict['thinning'])}")
     elif verdict["regime"] == "drifting":
         words.append(f"{verdict['drift_state']} by {report.number(verdict['drift_rate'])} per unit of time")
     elif verdict["regime"] in ("growing", "at-rest") and verdict["growth_rate"] is not None:

@@ -8,6 +8,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
+from whirlmap.cli import series as recorded
+from whirlmap.cli import series_options as signals
+from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
@@ -17,6 +20,7 @@ EXAMPLES = (
     'whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed',
     "whirlmap show duffing --equations",
     "whirlmap show my_rotor.toml --json",
+    "whirlmap show --series run7.csv",
 )
 
 #: Dimensional results of models without a list of assumptions of their own: name, limit, what is beyond it.
@@ -31,17 +35,41 @@ SIDE_BY_SIDE = 220
 
 
 def show(
-    case: options.CaseName,
+    case: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="CASE",
+            help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml."
+            " Left out with --series.",
+        ),
+    ] = None,
     changes: options.Changes = None,
     start: options.Start = None,
     equations: Annotated[bool, typer.Option("--equations", help="Print the equations of motion too.")] = False,
+    series: signals.File = None,
+    time: signals.Time = None,
+    separator: signals.Separator = None,
+    decimal: signals.Decimal = None,
+    skip: signals.Skip = 0,
     json: options.Json = False,
 ) -> None:
     """Print every symbol of CASE with its value, unit, meaning and where the value comes from.
 
     Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches,
-    the start state, the clocks and periods, and what is worth a warning. Nothing is simulated.
+    the start state, the clocks and periods, and what is worth a warning. Nothing is simulated. Of a recorded
+    signal it prints what was understood of the file: table, columns with unit and range, rate.
     """
+    if series is not None:
+        for name, value in {"CASE": case, "--set": changes, "--start": start, "--equations": equations}.items():
+            if value:
+                raise InputError(f"{name}: found it beside --series, which shows a file without equations")
+        recorded.show_file(series, time=time, separator=separator, decimal=decimal, skip=skip, json=json)
+        return
+    for name in signals.options_given(time=time, separator=separator, decimal=decimal, skip=skip):
+        raise InputError(f"{name}: found it without --series FILE, which it belongs to")
+    if case is None:
+        raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
+                         "  try: whirlmap show --help")  # fmt: skip
     system = options.open_system(case, changes, start)
     facts = describe(system, equations=equations)
     if json:

@@ -1,11 +1,30 @@
 """The language that models are written in: SymPy expressions of declared quantities."""
 
+from sympy import Abs as Abs
+from sympy import Heaviside as Heaviside
+from sympy import Max as Max
+from sympy import Min as Min
+from sympy import acos as acos
+from sympy import acosh as acosh
+from sympy import asin as asin
+from sympy import asinh as asinh
+from sympy import atan as atan
+from sympy import atan2 as atan2
+from sympy import atanh as atanh
 from sympy import cbrt as cbrt
 from sympy import cos as cos
+from sympy import cosh as cosh
+from sympy import erf as erf
+from sympy import erfc as erfc
+from sympy import exp as exp
+from sympy import log as log
 from sympy import pi as pi
 from sympy import sign as sign
 from sympy import sin as sin
+from sympy import sinh as sinh
 from sympy import sqrt as sqrt
+from sympy import tan as tan
+from sympy import tanh as tanh
 
 from whirlmap.equations.model import Family as Family
 from whirlmap.equations.model import Film as Film

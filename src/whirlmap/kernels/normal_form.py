@@ -72,7 +72,7 @@ def _rewritten(e: Any) -> Expr:
         e = _extreme(e)
     elif isinstance(e, Heaviside):
         e = normal_form(_step(*e.args))
-    elif isinstance(e, sign) and _may_be_nan(x := e.args[0]):
+    elif isinstance(e, sign) and may_be_nan(x := e.args[0]):
         e = Piecewise((Integer(1), x > 0), (Integer(-1), x < 0), (x, True))  # zero itself, or NaN
     return _piecewise(e) if isinstance(e, Piecewise) else e  # SymPy writes a Piecewise within a relation as ITE
 
@@ -83,11 +83,11 @@ def _extreme(e: Max | Min) -> Expr:
     Failed comparisons end at the last argument, so one that may be NaN stands there; beside a second one the default is the
     sum of both.
     """
-    arguments = sorted(e.args, key=lambda a: (not a.is_number, _may_be_nan(a), a.has(State) or a.has(t)))  # stable
+    arguments = sorted(e.args, key=lambda a: (not a.is_number, may_be_nan(a), a.has(State) or a.has(t)))  # stable
     relation = (lambda a, b: a >= b) if isinstance(e, Max) else (lambda a, b: a <= b)
-    if len(arguments) > 1 and _may_be_nan(arguments[-2]):
+    if len(arguments) > 1 and may_be_nan(arguments[-2]):
         cases = [(a, _condition(And(*(relation(a, other) for other in arguments if other != a)))) for a in arguments]
-        return Piecewise(*cases, (sum(a for a in arguments if _may_be_nan(a)), True))
+        return Piecewise(*cases, (sum(a for a in arguments if may_be_nan(a)), True))
     cases = [
         (value, _condition(And(*(relation(value, other) for other in arguments[i + 1 :]))))
         for i, value in enumerate(arguments[:-1])
@@ -95,9 +95,10 @@ def _extreme(e: Max | Min) -> Expr:
     return Piecewise(*cases, (arguments[-1], True))
 
 
-def _may_be_nan(e: Expr) -> bool:
-    """Whether an expression may be no real number where its symbols are finite."""
-    return bool(e.atoms(*PARTIAL)) or any(not p.exp.is_integer and not p.base.is_nonnegative for p in e.atoms(Pow))
+def may_be_nan(e: Expr) -> bool:
+    """Whether an expression may be no real number at some states: a logarithm, an arc, a power of what may be negative."""
+    of_base = [p.base for p in e.atoms(Pow) if not p.exp.is_integer and not p.base.is_nonnegative]
+    return any(inner.has(State) or inner.has(t) for inner in (*of_base, *(call.args[0] for call in e.atoms(*PARTIAL))))
 
 
 def _step(x: Expr, at_zero: Expr) -> Expr:

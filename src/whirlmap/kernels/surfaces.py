@@ -5,7 +5,8 @@ states or time is a *surface*. The expressions are rewritten for one side of it:
 own, the *side*, which a kernel holds constant during a step and changes where the step crosses the surface. So the rates of
 a step are smooth, whatever the model is made of, and a crossing is the zero of a smooth function.
 
-Not found, and so not located: surfaces inside of tables, and points at which a root of a sum of squares is singular.
+Not found, and so not located: surfaces inside of tables, those that are no real number at some states (``log(x) > 0``), for
+no side of them is known there, and points at which a root of a sum of squares is singular.
 """
 
 from collections.abc import Callable, Iterator
@@ -15,13 +16,14 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import erf, erfc
 from sympy import Abs, Expr, Integer, Pow, Symbol, cos, lambdify, sign
 from sympy.core.relational import GreaterThan, LessThan, StrictGreaterThan, StrictLessThan
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import magnitude, tabulated
 from whirlmap.equations.quantities import t
-from whirlmap.kernels.normal_form import normal_form
+from whirlmap.kernels.normal_form import may_be_nan, normal_form
 
 UPWARD, DOWNWARD = StrictGreaterThan | GreaterThan, StrictLessThan | LessThan
 
@@ -96,10 +98,11 @@ def _rewritten(e: Any, moving: set[Any], found: Sided) -> Any:
 def _side(g: Expr, moving: set[Any], found: Sided) -> Expr | None:
     """The side of a surface: its symbol, or minus that of the opposite one.
 
-    None where something is read from a table, or where it is made of sides alone and so changes with them.
+    None where something is read from a table, where it may be no number, or where it is made of sides alone and so changes
+    with them.
     """
     g = _odd(g, found)
-    if g.has(tabulated) or not g.free_symbols & moving:
+    if g.has(tabulated) or not g.free_symbols & moving or may_be_nan(g):
         return None
     for known, side in zip(found.surfaces, found.sides, strict=True):
         if (g - known).expand() == 0:
@@ -126,11 +129,16 @@ def _jumps(model: Model, found: Sided) -> list[bool]:
     A surface on which no state was found counts as one where rates jump: its crossings then cost more, and nothing else.
     """
     symbols = [*model.states, *model.parameters, t]
-    rates = lambdify([symbols, found.sides], [_without_tables(e) for e in found.rates], "numpy")
+
+    def function(expressions: list[Expr]) -> Any:
+        """NumPy function; names are replaced, for a parameter named exp would hide the function."""
+        return lambdify([symbols, found.sides], expressions, [{"erf": erf, "erfc": erfc}, "numpy"], dummify=True)
+
+    rates = function([_without_tables(e) for e in found.rates])
     out = []
     for k, surface in enumerate(found.surfaces):
         slopes = [surface.diff(s) for s in (*model.states, t)]
-        g = lambdify([symbols, found.sides], [surface, *slopes], "numpy")
+        g = function([surface, *slopes])
         differences = list(_differences(g, rates, k, len(model.states), len(symbols), len(found.sides)))
         out.append(not differences or max(differences) > JUMP)
     return out

@@ -19,7 +19,7 @@ from whirlmap.results.regime import Regime
 #: Colours of attractors by falling share; more than these are together in the last.
 COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, VERMILION, INDIGO, "#F0E442", "#8C6D31", "#5A5A5A")
 #: Starts that reach no attractor, in the order in which they are drawn.
-ENDED = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.undecided)
+ENDED = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.not_settled, Regime.undecided)
 
 
 def attractor_name(ds: xr.Dataset, number: int) -> str:

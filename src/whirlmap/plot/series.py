@@ -1,14 +1,28 @@
 """The sheet of a recorded signal: six panels, each an indicator of `diagnose_series`."""
 
 import json
+from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.patches import Patch
 
 from whirlmap.plot.dimension import draw_correlation_sum
-from whirlmap.plot.style import BLUE, GREEN, INK, ORANGE, VERMILION, WIDE, axes_or_new, new_figure, styled, write_reason
+from whirlmap.plot.style import (
+    BLUE,
+    GREEN,
+    INK,
+    ORANGE,
+    VERMILION,
+    WIDE,
+    axes_or_new,
+    look_of,
+    new_figure,
+    styled,
+    write_reason,
+)
 from whirlmap.results.regime import Regime
 
 #: Swings of the signal that are shown in time, and in the portrait.
@@ -20,8 +34,12 @@ DECADES = 10
 @styled
 def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
     """Six panels of a signal: time, delay portrait, spectrum, embedding, parting of neighbours, correlation sum."""
-    fig = new_figure(WIDE, 5.6)
-    axes = fig.subplots(2, 3).ravel()
+    slides = "window_regime" in ds
+    fig = new_figure(WIDE, 7.4 if slides else 5.6)
+    grid = fig.add_gridspec(3 if slides else 2, 3)
+    axes = [fig.add_subplot(grid[k // 3, k % 3]) for k in range(6)]
+    if slides:
+        draw_windows(ds, ax=fig.add_subplot(grid[2, :]))
     unit = str(ds.attrs["unit"])
     votes = json.loads(ds.attrs["indicators"])
     x, time = ds["series"].values, ds["time"].values
@@ -39,11 +57,43 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
         names = [str(n) for n in ds.variables if str(n).startswith("dimension_")]
         draw_correlation_sum(ds[names].rename({n: n.removeprefix("dimension_") for n in names}), ax=axes[5])
     else:
-        write_reason(axes[5], "correlation sum:\nno embedding dimension unfolds the signal")
+        write_reason(axes[5], f"correlation sum:\n{_unasked(votes)}")
     zero_one = votes["zero_one"]["value"]
     words = Regime(int(ds["regime"])).label + ("" if zero_one is None else f"; 0-1 test: {zero_one:.2f}")
     fig.suptitle(f"{title}: {words}" if title else words)
     return fig
+
+
+def _unasked(votes: dict[str, Any]) -> str:
+    """Why there is no embedded indicator."""
+    reasons = {"neighbours-coincide": "the signal returns: neighbours coincide", "not-steady": "the motion is not steady"}
+    return reasons.get(votes["neighbours"]["vote"], "no embedding dimension unfolds the signal")
+
+
+@styled
+def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Regime, rms and frequency of the windows of a record, over time.
+
+    Reads ``window_regime``, ``window_rms`` and ``window_frequency`` of `sliding_verdict`.
+    """
+    ax = axes_or_new(ax, height=1.6)
+    start, length = ds["window_start"].values, float(ds.attrs["window_length"])
+    middle, half = start + length / 2, length / 4  # windows lie half a window apart
+    looks = [look_of(int(r)) for r in ds["window_regime"].values]
+    for at, look in zip(middle, looks, strict=True):
+        ax.axvspan(at - half, at + half, facecolor=look.colour, alpha=0.35, lw=0, gid=f"window-{look.label}")
+    ax.plot(middle, ds["window_rms"].values, "o-", ms=2.5, color=INK, lw=0.8)
+    ax.set(xlabel=f"time [{ds['window_start'].attrs['units']}]", ylabel="rms", xlim=(start[0], start[-1] + length))
+    ax.set_ylim(bottom=0)
+    beside = ax.twinx()
+    beside.plot(middle, ds["window_frequency"].values, "s", ms=2.5, color=VERMILION)
+    beside.set_ylabel("frequency", color=VERMILION)
+    beside.spines["right"].set_visible(True)
+    shown = {look.label: look for look in looks}
+    ax.legend(handles=[Patch(facecolor=look.colour, alpha=0.35, label=name) for name, look in shown.items()],
+        loc="upper left",
+              bbox_to_anchor=(0.0, 1.25), ncols=len(shown), fontsize=6.5)  # fmt: skip
+    return ax
 
 
 @styled
@@ -76,6 +126,9 @@ def draw_embedding(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ax.axvline(int(ds.attrs["lag"]), color=BLUE, lw=0.6, ls=":")
     ax.set(xlabel="lag [samples]", ylabel="mutual information [bit]")
     ax.yaxis.label.set_color(BLUE)
+    if "false_neighbours" not in ds:
+        ax.set_title(f"lag {int(ds.attrs['lag'])}")
+        return ax
     inset = ax.inset_axes((0.5, 0.5, 0.46, 0.4))
     inset.semilogy(ds["dimension"].values, np.maximum(ds["false_neighbours"].values, 1e-4), "o-", ms=2.5, color=ORANGE)
     inset.set_title("false neighbours", fontsize=6.5, color=ORANGE)
@@ -89,9 +142,9 @@ def draw_embedding(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 def draw_parting(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Mean logarithm of the distance of neighbours over time, with the fitted ranges of both methods."""
     ax = axes_or_new(ax)
-    if "rosenstein" not in ds:
-        return write_reason(ax, "exponents:\nno embedding dimension unfolds the signal")
     votes = json.loads(ds.attrs["indicators"])
+    if "rosenstein" not in ds:
+        return write_reason(ax, f"exponents:\n{_unasked(votes)}")
     step = float(ds["time"][1] - ds["time"][0])
     time = ds["step"].values * step
     for name, colour in (("rosenstein", VERMILION), ("kantz", GREEN)):

@@ -81,6 +81,8 @@ REGIMES: dict[Regime, Look] = {
     Regime.at_rest: Look("at rest", PALE, "h", text=INK),
     Regime.drifting: Look("drifting", ORANGE, ">", "....", INK),
     Regime.growing: Look("growing", PURPLE, "*", "++++", INK),
+    Regime.not_settled: Look("not settled", SKY, "p", "----", INK),
+    Regime.not_steady: Look("not steady", ORANGE, "v", text=INK),
 }
 
 #: How points are drawn whose run did not come to a regime at all.

@@ -15,6 +15,8 @@ class Regime(IntEnum):
     at_rest = 6
     drifting = 7
     growing = 8
+    not_settled = 10
+    not_steady = 11
 
     @property
     def label(self) -> str:

@@ -1,97 +1,52 @@
-"""Recorded signals as text files of columns: reading one, writing a simulation."""
+"""Recorded signals: reading a column, writing a simulation as a text table."""
 
-import csv
+from contextlib import closing
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.errors import InputError, nearest
+from whirlmap.errors import InputError
 from whirlmap.results.files import replace_file
 
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Separators that are tried on the first lines of a file, in this order.
-SEPARATORS = (";", "\t", ",")
-
 
 def read_column(path: str | Path, column: str | None = None) -> NDArray[np.float64]:
-    """Read one column of numbers from a CSV file.
-
-    Parameters
-    ----------
-    path : path
-        Text in UTF-8, values separated by semicolons, tabs, commas or blanks; a first line of names; empty lines and
-        lines that begin with # are skipped.
-    column : str, optional
-        Its name, or its number from 1. May be left out where there is only one.
-
-    Returns
-    -------
-    array, shape (row,)
+    """Read one column of numbers of a file; see `whirlmap.recordings.signal.read_signal`, which also says what is odd.
 
     Raises
     ------
     InputError
-        The file cannot be read as text, holds no numbers, has no such column, or a row of it holds no finite number; the
-        line is named.
+        The file or the column cannot be read; the line is named.
     """
-    place = Path(path)
-    try:
-        text = place.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        raise InputError(f"{place}: cannot be read ({error.strerror})") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{place}: found bytes that are no text, expected a CSV file in UTF-8") from None
-    lines = [(i, line) for i, line in enumerate(text.splitlines(), 1) if line.strip() and not line.lstrip().startswith("#")]
-    if not lines:
-        raise InputError(f"{place}: found nothing, expected rows of numbers")
-    separator = next((s for s in SEPARATORS if s in lines[0][1]), None)
-    rows = [(i, _fields(line, separator)) for i, line in lines]
-    head = rows[0][1]
-    names = [] if any(_number(field) is not None for field in head) else head
-    if names:
-        rows = rows[1:]
-    if not rows:
-        raise InputError(f"{place}: found the names {', '.join(names)} and no rows of numbers")
-    index = _index(place, column, names, len(rows[0][1]))
-    values = np.empty(len(rows))
-    for k, (i, fields) in enumerate(rows):
-        if index >= len(fields):
-            raise InputError(f"{place}, line {i}: found {len(fields)} columns, expected at least {index + 1}")
-        value = _number(fields[index])
-        if value is None or not np.isfinite(value):
-            raise InputError(f"{place}, line {i}: found {fields[index]!r} in column {index + 1}, expected a finite number")
-        values[k] = value
-    return values
+    from whirlmap.recordings.signal import read_signal
 
-
-def has_column(path: str | Path, name: str) -> bool:
-    """Whether a file has a column of this name."""
-    try:
-        read_column(path, name)
-    except InputError as fault:
-        if "there is no column" in str(fault):
-            return False
-        raise
-    return True
+    return read_signal(path, column=column, time="none").values
 
 
 def rate_of(path: str | Path) -> float:
-    """Samples per unit of the column ``time``.
+    """Samples per second by the times of a file.
 
     Raises
     ------
     InputError
-        Where the times do not ascend by equal steps (to 1e-6 of one).
+        There are none, or they do not ascend by equal steps.
     """
-    time = read_column(path, "time")
-    steps = np.diff(time)
-    if steps.size == 0 or steps.mean() <= 0 or np.ptp(steps) > 1e-6 * steps.mean():
-        raise InputError(f"{path}: found times that do not ascend by equal steps, expected an evenly sampled signal")
-    return float(1 / steps.mean())
+    from whirlmap.recordings.clock import find_clock
+    from whirlmap.recordings.open_table import open_table
+    from whirlmap.recordings.signal import read_signal
+
+    with closing(open_table(path)) as table:
+        clock = find_clock(table, None)
+    if clock is None:
+        raise InputError(f"{path}: found no column of times")
+    found = read_signal(path, column=str(clock.positions[0] + 1)).rate
+    if found is None:
+        raise InputError(f"{path}: found no rate")
+    return found
 
 
 def write_series(ds: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
@@ -116,30 +71,3 @@ def write_series(ds: "xr.Dataset", path: str | Path, *, force: bool = False) -> 
         np.savetxt(trial, np.column_stack(columns), fmt="%.17g", delimiter=",", header=head, comments="", encoding="utf-8")
 
     return replace_file(Path(path), fill, force=force)
-
-
-def _fields(line: str, separator: str | None) -> list[str]:
-    if separator is None:
-        return line.split()
-    return [field.strip() for field in next(csv.reader([line], delimiter=separator))]
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
-
-
-def _index(place: Path, column: str | None, names: list[str], count: int) -> int:
-    if column is None:
-        if count > 1:
-            known = f": {', '.join(names)}" if names else f", 1 to {count}"
-            raise InputError(f"{place}: found {count} columns, expected --column to say which{known}")
-        return 0
-    if column in names:
-        return names.index(column)
-    if column.isdigit() and 1 <= int(column) <= max(count, len(names)):
-        return int(column) - 1
-    known = f"\n  columns: {', '.join(names)}" if names else f"\n  columns: 1 to {count}, without names"
-    raise InputError(f"{place}: there is no column {column!r}.{nearest(column, names)}{known}")

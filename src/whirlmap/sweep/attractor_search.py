@@ -36,7 +36,7 @@ class Found:
     of: NDArray[np.int64]  # number of the attractor from 0, -1 none
     representative: list[Array]  # a state on each attractor, at phase zero
     multiple: list[int]  # its return in common periods, 0 where none
-    outcome: NDArray[np.int8]  # drifting or growing, else undecided
+    outcome: NDArray[np.int8]  # drifting, growing or not settled, else undecided
 
 
 class Search:
@@ -134,7 +134,8 @@ class Search:
         f = self.found
         traced = (label == Regime.chaotic) | (label == Regime.quasi_periodic)
         traced |= ((label == Regime.periodic) & (not forced)) | (label == Regime.at_rest)
-        f.outcome[chosen] = np.where(np.isin(label, (Regime.drifting, Regime.growing)), label, Regime.undecided)
+        endless = np.isin(label, (Regime.drifting, Regime.growing, Regime.not_settled))
+        f.outcome[chosen] = np.where(endless, label, Regime.undecided)
         waiting = np.flatnonzero(ensemble.running & traced)
         while waiting.size:
             # As many as a block of lanes holds cost what one does; few more, for the first traces may hold all others.

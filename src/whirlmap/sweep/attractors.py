@@ -34,7 +34,7 @@ PILOT = 64
 #: Section points of each attractor that the Dataset keeps.
 KEPT = 512
 #: What starts come to that reach no attractor.
-OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.undecided)
+OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.not_settled, Regime.undecided)
 
 
 def attractors(

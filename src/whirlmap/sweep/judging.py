@@ -44,6 +44,7 @@ class Verdict(IntEnum):
 REASONS = {
     Regime.quasi_periodic: Verdict.quasi_periodic, Regime.chaotic: Verdict.chaotic, Regime.contact: Verdict.contact,
     **dict.fromkeys(WITHOUT_BOUND, Verdict.diverged), Regime.undecided: Verdict.undecided,
+    Regime.not_settled: Verdict.undecided,
 }  # fmt: skip
 
 

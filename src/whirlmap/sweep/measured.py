@@ -11,7 +11,9 @@ from whirlmap.analysis.returns import Returns
 Array = NDArray[np.float64]
 
 #: Arrays over the points of `Returns` that can be replaced by those of a later look.
-RETURNS = ("section", "regime", "period", "multiple", "distance", "waited", "accelerated", "growth", "drift")
+RETURNS = (
+    "section", "regime", "period", "multiple", "distance", "waited", "accelerated", "growth", "drift", "thinning", "turning",
+)  # fmt: skip
 
 
 @dataclass(frozen=True)

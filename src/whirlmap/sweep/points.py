@@ -115,6 +115,7 @@ class Labelling:
             if again.size:  # they stopped early for an orbit that is not there
                 self._judge(system, values, ensemble, again, found, cyclic, progress, contraction_ends=False)
                 returns = _label_trends(ensemble, returns, again, found)
+        found.winding[:] = np.where(found.regime == Regime.not_settled, returns.turning, found.winding)
         return Measured(
             replace(returns, regime=found.regime), ensemble.status, ensemble.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, start_found, ensemble.point_steps, ensemble.step_error,
@@ -364,6 +365,7 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
         "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
         "growth_rate": variable(dim, r.growth, "1/time", "rate of the amplitude: what grows, or comes to rest"),
         "drift_rate": variable(dim, speed, "1/time", "speed of the first state that drifts, in its unit"),
+        "thinning": variable(dim, r.thinning, "1", "power of time with which the narrowest gap of a film falls"),
         "drift_state": variable(dim, drifts, "1", "index of that state, -1: none"),
         "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),

@@ -1,0 +1,1 @@
+"""Diagnosis of recorded signals: steadiness, lines on a common grid, returns."""

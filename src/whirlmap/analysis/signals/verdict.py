@@ -1,0 +1,117 @@
+"""What the indicators of a signal say together, and in words."""
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from whirlmap.results.regime import Regime
+
+#: Share of the power in slow drift from which it is named as the reason that nothing is said.
+DRIFT = 0.01
+#: Power outside of lines up to which the 0-1 test has no say: there is no room for chaos in it.
+CLEAN = 1e-3
+
+
+def decide(votes: Mapping[str, Any]) -> tuple[Regime, float]:
+    """Combine the votes; one against, and it is undecided. Returns the regime and the share of votes for it."""
+    if votes["steadiness"]["changes"]:
+        return Regime.not_steady, 1.0
+    wanders = votes["zero_one"]["vote"]
+    lines, broad = votes["spectrum"]["vote"], votes["spectrum"]["broadband_fraction"]
+    grows = [votes.get(name, {}).get("vote") for name in ("rosenstein", "kantz")]
+    structure = [*(g == "positive" for g in grows), votes.get("dimension", {}).get("vote") == "ok"]
+    if wanders == "chaotic" and any(structure[:2]) and sum(structure) >= 2 and lines not in ("periodic", "quasi-periodic"):
+        speaks = [True, *structure, lines == "broadband"]
+        return Regime.chaotic, sum(speaks) / len(speaks)
+    if lines == "periodic":  # it was held against itself a period later
+        return Regime.periodic, (1 + (wanders != "chaotic")) / 2
+    # On a torus whole neighbourhoods shear apart for a while, so that Kantz's curve alone is no veto.
+    if lines == "quasi-periodic" and (broad < CLEAN or (wanders != "chaotic" and grows[0] != "positive")):
+        speaks = [True, wanders == "regular", grows[1] != "positive"]
+        return Regime.quasi_periodic, sum(speaks) / len(speaks)
+    return Regime.undecided, 0.0
+
+
+def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str, period: float | None, thinned: int) -> str:
+    """Say in plain words what the signal is, and why."""
+    spectrum, zero_one, steady = votes["spectrum"], votes["zero_one"], votes["steadiness"]
+    share = 100 * (1 - spectrum["broadband_fraction"])
+    said = {
+        Regime.chaotic: "The signal is chaotic.",
+        Regime.periodic: "The signal is periodic.",
+        Regime.quasi_periodic: "The signal is quasi-periodic.",
+        Regime.undecided: "The indicators do not agree on what the signal is.",
+        Regime.not_steady: "The motion changes within the record, so that it has no one regime.",
+    }[label]
+    text = [said, *_changes(steady, unit)]
+    if period is not None and label == Regime.periodic:
+        text.append(
+            f"It returns after {period:.7g} samples, {period / rate:.7g} {unit}, with a distance of"
+            f" {votes['return']['distance']:.2g} (0: exactly, 1: not at all)."
+        )
+    text.append(f"{spectrum['lines']} spectral lines hold {share:.4g} % of its power.")
+    if label == Regime.undecided:
+        text += _reasons(votes)
+    if zero_one["value"] is not None:
+        text.append(f"The 0-1 test gives {zero_one['value']:.2f} (0 regular, 1 chaotic).")
+    if votes["neighbours"]["vote"] == "no-dimension":
+        text.append("No embedding dimension up to 8 unfolds it: noise, or motion of many dimensions.")
+    if thinned > 1 and "dimension" in votes:
+        text.append(f"Every {thinned}th sample, after a filter, serves for exponents and dimension.")
+    for name in ("rosenstein", "kantz"):
+        v = votes.get(name)
+        if v and v["vote"] not in ("neighbours-coincide", "not-steady"):
+            text.append(
+                f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} per {unit}."
+                if v["value"] is not None
+                else f"After {name.capitalize()} neighbours do not part exponentially ({v['vote']})."
+            )
+    d = votes.get("dimension")
+    if d:
+        has = d["value"] is not None
+        text.append(f"D2 is {d['value']:.3g} +- {d['error']:.2g}." if has else f"It has no dimension ({d['vote']}).")
+    return " ".join(text)
+
+
+def _changes(steady: Mapping[str, Any], unit: str) -> list[str]:
+    rms, frequency, mean = (steady[key] for key in ("rms", "frequency", "mean"))
+    words = {
+        "level": f"Its rms in the three thirds is {rms[0]:.4g}, {rms[1]:.4g}, {rms[2]:.4g}"
+        + (
+            f": it {'grows' if rms[2] > rms[0] else 'falls'} by a factor of {_ratio(rms)}."
+            if rms[0] > 0 and rms[2] > 0
+            else "."
+        ),
+        "frequency": f"Its frequency in the three thirds is {frequency[0]:.6g}, {frequency[1]:.6g}, {frequency[2]:.6g} "
+        f"per {unit}.",
+        "mean": f"Its mean drifts: {mean[0]:.4g}, {mean[1]:.4g}, {mean[2]:.4g} in the three thirds.",
+    }
+    return [words[change] for change in steady["changes"]]
+
+
+def _ratio(rms: list[float]) -> str:
+    return f"{max(rms[0], rms[2]) / min(rms[0], rms[2]):.3g}"
+
+
+def _reasons(votes: Mapping[str, Any]) -> list[str]:
+    """Why a signal is undecided that might be regular."""
+    spectrum, grid = votes["spectrum"], votes["grid"]["vote"]
+    out = []
+    if spectrum["slow_fraction"] > DRIFT:
+        out.append(
+            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: take it off, or judge a shorter part."
+        )
+    elif 0.02 < spectrum["broadband_fraction"] < 0.5:
+        decibel = 10 * np.log10((1 - spectrum["broadband_fraction"]) / spectrum["broadband_fraction"])
+        out.append(f"The lines stand {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
+    if grid == "chance":
+        out.append("The lines fit a common fundamental that any lines might fit by chance in a record of this length.")
+    elif grid == "none" and spectrum["vote"] == "none":
+        out.append("Two lines lie so close that the record holds too few of their beats.")
+    elif grid == "grid" and spectrum["vote"] == "none":
+        out.append(
+            f"The lines have a common fundamental, but the signal does not return after its period"
+            f" (distance {votes['return']['distance']:.2g})."
+        )
+    return out

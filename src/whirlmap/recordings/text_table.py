@@ -1,0 +1,265 @@
+"""A table in text, read in pieces: only the columns asked for stay in memory.
+
+pandas reads a piece whose lines all have the right number of fields and whose wanted fields all are numbers. Any other
+piece is gone through line by line, and what does not fit is named with its line.
+"""
+
+import io
+import warnings
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, field
+from typing import IO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.errors import InputError
+from whirlmap.recordings.fields import ABSENT, CLOCK, DATE, EMPTY, NUMBER, TEXT, kind_of, nanoseconds, number_of
+from whirlmap.recordings.table import Absent, Array, Block, Column
+from whirlmap.recordings.text_layout import NAMED, SOUGHT, find_layout
+from whirlmap.recordings.text_names import Layout
+from whirlmap.recordings.text_rows import is_comment, split
+
+#: Characters of one piece.
+PIECE = 1 << 22
+NOT_A_TIME = np.iinfo(np.int64).min
+
+
+@dataclass
+class TextTable:
+    """A table in text; see `table.Table`."""
+
+    source: str
+    layout: Layout
+    head: list[str]
+    stream: IO[str]
+    absent: dict[int, Absent] = field(default_factory=dict)
+    notices: list[str] = field(default_factory=list)
+    #: Row from which on, and line of that row, wherever lines were left out.
+    _rows: list[int] = field(default_factory=list)
+    _lines: list[int] = field(default_factory=list)
+    _footer: list[tuple[int, str]] = field(default_factory=list)
+
+    @property
+    def columns(self) -> tuple[Column, ...]:
+        """Columns, as the layout has them."""
+        return self.layout.columns
+
+    @property
+    def rate(self) -> float | None:
+        """Rate that the lines above the table declare."""
+        return self.layout.rate
+
+    @property
+    def form(self) -> str:
+        """The layout in words."""
+        mark = "point" if self.layout.decimal == "." else "comma"
+        between = (
+            ""
+            if len(self.columns) == 1
+            else f"fields separated by {NAMED.get(self.layout.separator, repr(self.layout.separator))}, "
+        )
+        return f"text, {between}decimal {mark}, table from line {self.layout.first + 1}"
+
+    @property
+    def first_rows(self) -> list[Array]:
+        """First rows of every column."""
+        rows = [
+            split(x, self.layout.separator)
+            for x in self.head[self.layout.first : self.layout.first + 200]
+            if not is_comment(x)
+        ]
+        rows = [row for row in rows if len(row) == self.layout.fields]
+        return [np.array([_value(row[k], self.layout.decimal) for row in rows]) for k in range(len(self.columns))]
+
+    def place(self, row: int) -> str:
+        """``line 17``."""
+        at = bisect_right(self._rows, row) - 1
+        return f"line {self._lines[at] + row - self._rows[at]}" if at >= 0 else f"row {row + 1}"
+
+    def close(self) -> None:
+        """Close the file."""
+        self.stream.close()
+
+    def blocks(self, positions: Sequence[int]) -> Iterator[Block]:
+        """Read columns, once, piece by piece.
+
+        Raises
+        ------
+        InputError
+            A line has another number of fields, or text where a number should be; the line is named.
+        """
+        line, row = self.layout.first + 1, 0
+        self.absent.update({p: Absent() for p in positions})
+        for lines, ended in self._pieces():
+            values = self._fast(lines, positions) if not self._footer else None
+            at: Sequence[int] = range(line, line + len(lines))
+            if values is None:
+                values, at = self._slow(lines, line, row, positions, ended)
+            for k, number in enumerate(at) if not isinstance(at, range) else ((0, line),):
+                if not self._rows or number - self._lines[-1] != row + k - self._rows[-1]:
+                    self._rows.append(row + k)
+                    self._lines.append(number)
+            line += len(lines)
+            row += len(at)
+            yield Block(values)
+        if self._footer:
+            first, text = self._footer[0]
+            self.notices.append(
+                f"{_lines(first, self._footer[-1][0])} after the table, beginning with {text[:40]!r}, skipped"
+            )
+
+    def _pieces(self) -> Iterator[tuple[list[str], bool]]:
+        lines, rest = self.head[self.layout.first :], True
+        while rest:
+            text = self.stream.read(PIECE)
+            rest = bool(text)
+            if text and not text.endswith("\n"):
+                text += self.stream.readline()
+            if not rest and lines and not lines[-1]:
+                lines.pop()
+            if lines:
+                yield lines, not rest
+            lines = text.split("\n")
+            if lines and not lines[-1]:
+                lines.pop()
+
+    def _fast(self, lines: list[str], positions: Sequence[int]) -> list[NDArray[np.generic]] | None:
+        """Columns of a piece without surprises, else None."""
+        text = "\n".join(lines) + "\n"
+        separator = self.layout.separator
+        if '"' in text or "'" in text or _fields_per_line(text, separator) != self.layout.fields:
+            return None
+        import pandas as pd
+
+        kinds = {p: "float64" if self.columns[p].kind in (NUMBER, EMPTY) else "str" for p in positions}
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                frame = pd.read_csv(
+                    io.StringIO(text),
+                    sep=r"\s+" if separator is None else separator,
+                    decimal=self.layout.decimal,
+                    header=None,
+                    usecols=sorted(set(positions)),
+                    dtype=kinds,
+                    na_filter=False,
+                    quoting=3,
+                    skipinitialspace=True,
+                    skip_blank_lines=False,
+                    engine="c",
+                )
+        except (ValueError, OverflowError, Warning):
+            return None
+        if len(frame) != len(lines):
+            return None
+        columns: list[NDArray[np.generic]] = []
+        for p in positions:
+            found = frame[p].to_numpy()
+            if kinds[p] == "str":
+                stamps = [nanoseconds(f.strip()) for f in found]
+                if None in stamps:
+                    return None
+                found = np.array(stamps, dtype=np.int64)
+            elif not np.isfinite(found).all():
+                return None
+            columns.append(found)
+        return columns
+
+    def _slow(
+        self, lines: list[str], first: int, row: int, positions: Sequence[int], ended: bool
+    ) -> tuple[list[NDArray[np.generic]], list[int]]:
+        """Columns of a piece line by line, and the line of each row."""
+        layout, rows, at = self.layout, [], []
+        for k, text in enumerate(lines, first):
+            if is_comment(text, layout.decimal):
+                continue
+            fields = split(text, layout.separator)
+            if self._is_footer(fields):
+                self._footer.append((k, text.strip()))
+                continue
+            if self._footer:
+                self._complain_about_footer()
+            if len(fields) != layout.fields:
+                last = ended and k == first + len(lines) - 1
+                if last and len(fields) < layout.fields and len(lines) > 2:
+                    self.notices.append(
+                        f"line {k}, the last one, has {len(fields)} fields instead of {layout.fields} (cut off?): skipped"
+                    )
+                    continue
+                raise InputError(
+                    f"{self.source}, line {k}: found {len(fields)} columns, {text.strip()[:60]!r}, expected"
+                    f" {layout.fields} as above; mend the line, or say --separator or --skip"
+                )
+            rows.append(fields)
+            at.append(k)
+        values: list[NDArray[np.generic]] = []
+        for p in positions:
+            times = self.columns[p].kind in (DATE, CLOCK)
+            made = [nanoseconds(r[p]) if times else _value(r[p], layout.decimal) for r in rows]
+            absent = self.absent[p]
+            for j, v in enumerate(made):
+                if v is None or v != v:
+                    field_text = rows[j][p]
+                    if times or field_text.lower() not in ABSENT:
+                        raise InputError(
+                            f"{self.source}, line {at[j]}: found {field_text[:60]!r} in column {p + 1}, "
+                            "expected a"
+                            f" {'time' if times else 'finite number'}"
+                        )
+                    if not absent.count:
+                        absent.row, absent.text = row + j, field_text
+                    absent.count += 1
+            values.append(np.array(made, dtype=np.int64 if times else np.float64))
+        return values, at
+
+    def _is_footer(self, fields: list[str]) -> bool:
+        """Whether a line is none of the table: words where its first column has numbers."""
+        kind = kind_of(fields[0], self.layout.decimal)
+        return kind == TEXT and self.columns[0].kind != TEXT
+
+    def _complain_about_footer(self) -> None:
+        k, text = self._footer[0]
+        raise InputError(
+            f"{self.source}, line {k}: found {text[:60]!r} in the middle of the table, expected a row of "
+            "numbers;"
+            f" several tables in one file? --skip {k} reads the one below"
+        )
+
+
+def open_text_table(
+    stream: IO[str], source: str, *, separator: str | None = None, decimal: str | None = None, skip: int = 0
+) -> TextTable:
+    """Find the table in a stream of text; see `text_layout.find_layout`."""
+    head: list[str] = []
+    while len(head) < SOUGHT + skip and (line := stream.readline(1 << 20)):
+        head.append(line.rstrip("\n"))
+    layout = find_layout(head, source, separator=separator, decimal=decimal, skip=skip)
+    return TextTable(source, layout, head, stream, notices=list(layout.notices))
+
+
+def _value(field_text: str, decimal: str) -> float:
+    value = number_of(field_text, decimal)
+    return float("nan") if value is None else value
+
+
+def _fields_per_line(text: str, separator: str | None) -> int:
+    """Fields of every line, -1 where lines differ."""
+    data = np.frombuffer(text.encode("utf-8", errors="replace"), dtype=np.uint8)
+    ends = np.flatnonzero(data == 10)
+    if separator is None:
+        blank = (data == 32) | (data == 9) | (data == 13) | (data == 10)
+        marks = np.flatnonzero(~blank & np.r_[True, blank[:-1]])
+    else:
+        marks = (
+            np.flatnonzero(data == ord(separator)) if len(separator) == 1 and ord(separator) < 128 else np.zeros(0, np.intp)
+        )
+    counts = np.diff(np.searchsorted(marks, ends), prepend=0)
+    if not counts.size or (counts != counts[0]).any():
+        return -1
+    return int(counts[0]) + (separator is not None)
+
+
+def _lines(first: int, last: int) -> str:
+    return f"line {first}" if first == last else f"lines {first} to {last}"
