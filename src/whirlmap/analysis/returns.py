@@ -34,7 +34,7 @@ from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
-from whirlmap.integrate.system import periods
+from whirlmap.integrate.system import periods as periods_of
 from whirlmap.integrate.turns import with_turns
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -50,10 +50,11 @@ MORE_STEPS = 3
 CHECKED, OPEN = 8, 4
 #: Error of its steps from which a settled motion is not that of the equations: the point begins anew, with more of them.
 LOST = 1e-2
-#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not return.
+#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not
+#: return.
 SLACK = 10.0
-#: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most, and
-#: how many times longer or shorter than a turn a typical time may be.
+#: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most,
+#: and how many times longer or shorter than a turn a typical time may be.
 TURNS, SOUGHT, FAR_OFF = 4, 65_536, 2.0
 #: Motion in a typical time, over the size of a state, below which a point is at rest.
 STILL = 1e-9
@@ -255,12 +256,16 @@ def _settle_accurately(
         again.accelerated[:] |= settled.accelerated[members]
         settled.take(again, members)
 
+    def begin_anew(part: Ensemble, members: NDArray[np.intp]) -> None:
+        settled.forget(members)
+        settle(part, members)
+
     def settle_on(part: Ensemble, members: NDArray[np.intp]) -> None:
         start, began = part.x.copy(), part.turns.copy()
         settle(part, members)
         if part.accuracy is not None:
             believed = np.isfinite(settled.thinning[members])
-            confirm_ends(part, start, began, lambda again, which: settle(again, members[which]), believed)
+            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]), believed)
         if part is not ensemble:
             ensemble.absorb(part, members)
 
@@ -290,7 +295,12 @@ def _settle_accurately(
             if how_on == "stays":
                 ensemble.absorb(part, here)
                 continue
-            settle_on(restarted(ensemble, here, start, began, steps[which]) if how_on == "begins" else part, here)
+            if how_on == "begins":
+                settled.forget(here)
+                part = restarted(ensemble, here, start, began, steps[which])
+            settle_on(part, here)
+    # What steps are so wrong about has no return that could be believed.
+    settled.multiple[ensemble.step_error > LOST] = 0
     return settled
 
 
@@ -300,8 +310,8 @@ def _steps_of_settled(
     """Steps that settled points need, and the error of those that they took.
 
     They are asked over all of the common periods that they return after, up to `CHECKED`; where they do not, over `OPEN`.
-    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their
-    error is that of fewer ones. Errors and verdicts of the ensemble are set.
+    Those whose method has lost its order are confirmed with `CONFIRMED` steps, and their error is that of fewer ones.
+    Errors and verdicts of the ensemble are set.
     """
     assert ensemble.accuracy is not None
     steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
@@ -323,7 +333,8 @@ def _steps_of_settled(
     there = rough[ensemble.point_steps[members[rough]] >= CONFIRMED]
     if there.size:
         here = members[there]
-        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=np.full(here.size, LADDER[-2]), progress=progress)
+        last = np.full(here.size, LADDER[-2])
+        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=last, progress=progress)
         ensemble.step_error[here] = tried.error
     return steps, first
 
@@ -337,7 +348,7 @@ def _settle_forced(
 
 def _wide(ensemble: Ensemble, settling: Settling) -> Array:
     """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps."""
-    return np.asarray(np.fmax(ensemble.step_error / settling.tolerance, 1.0))
+    return np.asarray(np.fmax(np.fmin(ensemble.step_error, LOST) / settling.tolerance, 1.0))
 
 
 def _settle_unforced(
@@ -423,7 +434,7 @@ def _learn_turns(
     while left.size and length <= most:
         turn = _time_turns(ensemble, left, length, settled, progress)
         ratio = turn / ensemble.period[left]
-        own = np.abs(ensemble.period[left] / periods(ensemble.model, ensemble.values[:, left]) - 1) > 0  # timed before
+        own = np.abs(ensemble.period[left] / periods_of(ensemble.model, ensemble.values[:, left]) - 1) > 0  # timed before
         with np.errstate(invalid="ignore"):
             wrong = (ratio < 1 / FAR_OFF) | (ratio > FAR_OFF) | (own & np.isfinite(ratio))
         here = left[wrong]
@@ -448,7 +459,7 @@ def _learn_turns(
 def _time_turns(
     ensemble: Ensemble, members: NDArray[np.intp], periods: int, settled: Settled, progress: Callable[[int], None] | None
 ) -> Array:
-    """Run points on, in place, and time their turns, shape (member,); NaN where they have met fewer than `TURNS` crossings."""
+    """Run points on, in place, and time their turns, shape (member,); NaN where they cross fewer than `TURNS` times."""
     run = ensemble.subset(members)
     _, times, _ = run_with_crossings(run, periods, progress=progress)
     ensemble.absorb(run, members)
@@ -463,7 +474,8 @@ def _time_turns(
 def _moves(ensemble: Ensemble, members: NDArray[np.intp]) -> NDArray[np.bool_]:
     """Whether the rates still carry a state anywhere in a typical time, beyond rounding."""
     x, period = ensemble.x[:, members], ensemble.period[members]
-    rates = np.abs(Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)(0.0, x, np.arange(members.size))[0])
+    evaluate = Evaluator.of(ensemble.model, ensemble.values[:, members], jacobian=False)
+    rates = np.abs(evaluate(0.0, x, np.arange(members.size))[0])
     size = scales(ensemble.model, period, np.zeros_like(x), np.abs(x)) / FLOOR
     return np.asarray((rates * period > STILL * size).any(axis=0))
 

@@ -143,6 +143,10 @@ class Settled:
             np.full(n, np.nan), np.full(n, np.nan),
         )  # fmt: skip
 
+    def forget(self, points: NDArray[np.intp]) -> None:
+        """Forget how far points moved that begin anew: with too few steps that was not their motion."""
+        self.moved[:, points] = 0.0
+
     def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
         """Take over how some points settled that have settled on, in place; the time they waited adds up."""
         self.multiple[points], self.distance[points] = again.multiple, again.distance

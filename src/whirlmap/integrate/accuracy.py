@@ -23,10 +23,11 @@ Integers = NDArray[np.int64]
 #: Steps per T that are tried.
 LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
 
-#: A divergence is believed where all rungs up to so many times more steps find it, and not within so many steps of the start.
+#: A divergence is believed where all rungs up to so many times more steps find it.
 DIVERGES = 4
 #: Steps within which the ends of one divergence lie: a pole is passed by a step, and what follows grows without bound.
 ALIKE = 4
+#: Steps of a run within which a divergence is not believed.
 FEW = 8
 #: Where the error falls by less than this from a rung to the one at least twice as high, the method has lost its order.
 STALLED = 4.0
@@ -117,15 +118,16 @@ def choose_steps(
     span : int
         Common periods of each trial.
     observe : callable, optional
-        ``observe(ensemble, periods)`` runs points on and gives numbers of their motion, shape (number, point), whose differences
-        count as well: times over T at which a section is crossed, for a motion that stands still between fast turns shows
+        ``observe(ensemble, periods)`` runs points on and gives numbers of their motion, shape (number, point), whose
+        differences count as well: times over T at which a section is crossed, for a motion that stands still between fast turns shows
         its errors there. NaN where there are no more of them.
 
     Notes
     -----
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
-    steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point that has lost its order goes on to `KINKED` steps, or to the accuracy.
+    steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point that
+    has lost its order goes on to `KINKED` steps, or to the accuracy.
 
     Raises
     ------
@@ -259,7 +261,7 @@ class _Trial:
     def difference(self, finer: "_Trial") -> tuple[Array, NDArray[np.bool_]]:
         """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
 
-        And where both diverged at the same time.
+        And where both diverged, or failed, at the same time.
         """
         with np.errstate(invalid="ignore"):
             gap = np.abs(self.saved - finer.saved)
@@ -271,8 +273,10 @@ class _Trial:
         ended = (self.status != Status.ok) | (finer.status != Status.ok)
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
-        # The end of a divergence is known to some steps only; one within a few steps may be the method's own.
-        diverged = (self.status == Status.diverged) & (finer.status == Status.diverged)
+        # The end of a divergence is known to some steps only; one within a few steps may be the method's own. A pole is met
+        # by steps that fail, which a trial does not redo.
+        gone = (Status.diverged, Status.unresolved)
+        diverged = np.isin(self.status, gone) & np.isin(finer.status, gone)
         diverged &= (apart <= ALIKE / self.steps) & (self.end >= FEW / self.steps)
         out = np.where(contact, np.maximum(out, apart), out)
         worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)

@@ -1,8 +1,8 @@
 """Unforced models: their steps, and how long a turn takes, whatever typical time is declared.
 
 The typical time of a model is a guess, and may be wrong by a thousand. It is the unit in which transients and windows are
-counted, so that steps are chosen in parts of it, and once the motion has been seen to turn its own time takes the place of the
-guess (`Ensemble.period`), point by point.
+counted, so that steps are chosen in parts of it, and once the motion has been seen to turn its own time takes the place of
+the guess (`Ensemble.period`), point by point.
 """
 
 from collections.abc import Callable
@@ -26,8 +26,8 @@ def choose_unforced_steps(
 ) -> Rungs:
     """Steps per T of an unforced model, as `choose_steps`, where T may be far too long.
 
-    A point for which no rung meets the accuracy is tried over a 32nd part of T, then over a 1024th, with the error for each part. More
-    than `MOST` steps per T are not taken: such a point is stiff.
+    A point for which no rung meets the accuracy is tried over a 32nd part of T, then over a 1024th, with the error for each
+    part. More than `MOST` steps per T are not taken: such a point is stiff.
     """
     whole = choose_steps(ensemble, accuracy, progress=progress)
     for parts in PARTS[1:]:
