@@ -108,13 +108,13 @@ def _located(
         with np.errstate(invalid="ignore", divide="ignore"):
             middle = (a * fb - b * fa) / (fb - fa)
         middle = np.where((middle > a) & (middle < b) & (k % 4 < 3), middle, (a + b) / 2)
-        run = blocked(begin[:, left])
+        run = blocked(kernel.with_sides(begin[:, left]))
         good = np.zeros((run.shape[0], 1, run.shape[2]), dtype=np.int64)
         kernel.march(
             blocks=run.shape[0], count=0, y=run, time=blocked(np.zeros((1, left.size))), h=blocked((h[left] * middle)[None]),
             **inputs.blocks(left), steps=1, good=good, work=kernel.work(),
         )  # fmt: skip
-        x = unblocked(run, left.size)
+        x = unblocked(run, left.size)[: model.dimension]
         f = surface(x, values[:, left])
         under = f <= 0  # a step that fails tells nothing of what lies before
         down, up = left[under], left[~under]

@@ -8,7 +8,6 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import UNKNOWN
 from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
@@ -156,9 +155,7 @@ class _Segment:
     def transition(self, x: Array, begin: int) -> tuple[Array, Array]:
         """End of the run from a state, and its transition matrix; ``begin`` counts steps from phase zero."""
         n, steps = x.size, self.steps
-        y = np.full((2 * n + self.kernel.source.sizes.surfaces, n), UNKNOWN)
-        y[:n], y[n : 2 * n] = x[:, None], np.eye(n)
-        run = blocked(y)
+        run = blocked(self.kernel.with_sides(np.concatenate([np.repeat(x[:, None], n, axis=1), np.eye(n)])))
         blocks = run.shape[0]
         first, active, failed, cause = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1, 0))
         self.kernel.advance(

@@ -20,6 +20,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
 from whirlmap.integrate.scales import limits
 from whirlmap.integrate.system import periods
+from whirlmap.kernels.lanes import UNKNOWN
 from whirlmap.kernels.methods import RK4, Method
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
@@ -39,8 +40,6 @@ TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict", "crossings", "grazings")
-#: Side of a surface of a point that has been put somewhere: the kernel finds it from the state.
-UNKNOWN = 2.0
 
 
 @dataclass(frozen=True)

@@ -36,47 +36,99 @@ def lowest_point(r: Routine, rise: Value, s0: Value, s1: Value) -> Value:
 class Between:
     """Extremes of states and outputs between the ends of a step: those of cubics through values and rates.
 
+    A cubic says when an output turns; its value there is that at the states, by their own cubics: an output may swing several
+    times as fast as they do.
+
     Parameters
     ----------
-    observed : Routine
-        Outputs and their rates along a vector.
+    observed, along : Routine
+        Outputs; and outputs with their rates along a vector.
     """
 
-    def __init__(self, module: ir.Module, sizes: Sizes, observed: Routine) -> None:
-        self.sizes, self.observed = sizes, observed
-        self.peaks = _peaks(module, sizes.states + sizes.outputs)
+    def __init__(self, module: ir.Module, sizes: Sizes, observed: Routine, along: Routine) -> None:
+        self.sizes, self.along = sizes, along
+        self.states = _of_states(module, sizes)
+        self.outputs = _of_outputs(module, sizes, observed)
 
     def write(
         self, r: Routine, y: Value, f0: Value, x: Value, f1: Value, h: Value, p: Value, sums: Value, active: Value
     ) -> None:
-        """Take the extremes of a step from ``y`` with rates ``f0`` to ``x`` with ``f1`` into ``sums``."""
-        n, m = self.sizes.states, self.sizes.outputs
-        r.call(self.peaks, v0=y, d0=f0, v1=x, d1=f1, h=h, sums=sums, rows=integer(n), active=active)
+        """Take the extremes of a step from ``y`` with rates ``f0`` to ``x`` with ``f1`` into ``sums``, its end among them."""
+        m = self.sizes.outputs
+        path = {"v0": y, "d0": f0, "v1": x, "d1": f1, "h": h, "sums": sums, "active": active}
+        r.call(self.states, **path)
         if m:
             o0, e0, o1, e1 = (r.local(LANE, m) for _ in range(4))
-            r.call(self.observed, y=y, p=p, v=f0, o=o0, rate=e0)
-            r.call(self.observed, y=x, p=p, v=f1, o=o1, rate=e1)
-            r.call(self.peaks, v0=o0, d0=e0, v1=o1, d1=e1, h=h, sums=r.row(sums, n), rows=integer(m), active=active)
+            r.call(self.along, y=y, p=p, v=f0, o=o0, rate=e0)
+            r.call(self.along, y=x, p=p, v=f1, o=o1, rate=e1)
+            r.call(self.outputs, **path, p=p, o0=o0, e0=e0, o1=o1, e1=e1)
 
 
-def _peaks(module: ir.Module, rows: int) -> Routine:
-    """Write ``peaks``: the turning points of each row's cubic into the running minimum and maximum of active lanes."""
-    kinds: dict[str, Kind] = dict.fromkeys(("v0", "d0", "v1", "d1", "h", "sums"), "rows")
-    r = Routine(module, "peaks", {**kinds, "rows": "int", "active": "flags"})
+class _Cubic:
+    """Cubic of one row of a step: ``v0`` and rates ``d0`` at its begin, ``v1`` and ``d1`` at its end."""
+
+    def __init__(self, r: Routine, v0: Value, d0: Value, v1: Value, d1: Value, h: Value) -> None:
+        self.r, self.v0, self.v1 = r, v0, v1
+        self.s0, self.s1, self.rise = r.mul(h, d0), r.mul(h, d1), r.sub(v1, v0)
+
+    def at(self, u: Value) -> Value:
+        """Value after a part of the step."""
+        return hermite(self.r, u, self.v0, self.rise, self.s0, self.s1)
+
+    def turns(self) -> tuple[Value, Value]:
+        """Parts of the step after which it turns."""
+        return turning_points(self.r, self.rise, self.s0, self.s1)
+
+
+def _keep(r: Routine, value: Value, sums: Value, row: Value, rows: int, where: Value) -> None:
+    """Take a value into the running minimum and maximum of one of ``rows`` rows, in the lanes of ``where``."""
+    for k, smaller in ((1, True), (2, False)):
+        place = r.b.add(row, integer(k * rows))
+        old = r.load(sums, place)
+        beyond = r.less(value, old) if smaller else r.less(old, value)
+        r.store(r.b.select(r.b.and_(where, beyond), value, old), sums, place)
+
+
+_PATH: dict[str, Kind] = dict.fromkeys(("v0", "d0", "v1", "d1", "h", "sums"), "rows")
+
+
+def _of_states(module: ir.Module, sizes: Sizes) -> Routine:
+    """Write ``state_peaks``: the turning points and the ends of each state's cubic."""
+    r = Routine(module, "state_peaks", {**_PATH, "active": "flags"})
     b, a = r.b, r.at
-    runs = b.icmp_signed("!=", r.load(a["active"]), integers(0))
-    h = r.load(a["h"])
-    with r.loop(a["rows"]) as i:
-        v0, v1 = r.load(a["v0"], i), r.load(a["v1"], i)
-        s0, s1 = r.mul(h, r.load(a["d0"], i)), r.mul(h, r.load(a["d1"], i))
-        rise = r.sub(v1, v0)
-        for u in turning_points(r, rise, s0, s1):
-            inside = b.and_(runs, b.and_(r.less(number(0.0), u), r.less(u, number(1.0))))
-            value = hermite(r, u, v0, rise, s0, s1)
-            for k, smaller in ((1, True), (2, False)):
-                place = b.add(i, integer(k * rows))
-                old = r.load(a["sums"], place)
-                beyond = r.less(value, old) if smaller else r.less(old, value)
-                r.store(b.select(b.and_(inside, beyond), value, old), a["sums"], place)
+    runs, h = b.icmp_signed("!=", r.load(a["active"]), integers(0)), r.load(a["h"])
+    with r.loop(sizes.states) as i:
+        cubic = _Cubic(r, *(r.load(a[name], i) for name in ("v0", "d0", "v1", "d1")), h)
+        for u in cubic.turns():
+            _keep(r, cubic.at(u), a["sums"], i, sizes.states + sizes.outputs, b.and_(runs, inside(r, u)))
+        _keep(r, cubic.v1, a["sums"], i, sizes.states + sizes.outputs, runs)
     r.done()
     return r
+
+
+def _of_outputs(module: ir.Module, sizes: Sizes, observed: Routine) -> Routine:
+    """Write ``output_peaks``: outputs at the ends of the step and where the cubic of each one turns."""
+    more: dict[str, Kind] = dict.fromkeys(("p", "o0", "e0", "o1", "e1"), "rows")
+    r = Routine(module, "output_peaks", {**_PATH, "active": "flags", **more})
+    b, a, rows = r.b, r.at, sizes.states + sizes.outputs
+    runs, h = b.icmp_signed("!=", r.load(a["active"]), integers(0)), r.load(a["h"])
+    state, found = r.local(LANE, sizes.states), r.local(LANE, sizes.outputs)
+    with r.loop(sizes.outputs) as i:
+        row = b.add(i, integer(sizes.states))
+        output = _Cubic(r, *(r.load(a[name], i) for name in ("o0", "e0", "o1", "e1")), h)
+        for u in output.turns():
+            there = b.and_(runs, inside(r, u))
+            with b.if_then(r.any(there)):
+                with r.loop(sizes.states) as j:
+                    path = _Cubic(r, *(r.load(a[name], j) for name in ("v0", "d0", "v1", "d1")), h)
+                    r.store(path.at(u), state, j)
+                r.call(observed, y=state, p=a["p"], o=found)
+                _keep(r, r.load(found, i), a["sums"], row, rows, there)
+        _keep(r, output.v1, a["sums"], row, rows, runs)
+    r.done()
+    return r
+
+
+def inside(r: Routine, u: Value) -> Value:
+    """Lanes in which a part of the step lies between its ends."""
+    return r.b.and_(r.less(number(0.0), u), r.less(u, number(1.0)))

@@ -21,6 +21,10 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+#: Side of a surface of a point that has been put somewhere: the kernel finds it from the state.
+UNKNOWN = 2.0
+
+
 @dataclass(frozen=True, eq=False)
 class LaneKernel:
     """One compiled module and what its calls need."""
@@ -43,6 +47,10 @@ class LaneKernel:
     def evaluate(self) -> Function:
         """Rates, Jacobian and outputs at given times (free kernels)."""
         return self.code.function("evaluate", marching.EVALUATE)
+
+    def with_sides(self, y: Array) -> Array:
+        """States and tangent vectors, shape (row, point), with rows for the sides of surfaces, not known yet."""
+        return np.concatenate([y, np.full((self.source.sizes.surfaces, y.shape[1]), UNKNOWN)])
 
     def work(self) -> Array:
         """Working memory of one call."""

@@ -16,8 +16,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.special import erf, erfc
-from sympy import Abs, Expr, Integer, Pow, Symbol, cos, lambdify, sign
+from sympy import Abs, Expr, Integer, Pow, Symbol, cos, erf, erfc, lambdify, sign
 from sympy.core.relational import GreaterThan, LessThan, StrictGreaterThan, StrictLessThan
 
 from whirlmap.equations.model import Model
@@ -147,7 +146,9 @@ def _jumps(model: Model, found: Sided) -> list[bool]:
 
     def function(expressions: list[Expr]) -> Any:
         """NumPy function; names are replaced, for a parameter named exp would hide the function."""
-        return lambdify([symbols, found.sides], expressions, [{"erf": erf, "erfc": erfc}, "numpy"], dummify=True)
+        special = any(e.has(erf, erfc) for e in expressions)  # SciPy is imported where it is needed
+        modules = ["scipy", "numpy"] if special else ["numpy"]
+        return lambdify([symbols, found.sides], expressions, modules, dummify=True)
 
     rates = function([_without_tables(e) for e in found.rates])
     out = []
