@@ -173,11 +173,23 @@ def test_two_contacts_that_stick_at_once_end_the_run():
     assert e.status[0] == Status.sticks and np.isfinite(e.end_time[0])
 
 
-def test_endless_crossings_end_the_run():
-    """x'' = -sign(x): each crossing comes sooner than the one before by a factor, without end (Zeno)."""
+def test_endless_crossings_come_to_rest():
+    """x'' = -sign(x) - sign(v)/2: each swing is a third of the one before, and at rest both sides push (Zeno)."""
     model = Model("zeno", (x, v), (F, w), {x: v, v: -sign(x) - sign(v) / 2 + F * cos(w * t)}, harmonics=(w,))
-    e, _ = run(model, {"F": 1e-9, "w": 1.0}, (0.1, 0.0), 24, 3)
-    assert e.status[0] in (Status.chatters, Status.sticks) and e.end_time[0] < 3
+    e, _ = run(model, {"F": 0.2, "w": 1.0}, (0.1, 0.0), 24, 3)
+    assert e.status[0] == Status.ok and 4 < e.crossings[0] < 100
+    np.testing.assert_allclose(e.x[:, 0], 0, atol=1e-7)
+
+
+def test_a_mass_on_a_preloaded_stop_rests_until_it_is_pulled_off():
+    """x'' = A cos(w t) - F (x > 0), from rest on the edge: nothing moves until the force turns at a quarter of T, then x < 0."""
+    model = Model("preloaded", (x, v), (F, A, w), {x: v, v: A * cos(w * t) - when(x > 0, F)}, harmonics=(w,))
+    quarter = np.pi / 2
+    e, s = run(model, {"F": 2.0, "A": 1.0, "w": 1.0}, (0.0, 0.0), 8, 1, save_every=1)
+    assert e.status[0] == Status.ok
+    np.testing.assert_allclose(s.saved[:2, :, 0], 0, atol=1e-12)  # T/8, T/4
+    after = np.array([3, 4]) * np.pi / 4 - quarter
+    np.testing.assert_allclose(s.saved[2:4, 0, 0], -after + np.sin(after), atol=1e-8)
 
 
 GRAZE = Model("graze", (x, v, q), (g, w), {x: v, v: -x, q: when(x > g, x - g) - q / 10 + cos(w * t) / 100}, harmonics=(w,))

@@ -120,10 +120,6 @@ COEXISTING = [
          dict(A=1, B=0.2, a=1, d=0.1, k=10, w=1.7), (0.0, 0.1), settle=120, known={"box": ((-1.5, 1.5), (-3, 3))}),
     Case("two-gap", o.GAP_PIECES, (o.GAP,), dict(A=1.5, d=0.1, k=30, c=0.5, m=0.5, w=2.3), (0.0, 0.0, 0.1, 0.0),
          settle=120, known={"box": ((-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5))}),
-    Case("two-bilinear", o.BILINEAR_PIECES, (o.BILINEAR["when"],), dict(A=1, d=0.1, k=10, w=4.0), (0.0, 0.1),
-         settle=120, known={"box": ((-1.5, 1.5), (-2, 2))}),
-    Case("two-rub", o.RUB_PIECES, (o.RUB,), dict(e=0.3, F=0.02, G=0.1, d=0.2, k=10, w=1.5), (0.0, 0.0, 0.0, 0.0),
-         settle=120, known={"box": ((-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5), (-1.5, 1.5))}),
 ]  # fmt: skip
 
 ALL = [*STRICT, *TEETH, *CHAOS, *COEXISTING]

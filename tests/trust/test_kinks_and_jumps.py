@@ -135,7 +135,7 @@ def test_chaos(case):
 
 @pytest.mark.parametrize("case", kinked_cases.COEXISTING, ids=lambda c: c.name)
 def test_coexisting_attractors(case):
-    """The orbits that many starts of the truth come to, and no other; those with a share of a tenth are not missed."""
+    """The orbits that 16 starts of the truth come to, and no other; the smaller share of two, if a tenth, is not missed."""
     truth = NUMBERS[case.name]
     box = dict(zip((s.name for s in case.models[0].states), case.known["box"], strict=True))
     ds = whirlmap.attractors(load(case.models[0], case.values, case.start), starts=48, box=box, lyapunov=256)

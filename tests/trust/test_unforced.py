@@ -154,8 +154,8 @@ def test_an_orbit_that_does_not_close_has_no_multipliers(mu):
 PIECEWISE = {
     "bilinear": (unforced_models.BILINEAR_CYCLE,
                  Pieces("x v", ("x",), ("v", "mu*(1-x**2)*v - x*(1+s0)/2 - k*x*(1-s0)/2"), frequency="1"),
-                 lambda z: -z[0], dict(mu=0.5, k=9.0), (0.5, 0.0), False,
-             8.633183460912, (-0.79601706, -2.15651922), (2.28258208, 2.85886512), 0),
+                 lambda z: z[1], dict(mu=0.5, k=9.0), (0.5, 0.0), False,
+             4.316591730456, (-0.79601706, -2.15651922), (2.28258208, 2.85886512), 0),
     "stopped": (unforced_models.STOPPED_CYCLE,
                 Pieces("x v", ("x - 1",), ("v", "mu*(1-x**2)*v - x - k*(x-1)*(1+s0)/2"), frequency="1", parts=200),
                 lambda z: -z[0], dict(mu=0.4, k=200.0), (0.5, 0.0), False,
@@ -176,7 +176,7 @@ PIECEWISE = {
 
 
 def cycle_by_events(pieces, values, cut, start, rounds=60):
-    """Period and arcs of a cycle: from one fall of the cut to the next, settled over some rounds."""
+    """Period, extremes and slides of a cycle, from one fall of the cut to the next; the cut is none of the surfaces."""
     motion, z = pieces.at(**values), start
     sides = None
     for k in range(rounds + 1):

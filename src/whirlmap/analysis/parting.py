@@ -140,7 +140,8 @@ def near_passes(
             valid = np.abs(near - here[:, None]) >= apart
             if flow:
                 velocity = (points[near + 1] - points[near - 1]) / 2
-                ahead = np.einsum("rkc,rkc->rk", offset, velocity) / np.einsum("rkc,rkc->rk", velocity, velocity)
+                along, speed = (np.einsum("rkc,rkc->rk", v, velocity) for v in (offset, velocity))
+                ahead = np.divide(along, speed, out=np.zeros_like(along), where=speed > 0)  # a signal may stand still
                 offset -= ahead[..., None] * velocity
                 valid &= np.abs(ahead) <= 0.5
             across = np.linalg.norm(offset, axis=2)

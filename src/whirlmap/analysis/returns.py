@@ -357,7 +357,12 @@ def _settle_unforced(
 ) -> Settled:  # fmt: skip
     settled = Settled.none(ensemble)
     transient = longest - settling.longest + settling.transient
-    _learn_turns(ensemble, np.flatnonzero(ensemble.running), SOUGHT, settled, progress)
+    running = np.flatnonzero(ensemble.running)
+    first = ensemble.subset(running).advance(1, extremes=True).extremes  # how far the states move before they settle
+    assert first is not None
+    ranges = (first["maximum"] - first["minimum"])[: ensemble.model.dimension]
+    settled.moved[:, running] = np.fmax(ranges, 0.0)
+    _learn_turns(ensemble, running, SOUGHT, settled, progress)
     _run_transient(ensemble, np.flatnonzero(ensemble.running), transient, settled, progress)
     _learn_turns(ensemble, np.flatnonzero(ensemble.running), TURNS + 1, settled, progress)
     wide = _wide(ensemble, settling)
@@ -393,15 +398,9 @@ def _run_transient(
     ensemble: Ensemble, members: NDArray[np.intp], transient: Integers, settled: Settled,
     progress: Callable[[int], None] | None,
 ) -> None:  # fmt: skip
-    """Run the transients, and keep how far the states have moved."""
-    states = ensemble.model.dimension
     for times in np.unique(transient[members][transient[members] > 0]):
         these = members[transient[members] == times]
-        first = ensemble.advance(1, members=these, extremes=True, progress=progress).extremes
-        assert first is not None
-        settled.moved[:, these] = np.fmax((first["maximum"] - first["minimum"])[:states], 0.0)
-        if times > 1:
-            ensemble.advance(int(times) - 1, members=these, progress=progress)
+        ensemble.advance(int(times), members=these, progress=progress)
     settled.waited[members] += transient[members]
 
 

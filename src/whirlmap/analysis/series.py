@@ -15,7 +15,7 @@ from whirlmap.analysis.recurrence import recurrence
 from whirlmap.analysis.signal_exponents import signal_exponents
 from whirlmap.analysis.signals.regular_motion import RegularMotion, regular_motion
 from whirlmap.analysis.signals.steadiness import steadiness
-from whirlmap.analysis.signals.verdict import decide, sentences
+from whirlmap.analysis.signals.verdict import CLEAN, decide, sentences
 from whirlmap.analysis.spectral_lines import spectral_lines
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.zero_one import STATUS as ZERO_ONE_STATUS
@@ -84,7 +84,8 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     4. Where the motion is steady and does not return: lag from the first minimum of the mutual information (without one, a
        quarter swing, which is said), dimension from false neighbours; without one at that lag, nor at a half or a quarter of
        it, none of the embedded indicators speaks: noise, or too many dimensions. Exponents as `signal_exponents` says. On
-       signals that return neighbours coincide, and no exponent is asked.
+       signals that return neighbours coincide, and no exponent is asked; nor of a torus whose lines hold 99.9 % of the
+       power.
     5. Chaotic: the 0-1 test wanders, the lines do not hold all of the power, Rosenstein's or Kantz's exponent is
        positive over a scaling range, and so is the other, or the dimension has one: coloured noise may show one of them
        by chance. Quasi-periodic motion must not wander nor have Rosenstein's exponent. Else undecided.
@@ -113,8 +114,9 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     data, coords = _spectral_data(x * scale, spectrum, lines, thin, scale, rate, unit)
     lag, dimension = _lag(x, per_swing, votes, data, coords), 0
     votes["zero_one"] = _zero_one_vote(x, lag)
-    if steady.changes or regular.period is not None:
-        why = "not-steady" if steady.changes else "neighbours-coincide"
+    torus = votes["spectrum"]["vote"] == "quasi-periodic" and regular.broad < CLEAN
+    if steady.changes or regular.period is not None or torus:
+        why = "not-steady" if steady.changes else "lines-hold-all" if torus else "neighbours-coincide"
         votes["neighbours"] = {"vote": why, "dimension": None}
         votes |= {name: {"vote": why, "value": None, "error": None, "range": None} for name in ("rosenstein", "kantz")}
     else:

@@ -17,7 +17,7 @@ _RESULTS = """
     amplitude tooth_contact verdict margin probability front rpm
     frequency frequency_step resolution power density floor line_frequency line_power line_present line_floor
     line_fraction broadband_fraction
-    mode growth damping_ratio whirl line clock equilibrium
+    mode growth damping_ratio whirl line clock equilibrium drift_state drift_rate growth_rate thinning grazings
 """
 
 #: Dimensions and variables of the Datasets that have varied parameters or states for dimensions.

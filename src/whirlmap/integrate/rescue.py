@@ -71,14 +71,12 @@ class Rescue:
         """Redo the step of some points from ``y``, shape (row, point), at ``time``; ``y`` of those that go on is replaced.
 
         ``members`` holds the group's indices of the points, ``cause`` why they were lost in a step through surfaces: shorter
-        steps help neither a point that sticks nor one that chatters.
+        steps do not help a point that sticks.
         """
         points = members.size
         status = np.zeros(points, dtype=np.int8)
         end, stop = np.full(points, np.nan), np.full(points, -1, dtype=np.int8)
-        for reason, name in ((STICKS, Status.sticks), (CHATTERS, Status.chatters)):
-            status[cause == reason] = name
-        end[status != Status.ok] = time[status != Status.ok]
+        status[cause == STICKS], end[cause == STICKS] = Status.sticks, time[cause == STICKS]
         pending = status == Status.ok
         if not pending.any():
             return Outcome(status, end, stop)
@@ -112,6 +110,7 @@ class Rescue:
             left &= ~beyond
         near = self._size(members, y[:n]) > self.near
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
+        status[left & ~near & (cause == CHATTERS)] = Status.chatters
         end[left] = time[left]
         return Outcome(status, end, stop)
 

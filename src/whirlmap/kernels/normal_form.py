@@ -24,8 +24,11 @@ from sympy import (
     asin,
     atanh,
     log,
+    nan,
+    oo,
     sign,
     sympify,
+    zoo,
 )  # fmt: skip
 from sympy.core.expr import Expr
 from sympy.core.relational import Relational
@@ -117,7 +120,15 @@ def _power(e: Pow) -> Expr:
     if len(factors) != 1 or isinstance(exponent, Integer):
         return e
     rest = Mul(*(f for f in Mul.make_args(base) if f is not factors[0]))
-    return Piecewise(*(((rest * pair.expr) ** exponent, pair.cond) for pair in factors[0].args))
+    powers = [(rest * pair.expr) ** exponent for pair in factors[0].args]
+    return Piecewise(*((_real(p), pair.cond) for p, pair in zip(powers, factors[0].args, strict=True)))
+
+
+def _real(e: Expr) -> Expr:
+    """A constant as floating point has it: infinite for a reciprocal of zero, and NaN where it is complex."""
+    if not e.is_number or e.is_extended_real:
+        return e
+    return oo if e is zoo else nan
 
 
 def _piecewise(e: Piecewise) -> Expr:

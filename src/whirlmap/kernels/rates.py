@@ -197,11 +197,11 @@ class ModelRoutines:
         self._store(r, self._results(r, lines), "o", "rate")
         return r
 
-    def guards(self, lines: Straight, frequencies: Straight) -> Routine:
+    def guards(self, lines: Straight, frequencies: Straight, name: str = "guards") -> Routine:
         """Write ``guards``: value of each surface, and its rate along the vector ``v`` and, times ``clock``, with time."""
         names: tuple[str, ...] = ("y", "c", "p", "modes", "v", "clock", "g", "rate")
         kinds: dict[str, Kind] = dict.fromkeys(names, "rows")
-        r = Routine(self.module, "guards", kinds)
+        r = Routine(self.module, name, kinds)
         clock = r.load(r.at["clock"])
         waves: dict[str, Value] = {}
         for i, frequency in enumerate(self._results(r, frequencies)):

@@ -12,6 +12,9 @@ from whirlmap.kernels.stepping import Sizes, Stepper
 LIMITS, STICKS, CHATTERS = 1, 2, 3
 #: Most crossings of a lane in one step.
 MOST = 64
+#: Speed of a crossing below which a motion that is pushed back from both sides rests: part of what the pushes change it by
+#: in one step.
+REST = 1e-9
 #: A crossing is grazing where the surface's rate is below this part of that rate's change during the step.
 GRAZING = 1e-3
 
@@ -22,12 +25,13 @@ class Surfaces:
 
     Attributes
     ----------
-    jumps, flat : sequence of bool
-        Of each surface: whether the rates jump there, and whether its gradient is constant (`surfaces.Sided`).
+    jumps, flat, first : sequence of bool
+        Of each surface: whether the rates jump there, whether its gradient is constant, and whether its own rate is what
+        jumps (`surfaces.Sided.held`).
     motion, tangent : Routine
         Rates, those of sliding lanes too (`sliding`); the product of the Jacobian with a vector, where there is one.
-    guards, sides : Routine
-        Value and rate of each surface; the sign of each.
+    guards, held, sides : Routine
+        Value and rate of each surface, and of what is held while a motion slides; the sign of each surface.
     examine, harmonics : Routine
         The test of a step's end; the harmonics after a part of the step.
     between : Between
@@ -38,9 +42,11 @@ class Surfaces:
 
     jumps: Sequence[bool]
     flat: Sequence[bool]
+    first: Sequence[bool]
     motion: Routine
     tangent: Routine | None
     guards: Routine
+    held: Routine
     sides: Routine
     examine: Routine
     harmonics: Routine
@@ -132,7 +138,9 @@ class SurfaceStep:
         zero = number(0.0)
         self._moves(a["y"], self.c1, self.f2)
         guarded = {"y": a["y"], "c": self.c1, "p": a["p"], "modes": self.modes}
-        r.call(self.of.guards, v=self.f2, clock=self.clock, g=self.g2, rate=self.d2, **guarded)
+        before, at_rest = r.local(LANE, self.sizes.surfaces), r.local(LANE, self.sizes.surfaces)
+        r.call(self.of.held, v=self.f1, clock=self.clock, g=at_rest, rate=before, **guarded)
+        r.call(self.of.held, v=self.f2, clock=self.clock, g=at_rest, rate=self.d2, **guarded)
         sliding = b.fcmp_ordered("!=", zero, zero)  # in no lane
         for k, jump in enumerate(self.jumps):
             if jump:
@@ -145,6 +153,10 @@ class SurfaceStep:
                 continue
             crossing = b.and_(here[k], b.fcmp_ordered("!=", old[k], zero))
             back = b.and_(crossing, b.not_(r.less(r.mul(old[k], r.load(self.d2, k)), zero)))
+            if not self.of.first[k]:  # both sides push, and there is no speed left
+                push = r.mul(r.load(a["h"]), r.add(r.absolute(r.load(before, k)), r.absolute(r.load(self.d2, k))))
+                slow = r.less(r.absolute(r.load(at_rest, k)), r.mul(number(REST), push))
+                back = b.and_(b.and_(back, slow), r.less(r.mul(old[k], r.load(before, k)), zero))
             r.store(b.select(back, zero, r.load(self.modes, k)), self.modes, k)
             with_it = self.sizes.along and self.flat[k]
             stuck = b.or_(stuck, b.and_(back, sliding if with_it else b.or_(sliding, vectors)))

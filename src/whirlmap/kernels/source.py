@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
 from llvmlite import ir
-from sympy import Integer, Symbol, sympify
+from sympy import Expr, Integer, Symbol, sympify
 
 from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
@@ -35,7 +35,7 @@ from whirlmap.kernels.saltation import Surfaces
 from whirlmap.kernels.sines import Sines
 from whirlmap.kernels.sliding import sliding_rates
 from whirlmap.kernels.stepping import Run, Sizes
-from whirlmap.kernels.surfaces import Sided, sided
+from whirlmap.kernels.surfaces import sided
 
 #: Of every function. LLVM would split vectors of 512 bits on processors that have them, and keep those that find no register
 #: on a stack that is aligned for 16 bytes: nearly each would then lie across two lines of cache.
@@ -138,7 +138,8 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     gaps = straight(model, [stop.gap for stop in model.stops.values()], hoisted)
     frequencies = straight(model, [sympify(w) for w in model.harmonics], hoisted)
     observed_along = along_code(observed, names, directions, hoisted)
-    guards, surfaces = _guards(model, found, names, directions, hoisted)
+    guards, surfaces = _guards(model, found.surfaces, names, directions, hoisted)
+    held = guards if found.held == found.surfaces else _guards(model, found.held, names, directions, hoisted)[0]
     kept = straight(model, pole_guards(model), hoisted)  # before the number of inputs counts
     nodes = tuple(sorted({float(c) for c in method.c}))
 
@@ -161,13 +162,15 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     motion = of_rates
     if found.surfaces:
         of_guards, of_sides = routines.guards(guards, frequencies), routines.sides(surfaces)
+        of_held = of_guards if held is guards else routines.guards(held, frequencies, "held")
         if any(found.jumps):
-            motion = sliding_rates(module, sizes, found.jumps, of_rates, of_guards, routines.kinds)
+            motion = sliding_rates(module, sizes, found.jumps, of_rates, of_held, routines.kinds)
         turns, harmonics = routines.turns(frequencies), routines.harmonics(len(model.harmonics))
         through = write_through(
             module, sizes, method,
             Surfaces(
-                found.jumps, found.flat, motion, of_tangent, of_guards, of_sides, of_end, harmonics, between, same_side,
+                found.jumps, found.flat, [one == other for one, other in zip(found.held, found.surfaces, strict=True)],
+                motion, of_tangent, of_guards, of_held, of_sides, of_end, harmonics, between, same_side,
             ),
         )  # fmt: skip
     parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through, same_side)
@@ -189,10 +192,10 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
 
 
 def _guards(
-    model: Model, found: Sided, names: list[Symbol], directions: list[Symbol], hoisted: Hoisted
+    model: Model, found: list[Expr], names: list[Symbol], directions: list[Symbol], hoisted: Hoisted
 ) -> tuple[Straight, Straight]:
     """Code of the surfaces with their rates along a vector and with time, and of the surfaces alone."""
-    surfaces = straight(model, found.surfaces, hoisted)
+    surfaces = straight(model, found, hoisted)
     waves = [Symbol(f"{part}{i}", real=True) for i in range(len(model.harmonics)) for part in "cs"]
     with_time = [Symbol(f"{wave.name}_dt", real=True) for wave in waves]
     return along_code(surfaces, [*names, *waves], [*directions, *with_time], hoisted), surfaces

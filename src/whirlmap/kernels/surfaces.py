@@ -54,6 +54,9 @@ class Sided:
         Whether the rates jump at a surface; where not, they have a kink.
     flat : list of bool
         Whether a surface's gradient by the states is constant: tangent vectors can then slide on it.
+    held : list of Expr
+        What does not change while a motion slides on a surface, and whose rate jumps there: the surface's value; or its
+        rate, where that does not jump (a mass that is pressed against a preloaded stop rests on x = 0 with v = 0).
     """
 
     rates: list[Expr] = field(default_factory=list)
@@ -61,6 +64,7 @@ class Sided:
     sides: list[Symbol] = field(default_factory=list)
     jumps: list[bool] = field(default_factory=list)
     flat: list[bool] = field(default_factory=list)
+    held: list[Expr] = field(default_factory=list)
 
 
 @lru_cache(maxsize=64)
@@ -72,8 +76,19 @@ def sided(model: Model) -> Sided:
         out.rates.append(_odd(_rewritten(normal_form(model.equations[state]), moving, out), out))
     out.jumps = _jumps(model, out) if out.surfaces else []
     varying = moving | set(out.sides)
-    out.flat = [not any(g.diff(s).free_symbols & varying for s in model.states) for g in out.surfaces]
+    out.held = [_held(model, out, k) for k in range(len(out.surfaces))]
+    flat = [not any(g.diff(s).free_symbols & varying for s in model.states) for g in out.surfaces]
+    out.flat = [constant and held == g for constant, held, g in zip(flat, out.held, out.surfaces, strict=True)]
     return out
+
+
+def _held(model: Model, found: Sided, k: int) -> Expr:
+    """The value of a surface, or its rate where the rates jump there and this one does not."""
+    surface = found.surfaces[k]
+    slopes = [surface.diff(s) * rate for s, rate in zip(model.states, found.rates, strict=True)]
+    rate = sum(slopes, surface.diff(t))
+    alike = found.jumps[k] and found.sides[k] not in rate.free_symbols and not rate.has(tabulated)
+    return rate if alike and rate.free_symbols & {*model.states} else surface
 
 
 def _rewritten(e: Any, moving: set[Any], found: Sided) -> Any:

@@ -66,7 +66,8 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
 
 def _unasked(votes: dict[str, Any]) -> str:
     """Why there is no embedded indicator."""
-    reasons = {"neighbours-coincide": "the signal returns: neighbours coincide", "not-steady": "the motion is not steady"}
+    reasons = {"neighbours-coincide": "the signal returns: neighbours coincide",
+        "lines-hold-all": "regular: lines hold all of the power", "not-steady": "the motion is not steady"}
     return reasons.get(votes["neighbours"]["vote"], "no embedding dimension unfolds the signal")
 
 

@@ -76,6 +76,8 @@ def _opened(
     if head.startswith(b"PK\x03\x04"):
         if b"xl/" in head:
             raise InputError(f"{name}: found a workbook of a spreadsheet program, expected a table in text: save it as CSV")
+        if b".npy" not in head:
+            raise InputError(f"{name}: found an archive of several files, expected one file; unpack it first")
         return _binary(path, head, stream, array_files.npz)
     if head.startswith(b"\xd0\xcf\x11\xe0"):
         raise InputError(f"{name}: found a file of an office program, expected a table in text: save it as CSV")

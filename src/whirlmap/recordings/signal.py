@@ -140,8 +140,8 @@ def _signal(
     gone = _missing(table, at, values, missing, notices, place)
     grid = _grid(table, clock, loaded, rate, place, notices)
     sampled = grid.rate if grid else rate if rate is not None else table.rate
-    if grid is None and rate is None and table.rate is not None:
-        notices.append(f"the rate is that of the lines above the table, {table.rate:g} samples per second")
+    if grid is None and rate is None and table.rate is not None and table.form.startswith("text"):
+        notices.append(f"the rate is the one that the file declares, {table.rate:g} samples per second")
     start = grid.start if grid else 0.0
     present = np.flatnonzero(~gone)
     notices += suspects(values[present], lambda k: place(int(present[k])))
@@ -225,7 +225,7 @@ def _grid(
         )
         return None
     notices += grid.notices
-    for what, other in (("--rate", rate), ("a line above the table", table.rate)):
+    for what, other in (("--rate", rate), ("the file itself", table.rate)):
         if other and abs(other / grid.rate - 1) > CONTRADICTS:
             taken = f"the rate of {what} is taken" if what == "--rate" else "the times are taken"
             notices.append(

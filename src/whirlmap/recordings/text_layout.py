@@ -48,12 +48,13 @@ def find_layout(
             lines[lines.index(line)] = ""
     separators = SEPARATORS if separator is None else (None if separator in ("blank", " ") else separator,)
     decimals = (".", ",") if decimal is None else (decimal,)
+    quoted, commas = (any(mark in line for line in lines) for mark in ('"', ","))
     runs = [
         run
         for s in separators
         if s is None or any(s in line for line in lines)
         for d in decimals
-        if s != d and (d == "." or any("," in line for line in lines)) and (run := longest_run(lines, s, d))
+        if (s != d or quoted) and (d == "." or commas) and (run := longest_run(lines, s, d))
     ]
     if not runs:
         names = next(line.strip() for line in lines if line.strip())

@@ -78,6 +78,9 @@ def with_names(run: Run, lines: Sequence[str], source: str) -> Layout:
         fields = header_fields(lines[above[-1]], run.separator)
         if run.separator == ";" and len(whole := split(lines[above[-1]], ";")) == count and len(fields) != count:
             fields = whole  # ``;time;a``: the first has no name, and the line is no comment
+        wide = re.split(r"\s{2,}|\t", lines[above[-1]].strip("#% \n"))
+        if run.separator is None and len(wide) == count != len(fields):
+            fields = wide  # names with blanks in them, set apart by several
         higher = header_fields(lines[above[-2]], run.separator) if len(above) > 1 else []
         if _are_units(fields, count, higher, run.decimal):
             units, used = [_bare_unit(f) for f in _fitted(fields, count)], 1

@@ -28,6 +28,8 @@ class Run:
 
 def split(line: str, separator: str | None) -> list[str]:
     """Fields of a line, without blanks and quotes around them."""
+    if "\u2212" in line:  # the minus of typographers
+        line = line.replace("\u2212", "-")
     if separator is None:
         return [f.strip("\"'") for f in line.split()]
     if '"' in line:
@@ -37,7 +39,7 @@ def split(line: str, separator: str | None) -> list[str]:
                 csv.reader([line.strip()] if separator != "\t" else [line], delimiter=separator, skipinitialspace=True)
             )
         ]
-    return [f.strip(" '\t\r") for f in line.rstrip("\r\n").split(separator)]
+    return [f.strip(" '\t\r\u00a0\u202f") for f in line.rstrip("\r\n").split(separator)]
 
 
 def is_comment(line: str, decimal: str = ".") -> bool:

@@ -5,6 +5,7 @@ piece is gone through line by line, and what does not fit is named with its line
 """
 
 import io
+import re
 import warnings
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
@@ -235,6 +236,8 @@ def open_text_table(
     head: list[str] = []
     while len(head) < SOUGHT + skip and (line := stream.readline(1 << 20)):
         head.append(line.rstrip("\n"))
+    if re.match(r"\s*(\{|<|\[\s*[\[{\d])", head[0] if head else ""):
+        raise InputError(f"{source}: found JSON or markup, {head[0].strip()[:40]!r}, expected a table in text")
     layout = find_layout(head, source, separator=separator, decimal=decimal, skip=skip)
     return TextTable(source, layout, head, stream, notices=list(layout.notices))
 

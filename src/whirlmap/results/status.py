@@ -27,7 +27,7 @@ SENTENCES = {
     Status.unresolved: "a step failed, also with steps 1024 times shorter: try more steps per T",
     Status.failed: "could not be computed",
     Status.sticks: "sticks on two surfaces at once, or on one with tangent vectors: that motion is not followed",
-    Status.chatters: "crosses surfaces at which its rates change more than 64 times in one step",
+    Status.chatters: "crosses surfaces at which its rates change more than 64 times in a step, also in steps 1024 times shorter",
 }
 
 

@@ -1,6 +1,6 @@
 """Regular motion by its lines: whether they hold the power and have a common fundamental, and whether the signal returns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from typing import Any
 
@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.lines import named_shares
-from whirlmap.analysis.signals.common_grid import CommonGrid, common_grid
+from whirlmap.analysis.signals.common_grid import ERRORS, CommonGrid, common_grid
 from whirlmap.analysis.signals.line_fit import fit_lines
 from whirlmap.analysis.signals.signal_return import return_distance
 from whirlmap.results.findings import Findings
@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 
 #: Shares of the power: of one line that counts, of all lines in regular motion, outside of lines in broadband motion.
 LINE, LINES, BROAD = 1e-3, 0.98, 0.1
+#: Share of lines that are asked too where the period of the stronger ones leaves a distance, and distance that is none.
+FAINT, FINER = 1e-6, 1e-8
 #: Lines that are told apart, at most.
 MOST = 40
 #: Largest distance after a return, beyond the power outside of lines.
@@ -67,7 +69,8 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
     than rounding to the levels of the record makes, are fitted
     (`line_fit`); where they lie on a common grid that is no chance (`common_grid`), and the signal is itself again after the
     period that this grid says (`signal_return`), it is periodic. Without a grid it is quasi-periodic, if the record holds
-    4.5 beats of any two neighbouring lines.
+    4.5 beats of any two neighbouring lines. Fainter lines, to a millionth of the power, decide only whether a period is a
+    part of a longer one, after which the signal returns more closely: subharmonics of a motion without noise.
     """
     n = x.size
     broad = float(lines["broadband_fraction"])
@@ -80,21 +83,16 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
     vote = "broadband" if broad > BROAD else "none"
     grid, distance, fitted = None, None, frequency[counted] * n
     if broad < 1 - LINES and counted.size:
-        lines_found = fit_lines(x, frequency[counted] * n, np.asarray(lines["line_floor"], float)[counted])
-        fitted = lines_found.frequency
-        grid = common_grid(fitted, lines_found.error, share[counted], samples=n)
+        grid, fitted = _grid(x, lines, share, counted)
         if grid.kind == "grid":
-            period = n / grid.fundamental
-            distance = return_distance(x, period)
-            # Edges between samples do not move by parts of a sample: a few periods later they may lie on samples again.
-            for later in range(2, LATER + 1) if distance > broad + RETURNED else ():
-                if later * period < n / 2:
-                    distance = min(distance, return_distance(x, later * period))
-            whole = round(period)
-            if whole >= 2 and abs(period - whole) < 0.02 * max(1.0, period * grid.error / grid.fundamental * 50):
-                exact = return_distance(x, float(whole))
-                if exact <= distance:
-                    distance, grid = exact, _at(grid, n / whole)
+            grid, distance = _returned(x, grid, broad)
+            faint = np.flatnonzero(share > FAINT)[:MOST]
+            if distance > FINER and faint.size > counted.size:
+                finer, _ = _grid(x, lines, share, faint)
+                if finer.kind == "grid" and finer.fundamental < 0.9 * grid.fundamental:
+                    finer, shorter = _returned(x, finer, broad)
+                    if shorter < distance / 5:
+                        grid, distance = replace(finer, multiples=finer.multiples[: counted.size]), shorter
         vote = _vote(grid, distance, broad, fitted)
     named = _named(lines, grid, share, fitted, counted, 1.0 / n)
     votes = {
@@ -116,6 +114,29 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
     return RegularMotion(votes, n / found.fundamental if found else None, fitted / n, share[counted], broad)
 
 
+def _grid(x: Array, lines: Findings, share: Array, chosen: NDArray[np.intp]) -> tuple[CommonGrid, Array]:
+    """Common grid of some lines, and their fitted frequencies in cycles per record."""
+    frequency, floor = (np.asarray(lines[name], float)[chosen] for name in ("line_frequency", "line_floor"))
+    found = fit_lines(x, frequency * x.size, floor)
+    return common_grid(found.frequency, found.error, share[chosen], samples=x.size), found.frequency
+
+
+def _returned(x: Array, grid: CommonGrid, broad: float) -> tuple[CommonGrid, float]:
+    """Distance after the period of a grid, and the grid, moved to a whole number of samples where that is as good."""
+    period = x.size / grid.fundamental
+    distance = return_distance(x, period)
+    # Edges between samples do not move by parts of a sample: a few periods later they may lie on samples again.
+    for later in range(2, LATER + 1) if distance > broad + RETURNED else ():
+        if later * period < x.size / 2:
+            distance = min(distance, return_distance(x, later * period))
+    whole = round(period)
+    if whole >= 2 and abs(period - whole) < max(0.02, ERRORS * period * grid.error / grid.fundamental):
+        exact = return_distance(x, float(whole))
+        if exact <= distance:
+            return replace(grid, fundamental=x.size / whole), exact
+    return grid, distance
+
+
 def _rounding(x: Array) -> float:
     """Share of the power that comes from rounding to few levels: a twelfth of the square of their step."""
     part = x[:100_000]
@@ -123,10 +144,6 @@ def _rounding(x: Array) -> float:
     if levels.size > part.size / 3 or levels.size < 3:
         return 0.0
     return float(np.diff(levels).min() ** 2 / 12 / x.var())
-
-
-def _at(grid: CommonGrid, fundamental: float) -> CommonGrid:
-    return CommonGrid(grid.kind, fundamental, grid.error, grid.multiples, grid.chance)
 
 
 def _vote(grid: CommonGrid, distance: float | None, broad: float, fitted: Array) -> str:

@@ -61,7 +61,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
         text.append(f"Every {thinned}th sample, after a filter, serves for exponents and dimension.")
     for name in ("rosenstein", "kantz"):
         v = votes.get(name)
-        if v and v["vote"] not in ("neighbours-coincide", "not-steady"):
+        if v and v["vote"] not in ("neighbours-coincide", "not-steady", "lines-hold-all"):
             text.append(
                 f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} per {unit}."
                 if v["value"] is not None

@@ -93,7 +93,8 @@ class Labelled:
         A point is chaotic here where it is labelled so, or where it is undecided, does not return, and its largest exponent
         lies three standard errors above zero and above `least`.
         """
-        returns, open_motion = np.isin(self.regime, (Regime.periodic, Regime.at_rest)), self.regime == Regime.undecided
+        returns = np.isin(self.regime, (Regime.periodic, Regime.at_rest))
+        open_motion = np.isin(self.regime, (Regime.undecided, Regime.not_settled))
         grows = open_motion & positive(self.exponent, self.error, self.least)
         return {
             "with the forcing": returns & (self.period == self.forced),
