@@ -56,8 +56,8 @@ SLACK = 10.0
 #: Crossings of the section by which an unforced motion's turns are timed, typical times in which they are sought at most,
 #: and how many times longer or shorter than a turn a typical time may be.
 TURNS, SOUGHT, FAR_OFF = 4, 65_536, 2.0
-#: Motion in a typical time, over the size of a state, below which a point is at rest.
-STILL = 1e-9
+#: Motion in a typical time, over the size of a state, below which rounding moves the times of crossings: no turns are timed.
+STILL = 1e-6
 #: Steps with which points are confirmed whose method has lost its order.
 CONFIRMED = LADDER[-1]
 #: T of an unforced motion that left its limits that are looked at, at most.

@@ -119,15 +119,15 @@ def choose_steps(
         Common periods of each trial.
     observe : callable, optional
         ``observe(ensemble, periods)`` runs points on and gives numbers of their motion, shape (number, point), whose
-        differences count as well: times over T at which a section is crossed, for a motion that stands still between fast turns shows
-        its errors there. NaN where there are no more of them.
+        differences count as well: times over T at which a section is crossed, for a motion that stands still between fast
+        turns shows its errors there. NaN where there are no more of them.
 
     Notes
     -----
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
-    steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point that
-    has lost its order goes on to `KINKED` steps, or to the accuracy.
+    steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point
+    that has lost its order goes on to `KINKED` steps, or to the accuracy.
 
     Raises
     ------
