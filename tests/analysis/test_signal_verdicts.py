@@ -182,3 +182,31 @@ def test_no_noise_has_a_regime():
     rng = np.random.default_rng(7)
     found = [verdict(random_noise(rng, k % 8))["regime"] for k in range(200)]
     assert set(found) <= {"undecided", "not-steady"} and found.count("not-steady") <= 4
+
+
+@pytest.mark.slow
+@pytest.mark.timeout(1500)
+@pytest.mark.parametrize(
+    ("case", "changes"),
+    [
+        ("duffing", {"gamma": 0.2}), ("duffing", {"gamma": 0.29}), ("gear_backlash", {}), ("van_der_pol", {}),
+        ("gear-psfd/reference", {"s": 1.0}),
+    ],
+)  # fmt: skip
+def test_columns_of_a_simulation_have_the_verdict_of_its_equations(case, changes, tmp_path):
+    """A table as the command line writes it, column by column; the period too."""
+    import whirlmap
+    from whirlmap.analysis.diagnosis import diagnose, verdict_json
+    from whirlmap.recordings.signal import read_signal
+    from whirlmap.results.signals import write_series
+
+    system = whirlmap.load(case, **changes)
+    truth = verdict_json(diagnose.find(system, points=500, max_periods=400))
+    ds = whirlmap.simulate(system, periods=400, transient=300)
+    file = write_series(ds, tmp_path / "x.csv")
+    for state in system.states:
+        signal = read_signal(file, column=state)
+        found = verdict(signal.values, signal.rate)
+        assert found["regime"] == truth["regime"], state
+        if truth["period"]:
+            assert found["period"] / system.period == pytest.approx(truth["period"], rel=1e-4), state

@@ -6,6 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import find_peaks, get_window, lfilter, periodogram
 
+from whirlmap.analysis import spectral_lines as spectral_module
 from whirlmap.analysis.spectral_lines import LINE_STATUS, _peaks, spectral_lines
 from whirlmap.analysis.spectrum import _COSINES, full_spectrum, power_spectrum
 from whirlmap.errors import RangeError
@@ -237,3 +238,19 @@ def test_peaks_are_those_of_scipy_with_equal_neighbours_too():
     assert np.any(values[peaks] == values[peaks + 1]), "the record has no flat top: the test has lost its case"
     assert np.array_equal(peaks, find_peaks(values)[0])
     assert _peaks(np.ones(9)).size == 0
+
+
+@pytest.mark.parametrize("length", [1000, 1001])
+def test_a_line_at_the_nyquist_frequency_is_seen(length):
+    lines = spectral_lines(power_spectrum(3.0 + 2.0 * (-1.0) ** np.arange(length), rate=10.0))
+    assert int(lines["count"]) == 1 and float(lines["line_frequency"][0]) == pytest.approx(5.0, abs=1e-9)
+    assert float(lines["line_power"][0]) == pytest.approx(4.0, rel=1e-2)
+
+
+def test_medians_of_long_spectra_are_those_of_short_ones(monkeypatch):
+    x = np.random.default_rng(3).normal(size=5000)
+    for width in (15, 16, 156):
+        short = spectral_module._running_median(x, width)
+        monkeypatch.setattr(spectral_module, "LONG", 0)
+        np.testing.assert_array_equal(spectral_module._running_median(x, width), short)
+        monkeypatch.undo()

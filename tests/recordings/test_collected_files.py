@@ -130,3 +130,20 @@ def test_the_picture_slides(tmp_path):
     result = run(f"diagnose --series {FILES / 'v-growing.csv'} --rate 1 --window 1000 --out {place}")
     assert result.exit_code == 0, result.stderr
     assert place.stat().st_size > 20_000
+
+
+def test_a_run_to_failure_record_needs_no_rate(tmp_path):
+    """Comma in some folders, semicolon in others, no names, four columns of clock: equal verdicts."""
+    from kinds import clock_columns
+
+    found = []
+    for separator in (b",", b";"):
+        file = tmp_path / f"acc{len(found)}.csv"
+        file.write_bytes(clock_columns(2).content.replace(b",", separator))
+        result = run(f"diagnose --series {file} --column 5 --json")
+        assert result.exit_code == 0, result.stderr
+        verdict = json.loads(result.stdout)
+        found.append({key: verdict[key] for key in ("regime", "samples", "rate", "period", "frequency", "confidence")})
+    assert found[0] == found[1]
+    assert found[0]["samples"] == 2560 and found[0]["rate"] == pytest.approx(25600, rel=1e-5)
+    assert found[0]["regime"] == "periodic" and found[0]["frequency"] == pytest.approx((0.031 + 0.0142) * 25600, rel=1e-4)

@@ -182,15 +182,14 @@ def parquet(path: Path) -> ArrayTable:
 
     frame = pd.read_parquet(path)
     named = [(str(n), frame[n].to_numpy(), "") for n in frame.columns]
-    stamps = [
-        (
-            n,
-            (v.astype("datetime64[ns]").astype(np.int64) * 1e-9) if v.dtype.kind == "M" else v,
-            "s" if v.dtype.kind == "M" else u,
-        )
-        for n, v, u in named
-    ]
+    stamps = [(n, *(_seconds(v) if v.dtype.kind == "M" else (v, u))) for n, v, u in named]
     return _table(path, "a Parquet file", stamps)
+
+
+def _seconds(stamps: Any) -> tuple[Any, str]:
+    """Dates as seconds since the first one, and their unit."""
+    numbers = stamps.astype("datetime64[ns]").astype(np.int64)
+    return (numbers - numbers[0]) * 1e-9, "s"
 
 
 @_reads("a TDMS file")

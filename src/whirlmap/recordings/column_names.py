@@ -195,6 +195,7 @@ def seconds_per(unit: str) -> float | None:
 
 def is_time(name: str) -> bool:
     """Whether a name, without its unit, is one of the usual ones of a time column."""
+    name = name.rpartition(".")[2]  # of a group in a binary file
     plain = _plain(name)
     return (
         plain in _TIMES

@@ -236,7 +236,7 @@ def open_text_table(
     head: list[str] = []
     while len(head) < SOUGHT + skip and (line := stream.readline(1 << 20)):
         head.append(line.rstrip("\n"))
-    if re.match(r"\s*(\{|<|\[\s*[\[{\d])", head[0] if head else ""):
+    if re.match(r"\s*(\{|<|\[\s*[\[{]|\[\s*-?\d[\d.eE+-]*\s*,)", head[0] if head else ""):
         raise InputError(f"{source}: found JSON or markup, {head[0].strip()[:40]!r}, expected a table in text")
     layout = find_layout(head, source, separator=separator, decimal=decimal, skip=skip)
     return TextTable(source, layout, head, stream, notices=list(layout.notices))

@@ -25,6 +25,8 @@ PARTS, AMPLITUDE, PHASE = 12, 0.1, 0.25
 APART = 24
 #: Frequency steps between lines whose amplitudes can be told apart in a third of the record.
 TOLD_APART = 6
+#: Share of the power of a line whose amplitude must be the same in all thirds, and factor by which it may change.
+STRONG, EXCHANGED = 0.02, 1.15
 #: Share of the power of a line whose period a block must hold; shares outside of lines up to which lines are looked at so.
 SEEN, FEW, NONE_ELSE = 5e-3, 0.1, 0.01
 
@@ -105,14 +107,18 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
     ratio = float(rms.max()) / max(float(rms.min()), 1e-300)
     if (statistics["level"] > critical and ratio > LEVEL) or ratio > BURST:
         changes.append("level")
-    if not changes and lines.size and broad < NONE_ELSE and (np.diff(np.sort(lines)) * x.size > TOLD_APART).all():
-        amplitudes = _amplitudes(x, lines)
-        if amplitudes.max() > LEVEL * amplitudes.min():
-            rms = amplitudes / np.sqrt(2)
-            changes.append("level")
-    if statistics["frequency"] > critical and float(np.ptp(frequency)) > max(
+    moves = statistics["frequency"] > critical and float(np.ptp(frequency)) > max(
         STEPS / x.size, FREQUENCY * float(frequency.mean())
-    ):
+    )
+    if lines.size and broad < NONE_ELSE and (np.diff(np.sort(lines)) * x.size > TOLD_APART).all():
+        amplitudes = _amplitudes(x, lines)
+        sizes = np.sqrt((amplitudes**2).sum(axis=1))
+        if not changes and sizes.max() > LEVEL * sizes.min():
+            rms = sizes / np.sqrt(2)
+            changes.append("level")
+        strong = amplitudes[:, share > STRONG]  # their frequency moves only where one gains on another
+        moves = moves and bool((strong.max(axis=0) > EXCHANGED * strong.min(axis=0)).any())
+    if moves:
         changes.append("frequency")
     elif _alone(lines, x.size) and "level" not in changes and (moved := _followed(x, float(lines[0]))) is not None:
         frequency = moved
@@ -132,10 +138,10 @@ def _alone(lines: Array, n: int) -> bool:
 
 
 def _amplitudes(x: Array, lines: Array) -> Array:
-    """Root of the sum of the squares of all amplitudes in each third."""
+    """Amplitudes of the lines in each third, shape (3, line)."""
     length = x.size // 3
     parts = [x[k * length : (k + 1) * length] for k in range(3)]
-    return np.array([float(np.sqrt((np.abs(line_amplitudes(part, lines * length)) ** 2).sum())) for part in parts])
+    return np.array([np.abs(line_amplitudes(part, lines * length)) for part in parts])
 
 
 def _followed(x: Array, frequency: float) -> Array | None:
