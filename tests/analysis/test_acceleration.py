@@ -204,7 +204,7 @@ def test_what_an_approach_hides_is_seen_by_the_multipliers(monkeypatch):
 
 def test_short_cuts_of_models_whose_rates_jump_are_proved_by_saltation():
     """Dry friction takes energy out of a weakly damped motion; multipliers over its jumps prove the extrapolated orbit."""
-    friction = {x: v, v: cos(omega * t) - 4 * x - v / 50 - sp.sign(v) / 100, s: -s}
+    friction = {x: v, v: cos(omega * t) - 4 * x - v / 50 - sp.sign(v) / 100, s: rate - s}
     system = System(Model("dry", (x, v, s), (omega, rate), friction, harmonics=(omega,)), {"omega": 1.0, "rate": 0.0})
     plain, fast = settled(system, {"rate": [0.0]}, start=np.array([[0.8], [0.0], [0.0]]), transient=400)
     assert fast[0].accelerated[0] and fast[0].waited[0] < plain[0].waited[0]

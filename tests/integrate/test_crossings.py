@@ -182,7 +182,7 @@ def test_endless_crossings_come_to_rest():
 
 
 def test_a_mass_on_a_preloaded_stop_rests_until_it_is_pulled_off():
-    """x'' = A cos(w t) - F (x > 0), from rest on the edge: nothing moves until the force turns at a quarter of T, then x < 0."""
+    """x'' = A cos(w t) - F (x > 0), from rest on the edge: nothing moves until the force turns at T/4, then x < 0."""
     model = Model("preloaded", (x, v), (F, A, w), {x: v, v: A * cos(w * t) - when(x > 0, F)}, harmonics=(w,))
     quarter = np.pi / 2
     e, s = run(model, {"F": 2.0, "A": 1.0, "w": 1.0}, (0.0, 0.0), 8, 1, save_every=1)

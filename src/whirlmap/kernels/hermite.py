@@ -36,8 +36,8 @@ def lowest_point(r: Routine, rise: Value, s0: Value, s1: Value) -> Value:
 class Between:
     """Extremes of states and outputs between the ends of a step: those of cubics through values and rates.
 
-    A cubic says when an output turns; its value there is that at the states, by their own cubics: an output may swing several
-    times as fast as they do.
+    A cubic says when an output turns; its value there is that at the states, by their own cubics: an output may swing
+    several times as fast as they do.
 
     Parameters
     ----------
@@ -53,7 +53,7 @@ class Between:
     def write(
         self, r: Routine, y: Value, f0: Value, x: Value, f1: Value, h: Value, p: Value, sums: Value, active: Value
     ) -> None:
-        """Take the extremes of a step from ``y`` with rates ``f0`` to ``x`` with ``f1`` into ``sums``, its end among them."""
+        """Take the extremes of a step from ``y`` with rates ``f0`` to ``x`` with ``f1``, its end too, into ``sums``."""
         m = self.sizes.outputs
         path = {"v0": y, "d0": f0, "v1": x, "d1": f1, "h": h, "sums": sums, "active": active}
         r.call(self.states, **path)
