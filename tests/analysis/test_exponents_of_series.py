@@ -24,7 +24,9 @@ def flows():
     out = {}
     for name, every, periods in (("lorenz", 10, 375), ("roessler", 10, 500)):
         runs = [
-            whirlmap.simulate(whirlmap.load(name, start={"x": x}), periods=periods, transient=40, steps=400, method="rk4", every=every)
+            whirlmap.simulate(
+                whirlmap.load(name, start={"x": x}), periods=periods, transient=40, steps=400, method="rk4", every=every
+            )
             for x in (1.0, 1.2, 1.4)
         ]
         out[name] = [ds["x"].sel(state="x").values for ds in runs], 1.0 / float(runs[0]["time"][1] - runs[0]["time"][0])

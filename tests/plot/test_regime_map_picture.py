@@ -37,7 +37,8 @@ def test_every_kind_of_point_has_its_look(made):
         "chaotic", "contact", "diverged", "unresolved", "not reached",
     ]  # fmt: skip
     assert Status.failed and len({look.label for look in LOOKS}) == len(LOOKS)
-    assert len(LOOKS) == len(Regime) - 2 + 5 + 2 + 1  # periodic in five, two ends, what was not reached; `not_steady` is of signals
+    # periodic in five, two ends, what was not reached; `not_steady` is of signals
+    assert len(LOOKS) == len(Regime) - 2 + 5 + 2 + 1
 
 
 def test_axes_and_cells_are_the_parameters(made):

@@ -43,7 +43,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Steps per T from which extremes are read: so many times those of the point, and no fewer than this.
-FINER, EXTREMES_STEPS = 4, 32
+FINER, EXTREMES_STEPS = 6, 32
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
 #: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.

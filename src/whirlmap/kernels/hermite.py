@@ -5,6 +5,9 @@ from llvmlite import ir
 from whirlmap.kernels.routine import LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes
 
+#: Values by which the turn of an output in a step is narrowed.
+TRIALS = 8
+
 
 def hermite(r: Routine, u: Value, v0: Value, rise: Value, s0: Value, s1: Value) -> Value:
     """Value of the cubic with value ``v0`` and slopes ``s0``, ``s1`` at the ends 0, 1, between which it rises, at ``u``."""
@@ -36,19 +39,20 @@ def lowest_point(r: Routine, rise: Value, s0: Value, s1: Value) -> Value:
 class Between:
     """Extremes of states and outputs between the ends of a step: those of cubics through values and rates.
 
-    A cubic says when an output turns; its value there is that at the states, by their own cubics: an output may swing
-    several times as fast as they do.
+    Outputs are read at the states between the ends of a step, which their own cubics give: an output may swing several
+    times as fast as they do, or turn sharply (the radius of an orbit that passes near the centre). Where it does so is the
+    zero of its rate, narrowed by `TRIALS` values.
 
     Parameters
     ----------
-    observed, along : Routine
-        Outputs; and outputs with their rates along a vector.
+    along : Routine
+        Outputs, and their rates along a vector.
     """
 
-    def __init__(self, module: ir.Module, sizes: Sizes, observed: Routine, along: Routine) -> None:
+    def __init__(self, module: ir.Module, sizes: Sizes, along: Routine) -> None:
         self.sizes, self.along = sizes, along
         self.states = _of_states(module, sizes)
-        self.outputs = _of_outputs(module, sizes, observed)
+        self.outputs = _of_outputs(module, sizes, along)
 
     def write(
         self, r: Routine, y: Value, f0: Value, x: Value, f1: Value, h: Value, p: Value, sums: Value, active: Value
@@ -75,6 +79,13 @@ class _Cubic:
         """Value after a part of the step."""
         return hermite(self.r, u, self.v0, self.rise, self.s0, self.s1)
 
+    def slope(self, u: Value) -> Value:
+        """Its slope there, for each part of the step."""
+        r, w = self.r, self.r.sub(number(1.0), u)
+        up = r.mul(number(6.0), r.mul(r.mul(u, w), self.rise))
+        ends = r.sub(r.mul(self.s0, w), r.mul(self.s1, u))
+        return r.add(up, r.sub(r.mul(ends, r.sub(w, u)), r.mul(r.mul(u, w), r.add(self.s0, self.s1))))
+
     def turns(self) -> tuple[Value, Value]:
         """Parts of the step after which it turns."""
         return turning_points(self.r, self.rise, self.s0, self.s1)
@@ -98,7 +109,7 @@ def _of_states(module: ir.Module, sizes: Sizes) -> Routine:
     b, a = r.b, r.at
     runs, h = b.icmp_signed("!=", r.load(a["active"]), integers(0)), r.load(a["h"])
     with r.loop(sizes.states) as i:
-        cubic = _Cubic(r, *(r.load(a[name], i) for name in ("v0", "d0", "v1", "d1")), h)
+        cubic = _Cubic(r, *(r.load(a[name], i) for name in ("v0", "d0", "v1", "d1")), h=h)
         for u in cubic.turns():
             _keep(r, cubic.at(u), a["sums"], i, sizes.states + sizes.outputs, b.and_(runs, inside(r, u)))
         _keep(r, cubic.v1, a["sums"], i, sizes.states + sizes.outputs, runs)
@@ -106,24 +117,56 @@ def _of_states(module: ir.Module, sizes: Sizes) -> Routine:
     return r
 
 
-def _of_outputs(module: ir.Module, sizes: Sizes, observed: Routine) -> Routine:
-    """Write ``output_peaks``: outputs at the ends of the step and where the cubic of each one turns."""
+def _of_outputs(module: ir.Module, sizes: Sizes, along: Routine) -> Routine:
+    """Write ``output_peaks``: outputs at the ends of the step, and between them where they turn."""
     more: dict[str, Kind] = dict.fromkeys(("p", "o0", "e0", "o1", "e1"), "rows")
     r = Routine(module, "output_peaks", {**_PATH, "active": "flags", **more})
     b, a, rows = r.b, r.at, sizes.states + sizes.outputs
     runs, h = b.icmp_signed("!=", r.load(a["active"]), integers(0)), r.load(a["h"])
-    state, found = r.local(LANE, sizes.states), r.local(LANE, sizes.outputs)
+    state, speed = r.local(LANE, sizes.states), r.local(LANE, sizes.states)
+    found, rates = r.local(LANE, sizes.outputs), r.local(LANE, sizes.outputs)
+    low, high, at_low, at_high, part = (r.local(LANE) for _ in range(5))
+    zero, half = number(0.0), number(0.5)
+
+    def read(u: Value) -> None:
+        with r.loop(sizes.states) as j:
+            path = _Cubic(r, *(r.load(a[name], j) for name in ("v0", "d0", "v1", "d1")), h=h)
+            r.store(path.at(u), state, j)
+            r.store(path.slope(u), speed, j)
+        r.call(along, y=state, p=a["p"], v=speed, o=found, rate=rates)
+
     with r.loop(sizes.outputs) as i:
         row = b.add(i, integer(sizes.states))
-        output = _Cubic(r, *(r.load(a[name], i) for name in ("o0", "e0", "o1", "e1")), h)
-        for u in output.turns():
-            there = b.and_(runs, inside(r, u))
+        e0, e1 = r.load(a["e0"], i), r.load(a["e1"], i)
+        output = _Cubic(r, r.load(a["o0"], i), e0, r.load(a["o1"], i), e1, h)
+        once = b.and_(runs, r.less(r.mul(e0, e1), zero))
+        turns = output.turns()
+        for u in turns:  # a pair of turns, or the first guess of one
+            there = b.and_(runs, b.and_(inside(r, u), b.not_(once)))
             with b.if_then(r.any(there)):
-                with r.loop(sizes.states) as j:
-                    path = _Cubic(r, *(r.load(a[name], j) for name in ("v0", "d0", "v1", "d1")), h)
-                    r.store(path.at(u), state, j)
-                r.call(observed, y=state, p=a["p"], o=found)
+                read(u)
                 _keep(r, r.load(found, i), a["sums"], row, rows, there)
+        with b.if_then(r.any(once)):
+            for place, value in ((low, zero), (high, number(1.0)), (at_low, e0), (at_high, e1)):
+                r.store(value, place)
+            guess = b.select(inside(r, turns[0]), turns[0], b.select(inside(r, turns[1]), turns[1], half))
+            r.store(guess, part)
+            with r.loop(TRIALS) as trial:
+                u = r.load(part)
+                read(u)
+                _keep(r, r.load(found, i), a["sums"], row, rows, once)
+                rate = r.load(rates, i)
+                before = r.less(zero, r.mul(rate, e0))
+                for place, value, where in ((low, u, before), (at_low, rate, before)):
+                    r.store(b.select(where, value, r.load(place)), place)
+                for place, value in ((high, u), (at_high, rate)):
+                    r.store(b.select(before, r.load(place), value), place)
+                width, fall = r.sub(r.load(high), r.load(low)), r.sub(r.load(at_low), r.load(at_high))
+                chord = r.add(r.load(low), r.mul(width, r.div(r.load(at_low), fall)))
+                middle = r.add(r.load(low), r.mul(half, width))
+                plain = b.icmp_signed("==", b.and_(trial, integer(1)), integer(0))
+                good = b.and_(r.spread(plain), b.and_(r.less(r.load(low), chord), r.less(chord, r.load(high))))
+                r.store(b.select(good, chord, middle), part)
         _keep(r, output.v1, a["sums"], row, rows, runs)
     r.done()
     return r

@@ -157,7 +157,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
         homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs, surfaces=len(found.surfaces),
     )  # fmt: skip
-    between = Between(module, sizes, of_outputs, routines.observed_along(observed_along))
+    between = Between(module, sizes, routines.observed_along(observed_along))
     through = turns = of_sides = None
     motion = of_rates
     if found.surfaces:
