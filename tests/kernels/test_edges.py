@@ -78,7 +78,7 @@ def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
     kernel.advance(
         blocks=1, count=count, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
         saved=np.empty(0), orth_every=1, events=steps, growth=np.zeros(steps * count * LANES), folded=0,
-        sums=np.empty(0), reached=np.zeros(LANES), tally=np.zeros(2 * LANES), work=work,
+        sums=np.empty(0), reached=np.zeros(LANES), tally=np.zeros(2 * LANES), pieces=8, work=work,
     )  # fmt: skip
     return y[0], work
 

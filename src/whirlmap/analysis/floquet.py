@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.errors import RangeError
 from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
+from whirlmap.kernels.event_location import FINE
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import DOP853
 from whirlmap.kernels.routine import LANES
@@ -162,7 +163,7 @@ class _Segment:
             blocks=blocks, count=1, y=run, **self.waves.arguments(begin), steps=steps, first=first, **self.inputs,
             active=active, failed=failed, save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0,
             growth=np.zeros(0), folded=0, sums=np.zeros(0), cause=cause, reached=np.zeros((blocks, 1, LANES)),
-            tally=np.zeros((blocks, 2, LANES)), work=self.kernel.work(),
+            tally=np.zeros((blocks, 2, LANES)), pieces=FINE, work=self.kernel.work(),
         )  # fmt: skip
         if (failed >= 0).any():
             raise RangeError(f"the orbit of {self.name} leaves the model's limits: it is no periodic orbit")

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import Rescue
+from whirlmap.kernels.event_location import FINE, pieces
 from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.kernels.routine import LANES
@@ -172,7 +173,8 @@ class _Run:
         kernel.advance(
             blocks=chosen.size, count=self.count, **arrays, **steady, tables=self.inputs["tables"],
             **self.group.waves.arguments(begin), steps=self.total, save_every=self.save_every, saves=self.saved.shape[1],
-            orth_every=self.orth_every, events=self.growth.shape[1], folded=self.folded, work=kernel.work(),
+            orth_every=self.orth_every, events=self.growth.shape[1], folded=self.folded,
+            pieces=FINE if self.folded == 2 else pieces(self.group.steps), work=kernel.work(),
         )  # fmt: skip
         if not whole:
             for name, a in arrays.items():

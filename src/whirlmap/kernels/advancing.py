@@ -15,7 +15,7 @@ ARGUMENTS: dict[str, Kind] = {
     "waves": "doubles", "starts": "ints", "lengths": "ints", "begin": "ints", "steps": "int", "first": "flags",
     "active": "flags", "failed": "flags", "save_every": "int", "saves": "int", "saved": "rows", "orth_every": "int",
     "events": "int", "growth": "rows", "folded": "int", "sums": "rows", "turns": "doubles", "cause": "flags",
-    "reached": "rows", "tally": "rows", "work": "rows",
+    "reached": "rows", "tally": "rows", "pieces": "int", "work": "rows",
 }  # fmt: skip
 
 
@@ -72,6 +72,7 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
                           with ``folded`` = 2 extremes between steps count too
     turns                 angle of each harmonic in one step: a plain array
     cause, reached        (1) each: why a lane failed in a step through surfaces, and the part of it that was taken
+    pieces                pieces into which what a step takes beside a crossing is divided
     tally                 (2) crossings of surfaces, and grazing ones, added to what stands there
     work                  `Sizes.work` rows, used by all blocks
     ====================  =========================================================================================
@@ -154,7 +155,7 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
             if parts.through:
                 waves_at(0, begin)
                 r.store(running, now)
-                step = {name: a[name] for name in ("count", "y", "h", "tally", "folded", "sums", "work")}
+                step = {name: a[name] for name in ("count", "y", "h", "tally", "folded", "sums", "pieces", "work")}
                 r.call(parts.through, c=begin, turn=angles, active=now, cause=cause, reached=part, **step, **inputs)
                 well = b.icmp_signed("==", r.load(cause), integers(0))
             else:

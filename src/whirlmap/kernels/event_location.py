@@ -11,6 +11,10 @@ at the surface from both sides the motion slides on it: its rates are the mean o
 A lane that slides on two surfaces at once, or with other tangent vectors, is lost with `STICKS`; one that needs more than
 `MOST` crossings in a step with `CHATTERS`.
 
+A short contact begins and ends within one step, or at the phase at which all runs begin. Steps of any number per T would
+take it in one piece, with one and the same error, which no comparison of steps could see. So what a step takes before,
+behind and between crossings is divided into ``pieces``, whose number differs between neighbouring rungs of the ladder.
+
 Between its ends a step may dip behind a surface and come back. Where the cubic through values and rates of the surface comes
 near to zero, the step is cut at its lowest point, which then is a common end of a step.
 
@@ -27,16 +31,27 @@ from whirlmap.kernels.stepping import Sizes
 
 #: Trials for each of the most crossings of a step (`saltation.MOST`).
 TRIALS = 8
+#: Pieces beside a crossing by the odd part of the number of steps per T; else, and without such a number, `PIECES`.
+BY_STEPS, PIECES = {1: 2, 3: 1, 5: 3}, 2
 #: Part of the step to which a crossing is located.
 LOCATED = 1e-13
+#: Pieces where a contact must be seen in itself: extremes between steps, multipliers.
+FINE = 8
+#: Part of the step below which nothing is divided.
+SHORT = 1e-9
 #: A dip to below this part of the larger of the surface's values at both ends is looked at, so often in a step.
 NEAR, DIPS = 0.05, 2
 
 THROUGH: dict[str, Kind] = {
     "count": "int", "y": "rows", "h": "rows", "c": "rows", "turn": "rows", "p": "rows", "tables": "doubles",
     "offsets": "flags", "active": "flags", "cause": "flags", "reached": "rows", "tally": "rows", "folded": "int",
-    "sums": "rows", "work": "rows",
+    "sums": "rows", "pieces": "int", "work": "rows",
 }  # fmt: skip
+
+
+def pieces(steps: int) -> int:
+    """Number of pieces for so many steps per T: another one for each two neighbours of 6, 8, 10, 12, 16, 20, 24, 32, ..."""
+    return BY_STEPS.get(steps // (steps & -steps), PIECES)
 
 
 def through(module: ir.Module, sizes: Sizes, method: Method, surfaces: Surfaces) -> Routine:
@@ -51,6 +66,7 @@ def through(module: ir.Module, sizes: Sizes, method: Method, surfaces: Surfaces)
     reached         out: part of the step that was taken; ``y`` stands there
     tally           counts of crossings, and of grazing ones, in place
     folded, sums    2: extremes between the ends of all parts of the step go to ``sums`` (`advancing.advance`)
+    pieces          number of pieces into which what lies beside a crossing is divided
     ==============  =====================================================================================
     """
     r = Routine(module, "through", THROUGH)
@@ -68,8 +84,10 @@ class _Locator(SurfaceStep):
         for place, value in (
             (self.done, 0.0), (self.to, 1.0), (self.crossed, 0.0), (self.dips, 0.0), (self.low, 0.0), (self.high, 1.0),
             (self.at_low, 0.0), (self.at_high, 0.0), (self.clock, 1.0), (self.pull, 1.0), (r.row(self.pull, 1), 1.0),
+            (self.most, 1.0),
         ):  # fmt: skip
             r.store(number(value), place)
+        r.store(integers(-1), self.fresh)
         r.store(integers(0), a["cause"])
         r.store(integers(0), self.seeking)
         r.store(r.load(a["active"]), self.pending)
@@ -144,13 +162,20 @@ class _Locator(SurfaceStep):
         seeking = b.icmp_signed("!=", r.load(self.seeking), integers(0))
         sought = b.and_(alive, b.or_(seeking, hit))
         found = self._narrow(sought, hit, seeking, trial, value, slope, before, slope_before, h)
+        parted = self._part(found, done, to)
+        found = b.and_(found, b.not_(parted))
         dips = self._dip(b.and_(alive, b.not_(sought)), done, to, h)
         plain = b.and_(alive, b.not_(b.or_(sought, dips)))
         taken = b.or_(plain, found)
         with b.if_then(r.any(taken)):
             self._take(x, taken, h)
             r.store(b.select(taken, to, r.load(self.done)), self.done)
-            r.store(b.select(taken, number(1.0), r.load(self.to)), self.to)
+            rest = r.div(r.sub(number(1.0), to), self._pieces())
+            r.store(b.select(found, rest, r.load(self.most)), self.most)
+            r.store(b.select(found, integers(-1), b.select(taken, integers(0), r.load(self.fresh))), self.fresh)
+            further = r.add(to, r.load(self.most))
+            further = b.select(r.less(further, number(1.0 - LOCATED)), further, number(1.0))
+            r.store(b.select(taken, further, r.load(self.to)), self.to)
             ended = b.and_(taken, b.not_(r.less(to, number(1.0))))
             left = b.and_(pending, b.not_(b.or_(ended, lost)))
             r.store(b.sext(left, INTS), self.pending)
@@ -232,6 +257,24 @@ class _Locator(SurfaceStep):
             r.store(b.select(sought, value, r.load(place)), place)
         r.store(b.sext(on, INTS), self.seeking)
         return found
+
+    def _pieces(self) -> Value:
+        """Number of pieces, as a number of every lane."""
+        return self.r.spread(self.r.b.sitofp(self.r.at["pieces"], number(1.0).type.element))
+
+    def _part(self, found: Value, done: Value, to: Value) -> Value:
+        """Find lanes that came to a crossing in one piece, and let them begin again in several."""
+        r, b = self.r, self.r.b
+        way = r.sub(to, done)
+        whole = b.and_(b.icmp_signed("!=", r.load(self.fresh), integers(0)), r.less(number(SHORT), way))
+        several = r.spread(b.icmp_signed(">", r.at["pieces"], integer(1)))
+        parted = b.and_(found, b.and_(whole, several))
+        piece = r.div(r.mul(way, number(1.0 + SHORT)), self._pieces())  # the last one ends just behind the crossing
+        r.store(b.select(parted, piece, r.load(self.most)), self.most)
+        r.store(b.select(parted, r.add(done, piece), r.load(self.to)), self.to)
+        for place in (self.fresh, self.seeking):
+            r.store(b.select(parted, integers(0), r.load(place)), place)
+        return parted
 
     def _dip(self, lanes: Value, done: Value, to: Value, h: Value) -> Value:
         """Find lanes whose step may dip behind a surface between its ends, and cut it there."""

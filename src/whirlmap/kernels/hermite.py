@@ -75,6 +75,12 @@ class _Cubic:
         self.r, self.v0, self.v1 = r, v0, v1
         self.s0, self.s1, self.rise = r.mul(h, d0), r.mul(h, d1), r.sub(v1, v0)
 
+    @classmethod
+    def of(cls, r: Routine, a: dict[str, Value], row: Value) -> "_Cubic":
+        """Cubic of a state, from the arguments of a routine."""
+        v0, d0, v1, d1 = (r.load(a[name], row) for name in ("v0", "d0", "v1", "d1"))
+        return cls(r, v0, d0, v1, d1, r.load(a["h"]))
+
     def at(self, u: Value) -> Value:
         """Value after a part of the step."""
         return hermite(self.r, u, self.v0, self.rise, self.s0, self.s1)
@@ -107,9 +113,9 @@ def _of_states(module: ir.Module, sizes: Sizes) -> Routine:
     """Write ``state_peaks``: the turning points and the ends of each state's cubic."""
     r = Routine(module, "state_peaks", {**_PATH, "active": "flags"})
     b, a = r.b, r.at
-    runs, h = b.icmp_signed("!=", r.load(a["active"]), integers(0)), r.load(a["h"])
+    runs = b.icmp_signed("!=", r.load(a["active"]), integers(0))
     with r.loop(sizes.states) as i:
-        cubic = _Cubic(r, *(r.load(a[name], i) for name in ("v0", "d0", "v1", "d1")), h=h)
+        cubic = _Cubic.of(r, a, i)
         for u in cubic.turns():
             _keep(r, cubic.at(u), a["sums"], i, sizes.states + sizes.outputs, b.and_(runs, inside(r, u)))
         _keep(r, cubic.v1, a["sums"], i, sizes.states + sizes.outputs, runs)
@@ -130,7 +136,7 @@ def _of_outputs(module: ir.Module, sizes: Sizes, along: Routine) -> Routine:
 
     def read(u: Value) -> None:
         with r.loop(sizes.states) as j:
-            path = _Cubic(r, *(r.load(a[name], j) for name in ("v0", "d0", "v1", "d1")), h=h)
+            path = _Cubic.of(r, a, j)
             r.store(path.at(u), state, j)
             r.store(path.slope(u), speed, j)
         r.call(along, y=state, p=a["p"], v=speed, o=found, rate=rates)

@@ -7,6 +7,7 @@ the bracketing of events.
 from llvmlite import ir
 
 from whirlmap.kernels.advancing import Parts
+from whirlmap.kernels.event_location import PIECES
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.routine import INTS, LANE, LANES, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes, Stepper
@@ -49,7 +50,7 @@ def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases:
             one.call(turns, h=a["h"], p=a["p"], turn=turn)
             one.call(
                 parts.through, count=a["count"], y=a["y"], h=a["h"], c=begin, turn=turn, active=a["good"], cause=flag,
-                reached=part, tally=tally, folded=integer(0), sums=none, work=a["work"], **inputs,
+                reached=part, tally=tally, folded=integer(0), sums=none, pieces=integer(PIECES), work=a["work"], **inputs,
             )  # fmt: skip
             well = b.icmp_signed("==", one.load(flag), integers(0))
             one.store(b.and_(one.load(a["good"]), b.sext(well, INTS)), a["good"])

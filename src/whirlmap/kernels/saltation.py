@@ -65,8 +65,10 @@ class SurfaceStep:
         Rows of values and rates of the surfaces at these places.
     done, to : Value
         Parts of the step that are taken, and that the next trial goes to.
-    pending, seeking : Value
-        Lanes that have not ended their step, and those that seek a crossing.
+    pending, seeking, fresh : Value
+        Lanes that have not ended their step, those that seek a crossing, and those that come from one in this step.
+    most : Value
+        Longest part of the step that a trial may take.
     """
 
     def __init__(self, r: Routine, sizes: Sizes, method: Method, surfaces: Surfaces) -> None:
@@ -79,8 +81,8 @@ class SurfaceStep:
         self.c0, self.c1 = r.local(LANE, waves), r.local(LANE, waves)
         self.moment, self.span, self.clock, self.pull = (r.local(LANE, size) for size in (1, 1, 1, 2))
         self.done, self.to, self.low, self.high, self.at_low, self.at_high = (r.local(LANE) for _ in range(6))
-        self.crossed, self.dips = r.local(LANE), r.local(LANE)
-        self.pending, self.seeking, self.flag = r.local(INTS), r.local(INTS), r.local(INTS)
+        self.crossed, self.dips, self.most = r.local(LANE), r.local(LANE), r.local(LANE)
+        self.pending, self.seeking, self.fresh, self.flag = (r.local(INTS) for _ in range(4))
         self.spare = r.local(LANE, max(sizes.slots, n))  # derivatives that nobody asks for
         vectors = surfaces.tangent is not None or sizes.along
         self.count = r.at["count"] if vectors else integer(0)
