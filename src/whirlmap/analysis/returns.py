@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings, turns_of
-from whirlmap.analysis.endings import confirm_ends, restarted
+from whirlmap.analysis.endings import confirm_ends, confirm_growth, restarted
 from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.rest import ROUNDING, rate_of_rest, resting_places
@@ -264,8 +264,10 @@ def _settle_accurately(
         start, began = part.x.copy(), part.turns.copy()
         settle(part, members)
         if part.accuracy is not None:
+            again = lambda anew, which: begin_anew(anew, members[which])  # noqa: E731
+            confirm_growth(part, start, began, again, lambda: settled.moved[:, members])
             believed = np.isfinite(settled.thinning[members])
-            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]), believed)
+            confirm_ends(part, start, began, again, believed)
         if part is not ensemble:
             ensemble.absorb(part, members)
 
