@@ -150,7 +150,7 @@ def restarted(
 ) -> Ensemble:
     """Points back at their start, with other steps."""
     part = ensemble.subset(members, steps=steps)
-    part.x[:] = start[:, members]
+    part.put(np.arange(members.size), start[:, members])
     part.status[:], part.end_time[:], part.end_stop[:], part.turns[:] = Status.ok, np.nan, -1, began[members]
     return part
 
