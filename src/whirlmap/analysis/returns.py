@@ -36,6 +36,7 @@ from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
 from whirlmap.integrate.system import periods as periods_of
 from whirlmap.integrate.turns import with_turns
+from whirlmap.kernels.surfaces import sided
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 
@@ -44,6 +45,8 @@ Integers = NDArray[np.int64]
 
 #: Steps per T from which extremes are read: so many times those of the point, and no fewer than this.
 FINER, EXTREMES_STEPS = 4, 32
+#: The latter where rates kink or jump: a contact is far shorter than T, and located corners let few steps carry it.
+KINKED_EXTREMES = 3 * EXTREMES_STEPS
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
 #: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.
@@ -141,11 +144,12 @@ def settle_and_record(
     period, extremes = multiple.copy(), _empty_extremes(ensemble)
     ensemble.crossings[:], ensemble.grazings[:] = 0, 0  # of the record alone
     drift = np.zeros((ensemble.model.dimension, ensemble.points))
+    least = KINKED_EXTREMES if sided(ensemble.model).surfaces else EXTREMES_STEPS
     shape = (periods // common, *drift.shape) if ensemble.model.stops else (0, 0, 0)
     whole = np.full(shape, np.nan)  # once per common period
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
-        fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], EXTREMES_STEPS))
+        fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], least))
         saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
         section[:, :, members] = saved[:, rows]
         if ensemble.model.stops:
