@@ -21,9 +21,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.accuracy import ALIKE, Verdict, choose_steps, motion_sizes
+from whirlmap.integrate.accuracy import Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import start_sizes
+from whirlmap.integrate.trials import ALIKE, motion_sizes
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -121,11 +122,13 @@ def _grown(
     with np.errstate(invalid="ignore"):
         far = moved > GROWN * start_sizes(ensemble.model, ensemble.period[members], start[:, members])
     far[[s.cyclic is not None for s in ensemble.model.states]] = False
-    grown: NDArray[np.bool_] = far.any(axis=0)
+    grown = np.asarray(far.any(axis=0))
     suspects = np.flatnonzero(grown)
     if suspects.size:  # a start may be far smaller than the motion that the forcing leads to at once
-        part = restarted(ensemble, members[suspects], start, began, ensemble.point_steps[members[suspects]])
-        size = motion_sizes(part, part.advance(part.common_multiple, save_periods=1, extremes=True), start[:, members[suspects]])
+        here = members[suspects]
+        part = restarted(ensemble, here, start, began, ensemble.point_steps[here])
+        first = part.advance(part.common_multiple, save_periods=1, extremes=True)
+        size = motion_sizes(part, first, start[:, here])
         grown[suspects] = (far[:, suspects] & (moved[:, suspects] > GROWN * size)).any(axis=0)
     return grown
 

@@ -46,7 +46,7 @@ Integers = NDArray[np.int64]
 #: Steps per T from which extremes are read: so many times those of the point, and no fewer than this.
 FINER, EXTREMES_STEPS = 4, 32
 #: The latter where rates kink or jump: a contact is far shorter than T, and located corners let few steps carry it.
-KINKED_EXTREMES = 3 * EXTREMES_STEPS
+KINKED_EXTREMES = 8 * EXTREMES_STEPS
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
 #: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.
