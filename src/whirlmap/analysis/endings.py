@@ -79,7 +79,7 @@ def confirm_ends(
             alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, ALIKE / coarse, 0.0))
         # Before a pole no steps are enough.
         doubt = stiff & (part.status == Status.diverged) & (part.end_stop < len(part.model.stops))
-        ensemble.status[left[doubt]] = Status.unresolved
+        ensemble.status[left[doubt]], ensemble.step_verdict[left[doubt]] = Status.unresolved, Verdict.stiff
         left = left[(part.status != Status.ok) & ~alike & ~doubt]
     different = (np.array(every)[:, left] != every[-1][left]).any(axis=0)
     ensemble.status[left[different]] = Status.unresolved
