@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.divergence import missed, off_zero, swarm_divergence
 from whirlmap.analysis.evidence import LEAST
-from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
+from whirlmap.analysis.lyapunov import BLOCKS, in_phase, mean_and_error
 from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.status import Status
@@ -185,4 +185,4 @@ def _swarm_mean(rates: Array) -> tuple[Array, Array]:
     between = means.std(axis=1, ddof=1) / np.sqrt(runs) if runs > 1 else within
     half = rates.shape[0] // 2
     drift = np.abs(rates[:half].mean(axis=(0, 2)) - rates[half:].mean(axis=(0, 2))) / 4
-    return means.mean(axis=1), np.maximum(np.maximum(within, between), drift)
+    return means.mean(axis=1), np.max([within, between, drift, in_phase(rates)], axis=0)
