@@ -16,6 +16,8 @@ from whirlmap.kernels.surfaces import sided
 
 Array = NDArray[np.float64]
 
+#: Growth in T of a perturbation along an unforced motion that is taken for an error of the integration.
+ZERO = 1e-3
 #: Parts of a record whose means give the error, and steps that are kept at once.
 PARTS, TOGETHER = 8, 4096
 #: T of the record of a swarm, about.
@@ -99,6 +101,20 @@ def missed(value: Array, error: Array, divergence: float, spread: float, dimensi
     gap = max(gap, 0.0) if left else abs(gap)
     doubt = SURE * np.hypot(np.linalg.norm(error[:-1]), np.hypot((1 + left) * error[-1], spread))
     return np.maximum(error, gap / (1 + left)) if gap > doubt else error
+
+
+def off_zero(value: Array, error: Array, period: float) -> Array:
+    """Errors of the exponents of a cycle that are no smaller than what the exponent of its time direction misses of zero.
+
+    Parameters
+    ----------
+    value, error : array, shape (exponent,)
+        Of an unforced motion that returns: one exponent is zero.
+    period : float
+        T. An exponent further from zero than `ZERO` over it is another one: that of an orbit that repels.
+    """
+    least = float(np.abs(value).min(initial=np.inf))
+    return np.maximum(error, least) if least < ZERO / period else error
 
 
 def _without_vectors(ensemble: Ensemble) -> Ensemble:

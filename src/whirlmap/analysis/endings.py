@@ -10,6 +10,10 @@ its start, twice at most, each time with twice the steps or as many as the motio
 3. A point that does not end with more steps goes on with these.
 4. A divergence is believed where `FINE` times as many steps, from shortly before it, find it as well.
 5. What ends otherwise each time, or diverges though no steps of the ladder meet the accuracy, is unresolved.
+
+An explicit method whose steps are too long for a contact may grow without an end: while the contact is open a huge motion
+dies away as accurately as a small one, and nothing in it tells that steps made it. So a motion that has grown far beyond
+that for which its steps were chosen (`GROWN`) is run again as well, and is believed where it comes to the same size.
 """
 
 from collections.abc import Callable
@@ -17,8 +21,10 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.accuracy import ALIKE, Verdict, choose_steps
+from whirlmap.integrate.accuracy import Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import start_sizes
+from whirlmap.integrate.trials import ALIKE, motion_sizes
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -32,6 +38,9 @@ BEFORE, SPAN = 1, 2
 FINE, MOST = 32, 65_536
 #: Difference of two times of an end, in T, that are the same; of a divergence beside `ALIKE` steps of the coarser run.
 SAME_TIME = 1e-3
+#: Growth of a motion, over its size in the first common period, that is believed only where more steps find it again; how
+#: many times as many; the factor between two sizes that are the same; and how many runs are made for it at most.
+GROWN, MANY, SAME_SIZE, MORE_OFTEN = 1e4, 4, 3.0, 4
 
 
 def confirm_ends(
@@ -70,11 +79,58 @@ def confirm_ends(
             alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, ALIKE / coarse, 0.0))
         # Before a pole no steps are enough.
         doubt = stiff & (part.status == Status.diverged) & (part.end_stop < len(part.model.stops))
-        ensemble.status[left[doubt]] = Status.unresolved
+        ensemble.status[left[doubt]], ensemble.step_verdict[left[doubt]] = Status.unresolved, Verdict.stiff
         left = left[(part.status != Status.ok) & ~alike & ~doubt]
     different = (np.array(every)[:, left] != every[-1][left]).any(axis=0)
     ensemble.status[left[different]] = Status.unresolved
     _refuse_explosions(ensemble, start, began)
+
+
+def confirm_growth(
+    ensemble: Ensemble, start: Array, began: NDArray[np.int64], settle_again: Callable[[Ensemble, Points], None],
+    moved: Callable[[], Array],
+) -> None:  # fmt: skip
+    """Run points that have grown far again, with more steps, in place, until two runs come to the same size.
+
+    Parameters
+    ----------
+    ensemble, start, began, settle_again
+        As of `confirm_ends`.
+    moved : callable
+        Gives the largest range of each state so far, shape (state, point), of all points.
+    """
+    left = np.flatnonzero(ensemble.running)
+    left = left[_grown(ensemble, left, start, began, moved()[:, left])]
+    for _ in range(MORE_OFTEN):
+        if not left.size:
+            return
+        before = moved()[:, left].max(axis=0)
+        part = restarted(ensemble, left, start, began, MANY * ensemble.point_steps[left])
+        settle_again(part, left)
+        ensemble.absorb(part, left)
+        now = moved()[:, left]
+        same = np.abs(np.log(now.max(axis=0) / before)) < np.log(SAME_SIZE)
+        left = left[part.running & ~same]
+        left = left[_grown(ensemble, left, start, began, moved()[:, left])]
+    ensemble.status[left], ensemble.step_verdict[left] = Status.unresolved, Verdict.stiff
+
+
+def _grown(
+    ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64], moved: Array
+) -> NDArray[np.bool_]:
+    """Whether some points have moved far beyond their first common period, for which their steps were chosen."""
+    with np.errstate(invalid="ignore"):
+        far = moved > GROWN * start_sizes(ensemble.model, ensemble.period[members], start[:, members])
+    far[[s.cyclic is not None for s in ensemble.model.states]] = False
+    grown = np.asarray(far.any(axis=0))
+    suspects = np.flatnonzero(grown)
+    if suspects.size:  # a start may be far smaller than the motion that the forcing leads to at once
+        here = members[suspects]
+        part = restarted(ensemble, here, start, began, ensemble.point_steps[here])
+        first = part.advance(part.common_multiple, save_periods=1, extremes=True)
+        size = motion_sizes(part, first, start[:, here])
+        grown[suspects] = (far[:, suspects] & (moved[:, suspects] > GROWN * size)).any(axis=0)
+    return grown
 
 
 def _refuse_explosions(ensemble: Ensemble, start: Array, began: NDArray[np.int64]) -> None:
@@ -97,7 +153,7 @@ def restarted(
 ) -> Ensemble:
     """Points back at their start, with other steps."""
     part = ensemble.subset(members, steps=steps)
-    part.x[:] = start[:, members]
+    part.put(np.arange(members.size), start[:, members])
     part.status[:], part.end_time[:], part.end_stop[:], part.turns[:] = Status.ok, np.nan, -1, began[members]
     return part
 

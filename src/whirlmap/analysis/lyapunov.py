@@ -53,14 +53,33 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
 
 
 def mean_and_error(rates: Array) -> tuple[Array, Array]:
-    """Mean over periods and its standard error from `BLOCKS` block means; rates have shape (period, ...)."""
+    """Mean over periods and its error; rates have shape (period, ...).
+
+    The error is the standard error from `BLOCKS` block means, and at least half the range of the accumulated deviation from
+    the mean, over the length. For a random record that is smaller, 0.6 standard errors. Of the time direction of an unforced
+    cycle, whose growth is that of the speed and returns with it, blocks in step with the cycle show nothing else.
+    """
     n = rates.shape[0] // BLOCKS
     if n == 0:
         raise RangeError(f"an error needs at least {BLOCKS} periods, not {rates.shape[0]}")
     # Each series in one piece: sums down the columns of a table would round by how many columns there are.
     series = np.ascontiguousarray(np.moveaxis(rates, 0, -1))
     blocks = series[..., : n * BLOCKS].reshape(*series.shape[:-1], BLOCKS, n).mean(axis=-1)
-    return series.mean(axis=-1), blocks.std(axis=-1, ddof=1) / np.sqrt(BLOCKS)
+    return series.mean(axis=-1), np.maximum(blocks.std(axis=-1, ddof=1) / np.sqrt(BLOCKS), _swing(series))
+
+
+def _swing(series: Array) -> Array:
+    """Half the range of the accumulated deviation from the mean along the last axis, over its length."""
+    off = np.cumsum(series - series.mean(axis=-1, keepdims=True), axis=-1)
+    return np.asarray((np.fmax(off.max(axis=-1), 0.0) - np.fmin(off.min(axis=-1), 0.0)) / (2 * series.shape[-1]))
+
+
+def in_phase(rates: Array) -> Array:
+    """Error of the mean over runs too, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
+
+    Runs of one cycle are no independent ones, and the mean over them is no better than each.
+    """
+    return _swing(np.ascontiguousarray(rates.mean(axis=2).T))
 
 
 def lyapunov_spectrum(
@@ -138,7 +157,7 @@ def lyapunov_spectrum(
         between = means[:, good].std(axis=1, ddof=1) / np.sqrt(good.sum()) if good.sum() > 1 else within
         early, late = np.array_split(rates[:, :, good].mean(axis=2), 2)
         half = early.mean(axis=0) - late.mean(axis=0)
-        error = np.max([within, between, np.abs(half) / 2, carried.of_swarm], axis=0)
+        error = np.max([within, between, np.abs(half) / 2, carried.of_swarm, in_phase(rates[:, :, good])], axis=0)
         order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
         value, means, rates = value[order], means[order], rates[:, order]
         error = missed(value, error[order], divergence, spread, system.model.dimension)

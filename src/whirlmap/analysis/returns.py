@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings, turns_of
-from whirlmap.analysis.endings import confirm_ends, restarted
+from whirlmap.analysis.endings import confirm_ends, confirm_growth, restarted
 from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T, return_multiple
 from whirlmap.analysis.rest import ROUNDING, rate_of_rest, resting_places
@@ -36,6 +36,7 @@ from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import FLOOR, scales
 from whirlmap.integrate.system import periods as periods_of
 from whirlmap.integrate.turns import with_turns
+from whirlmap.kernels.surfaces import sided
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 
@@ -44,6 +45,8 @@ Integers = NDArray[np.int64]
 
 #: Steps per T from which extremes are read: so many times those of the point, and no fewer than this.
 FINER, EXTREMES_STEPS = 6, 32
+#: The latter where rates kink or jump: a contact is far shorter than T, and located corners let few steps carry it.
+KINKED_EXTREMES = 4 * EXTREMES_STEPS
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
 #: Common periods of a settled motion over which its steps are checked: of one that returns at most, of one that does not.
@@ -141,11 +144,12 @@ def settle_and_record(
     period, extremes = multiple.copy(), _empty_extremes(ensemble)
     ensemble.crossings[:], ensemble.grazings[:] = 0, 0  # of the record alone
     drift = np.zeros((ensemble.model.dimension, ensemble.points))
+    least = KINKED_EXTREMES if sided(ensemble.model).surfaces else EXTREMES_STEPS
     shape = (periods // common, *drift.shape) if ensemble.model.stops else (0, 0, 0)
     whole = np.full(shape, np.nan)  # once per common period
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
-        fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], EXTREMES_STEPS))
+        fine = ensemble.subset(members, steps=np.maximum(FINER * ensemble.point_steps[members], least))
         saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
         section[:, :, members] = saved[:, rows]
         if ensemble.model.stops:
@@ -188,7 +192,11 @@ def _thins(ensemble: Ensemble, point: int, section: Array, waited: int, start: A
 
 
 def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tolerance: float) -> Array:
-    """Rate at which motion dies away in points at rest; NaN in others, infinite where the place repels."""
+    """Rate at which motion dies away in points at rest; NaN in others, infinite where the place repels.
+
+    Zero where dry friction holds a motion: it slides on the surface of its velocity, and there no state moves by more than
+    rounding in a whole record. Beside it it would be held as well.
+    """
     growth = np.full(ensemble.points, np.nan)
     states = slice(ensemble.model.dimension)
     ranges = (extremes["maximum"] - extremes["minimum"])[states]
@@ -200,6 +208,8 @@ def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tole
         points, x = points[there], x[:, there]
     if points.size:
         growth[points] = rate_of_rest(ensemble, points, x)
+    held = (ranges <= ROUNDING * np.fmax(settled.moved, np.abs(extremes["mean"][states]))).all(axis=0)
+    growth[held & ensemble.sliding & ensemble.running & np.isnan(growth)] = 0.0
     return growth
 
 
@@ -264,8 +274,10 @@ def _settle_accurately(
         start, began = part.x.copy(), part.turns.copy()
         settle(part, members)
         if part.accuracy is not None:
+            again = lambda anew, which: begin_anew(anew, members[which])  # noqa: E731
+            confirm_growth(part, start, began, again, lambda: settled.moved[:, members])
             believed = np.isfinite(settled.thinning[members])
-            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]), believed)
+            confirm_ends(part, start, began, again, believed)
         if part is not ensemble:
             ensemble.absorb(part, members)
 
@@ -347,7 +359,12 @@ def _settle_forced(
 
 
 def _wide(ensemble: Ensemble, settling: Settling) -> Array:
-    """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps."""
+    """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps.
+
+    Steps that were given have no error that is known: the tolerance stays as asked.
+    """
+    if ensemble.accuracy is None:
+        return np.ones(ensemble.points)
     return np.asarray(np.fmax(np.fmin(ensemble.step_error, LOST) / settling.tolerance, 1.0))
 
 
@@ -441,7 +458,8 @@ def _learn_turns(
         if here.size:
             steps = np.maximum(np.ceil(ensemble.point_steps[here] * ratio[wrong]), 1).astype(np.int64)
             part = with_turns(ensemble.subset(here, steps=steps), turn[wrong])
-            part.x[:] = start[:, here]  # its steps were chosen for parts of another time: what they led to may be their own
+            # Its steps were chosen for parts of another time: what they led to may be their own.
+            part.put(np.arange(here.size), start[:, here])
             ensemble.absorb(part, here)
         known = left[np.isfinite(turn)]
         if known.size and ensemble.accuracy is not None:

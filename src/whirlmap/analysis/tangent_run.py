@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
-from whirlmap.analysis.divergence import missed, swarm_divergence
+from whirlmap.analysis.divergence import missed, off_zero, swarm_divergence
 from whirlmap.analysis.evidence import LEAST
-from whirlmap.analysis.lyapunov import BLOCKS, mean_and_error
+from whirlmap.analysis.lyapunov import BLOCKS, in_phase, mean_and_error
 from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.status import Status
@@ -136,7 +136,7 @@ def exponents_to_error(
     The run doubles until the error is below `ENOUGH` of the exponent, or of 2 pi/T. The error is the largest of the
     scatter between runs, the block error within them, a quarter of the difference between the halves of the record, which
     shows tangent vectors that still turn into place, and what the steps leave (`tangent_accuracy`); and of what the sum of
-    all exponents misses of the mean divergence.
+    all exponents misses of the mean divergence, and the time direction of a cycle of zero.
     """
     carried = tuned(ensemble, FINE, returns=multiple > 0)
     ensemble, floor = carried.ensemble, carried.of_swarm
@@ -166,6 +166,8 @@ def exponents_to_error(
     error = np.maximum(np.maximum(error, floor), ROUNDING * np.abs(value).max(initial=0.0))
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
     value, error = value[order], missed(value[order], error[order], divergence, spread, ensemble.model.dimension)
+    if multiple and not ensemble.model.forced:
+        error = off_zero(value, error, float(ensemble.period.max()))
     mean = rates[:, order][:, :, good].mean(axis=2) if good.any() else np.full(rates.shape[:2], np.nan)
     running = np.cumsum(mean, axis=0) / np.arange(1, done + 1)[:, None]
     return TangentRun(
@@ -183,4 +185,4 @@ def _swarm_mean(rates: Array) -> tuple[Array, Array]:
     between = means.std(axis=1, ddof=1) / np.sqrt(runs) if runs > 1 else within
     half = rates.shape[0] // 2
     drift = np.abs(rates[:half].mean(axis=(0, 2)) - rates[half:].mean(axis=(0, 2))) / 4
-    return means.mean(axis=1), np.maximum(np.maximum(within, between), drift)
+    return means.mean(axis=1), np.max([within, between, drift, in_phase(rates)], axis=0)

@@ -13,9 +13,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import Ensemble, Segment
-from whirlmap.integrate.scales import scales
-from whirlmap.results.status import Status
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.trials import Reference, Trials
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -25,10 +24,6 @@ LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768
 
 #: A divergence is believed where all rungs up to so many times more steps find it.
 DIVERGES = 4
-#: Steps within which the ends of one divergence lie: a pole is passed by a step, and what follows grows without bound.
-ALIKE = 4
-#: Steps of a run within which a divergence is not believed.
-FEW = 8
 #: Where the error falls by less than this from a rung to the one at least twice as high, the method has lost its order.
 STALLED = 4.0
 #: The same at the end of the ladder, where no method that keeps its order falls as slowly.
@@ -38,6 +33,9 @@ BELIEVED = 48
 #: Steps of a point whose method has lost its order: between steps a corner moves by their error, and with 64 of them that
 #: shakes a periodic orbit of the dead zone by 2e-4, which its tangent vector takes for chaos.
 KINKED = 256
+#: Steps with which a rung is confirmed where the motion crosses surfaces: located corners begin new steps, so that all rungs
+#: whose grids leave out a contact take it in the same steps, with the same error.
+THROUGH = LADDER[-1]
 
 
 class Verdict(IntEnum):
@@ -127,7 +125,8 @@ def choose_steps(
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
     steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point
-    that has lost its order goes on to `KINKED` steps, or to the accuracy.
+    that has lost its order goes on to `KINKED` steps, or to the accuracy. Where the motion crosses surfaces a rung is taken
+    only if it agrees with `THROUGH` steps as well.
 
     Raises
     ------
@@ -148,7 +147,8 @@ def choose_steps(
     running = ensemble.running[members]
     verdict[running] = Verdict.stiff
     history, kinked = np.full((len(LADDER), n), np.nan), np.zeros(n, dtype=bool)
-    trials = _Trials(ensemble, members, sections, span, observe, progress)
+    trials = Trials(ensemble, members, sections, span, observe, progress)
+    fine = Reference(trials, THROUGH)
     left, before = np.zeros(0, dtype=np.intp), None
     for i, rung in enumerate(LADDER[1:]):
         entering = np.flatnonzero(running & (first == i))
@@ -162,6 +162,9 @@ def choose_steps(
         # A method that is unstable diverges at about the same time with any steps, up to those with which it is not.
         since[left] = np.where(away, np.minimum(since[left], LADDER[i]), np.inf)
         found[away & (LADDER[i] < DIVERGES * since[left])] = np.inf
+        if rung < THROUGH:
+            through = np.flatnonzero((found <= accuracy) & now.crosses() & ~away)
+            found[through] = np.maximum(found[through], fine.difference(before.keep(through), left[through]))
         history[i, left] = error[left] = found
         begun[left], size[:, left] = np.where(first[left] == i, found, begun[left]), now.largest()
         steps[left] = LADDER[i]
@@ -174,7 +177,7 @@ def choose_steps(
             verdict[left[rough]] = Verdict.nonsmooth
         stay = ~good & ~stalled
         steps[left[stay]] = rung
-        left, before = left[stay], now.keep(stay)
+        left, before = left[stay], now.keep(np.flatnonzero(stay))
     return Rungs(steps, error, verdict, begun, size)
 
 
@@ -185,114 +188,3 @@ def _stalled(history: Array, i: int, least: float = STALLED) -> NDArray[np.bool_
         return np.zeros(history.shape[1], dtype=bool)
     slow: NDArray[np.bool_] = history[half] < least * history[i]
     return slow & np.isfinite(history[i])
-
-
-class _Trials:
-    """Runs of points over some common periods, with any steps, from the section points of their motion."""
-
-    def __init__(
-        self, ensemble: Ensemble, members: NDArray[np.intp], sections: int, span: int,
-        observe: Callable[[Ensemble, int], Array] | None, progress: Callable[[int], None] | None,
-    ) -> None:  # fmt: skip
-        self.ensemble, self.members, self.observe, self.progress = ensemble, members, observe, progress
-        self.periods, self.sections = span * ensemble.common_multiple, sections
-        self.starts = ensemble.x[None, :, members]
-        if sections > 1:
-            along, common = ensemble.subset(members), ensemble.common_multiple
-            saved = along.advance((sections - 1) * common, save_periods=common, progress=progress).saved
-            self.starts = np.concatenate([self.starts, saved])
-
-    def run(self, points: NDArray[np.intp], steps: int) -> "_Trial":
-        """Run some of the members, given by their place among them."""
-        e, at = self.ensemble, np.tile(self.members[points], self.sections)
-        x = np.moveaxis(self.starts[:, :, points], 0, 1).reshape(e.model.dimension, -1)
-        # A motion that ended on the way to a section leaves none: its first one stands in for it.
-        x = np.where(np.isfinite(x), x, np.tile(self.starts[0][:, points], self.sections))
-        part = Ensemble(
-            e.model, e.values[:, at], x, orders=e.orders, steps=steps, method=e.method, workers=e.workers, redo=False,
-            beyond=e.limits[:, at], turn=e.period[at],
-        )  # fmt: skip
-        part.turns = e.turns[at]
-        begin = part.turns.copy()
-        seen = self.observe(part, self.periods) if self.observe else np.zeros((0, at.size))
-        run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
-        end = part.end_time / part.period - begin
-        return _Trial(steps, run.saved, motion_sizes(part, run, x), part.status, end, seen, self.sections)
-
-
-@dataclass(frozen=True)
-class _Trial:
-    """Some points with some steps; ``size`` is what differences are divided by. Columns are sections by points."""
-
-    steps: int
-    saved: Array
-    size: Array
-    status: NDArray[np.int8]
-    end: Array
-    seen: Array
-    sections: int
-
-    def _columns(self, which: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        return np.tile(which, self.sections)
-
-    def keep(self, which: NDArray[np.bool_]) -> "_Trial":
-        """Some of the points."""
-        k = self._columns(which)
-        return _Trial(
-            self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.seen[:, k], self.sections
-        )
-
-    def largest(self) -> Array:
-        """Size of each point's motion, shape (state, point)."""
-        return np.asarray(self.size.reshape(len(self.size), self.sections, -1).max(axis=1))
-
-    def joined(self, other: "_Trial") -> "_Trial":
-        """These points, and others with the same steps."""
-
-        def both(a: NDArray, b: NDArray) -> NDArray:
-            parts = [v.reshape(*v.shape[:-1], self.sections, v.shape[-1] // self.sections) for v in (a, b)]
-            return np.concatenate(parts, axis=-1).reshape(*a.shape[:-1], a.shape[-1] + b.shape[-1])
-
-        saved, size, status, end = (both(getattr(self, n), getattr(other, n)) for n in ("saved", "size", "status", "end"))
-        rows = max(len(self.seen), len(other.seen))
-        seen = both(*(np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in (self, other)))
-        return _Trial(other.steps, saved, size, status, end, seen, self.sections)
-
-    def difference(self, finer: "_Trial") -> tuple[Array, NDArray[np.bool_]]:
-        """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
-
-        And where both diverged, or failed, at the same time.
-        """
-        with np.errstate(invalid="ignore"):
-            gap = np.abs(self.saved - finer.saved)
-        seen = np.isfinite(gap)
-        out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / finer.size).max(axis=0)
-        rows = min(len(self.seen), len(finer.seen))
-        noted = np.abs(self.seen[:rows] - finer.seen[:rows])
-        out = np.maximum(out, np.where(np.isfinite(noted), noted, 0.0).max(axis=0, initial=0.0))
-        ended = (self.status != Status.ok) | (finer.status != Status.ok)
-        apart = np.abs(self.end - finer.end)
-        contact = (self.status == Status.contact) & (finer.status == Status.contact)
-        # The end of a divergence is known to some steps only; one within a few steps may be the method's own. A pole is met
-        # by steps that fail, which a trial does not redo.
-        gone = (Status.diverged, Status.unresolved)
-        diverged = np.isin(self.status, gone) & np.isin(finer.status, gone)
-        diverged &= (apart <= ALIKE / self.steps) & (self.end >= FEW / self.steps)
-        out = np.where(contact, np.maximum(out, apart), out)
-        worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
-        return worst, np.asarray(diverged.reshape(self.sections, -1).any(axis=0))
-
-
-def motion_sizes(ensemble: Ensemble, run: Segment, start: Array) -> Array:
-    """Size of the motion of every point over a run that tracked extremes, shape (state, point); see `scales`.
-
-    A run that ended is judged by the section points that it reached.
-    """
-    assert run.extremes is not None
-    n = ensemble.model.dimension
-    points = np.concatenate([start[None], run.saved])
-    known = np.isfinite(points)
-    least = np.fmin(run.extremes["minimum"][:n], np.where(known, points, np.inf).min(axis=0))
-    most = np.fmax(run.extremes["maximum"][:n], np.where(known, points, -np.inf).max(axis=0))
-    magnitude = np.maximum(np.abs(least), np.abs(most))
-    return scales(ensemble.model, ensemble.period, most - least, magnitude, share=1.0)

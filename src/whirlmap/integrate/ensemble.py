@@ -201,6 +201,11 @@ class Ensemble:
         return self.status == Status.ok
 
     @property
+    def sliding(self) -> NDArray[np.bool_]:
+        """Which points slide on a surface at which their rates jump."""
+        return np.asarray((self._y[self.model.dimension * (1 + self.tangents) :] == 0).any(axis=0))
+
+    @property
     def common_multiple(self) -> int:
         """Number of T in the common period."""
         return lcm(*(o.denominator for o in self.orders)) if self.orders else 1

@@ -112,15 +112,16 @@ def scales(
 
 
 def start_sizes(model: Model, period: Array, x: Array) -> Array:
-    """Sizes of the states that a start shows, shape (state, point): its own, the declared start's, and those alike to it.
+    """Sizes of the states that a start shows, shape (state, point): its own, or of those alike to it.
 
-    Zero where nothing tells the size of a state.
+    Where it has none, that of the start which the model declares; zero where nothing tells the size of a state. A start that
+    is given counts alone: the model's own may be in metres, and the motion in nanometres.
     """
     declared = np.abs([s.start for s in model.states])[:, None]
     like = likeness(model)
     weight = like.weights(period)
-    size = np.maximum(np.where(np.isfinite(x), np.abs(x), 0.0), declared)
-    return np.asarray(largest_of(like.group, size * weight) / weight)
+    own = largest_of(like.group, np.where(np.isfinite(x), np.abs(x), 0.0) * weight)
+    return np.asarray(np.where(own > 0, own, largest_of(like.group, declared * weight)) / weight)
 
 
 def limits(model: Model, period: Array, x: Array) -> Array:

@@ -1,0 +1,154 @@
+"""Trial runs of points with any steps per T, and how far two of them differ."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.integrate.ensemble import Ensemble, Segment
+from whirlmap.integrate.scales import scales
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+
+#: Steps within which the ends of one divergence lie: a pole is passed by a step, and what follows grows without bound.
+ALIKE = 4
+#: Steps of a run within which a divergence is not believed.
+FEW = 8
+
+
+class Trials:
+    """Runs of points over some common periods, with any steps, from the section points of their motion."""
+
+    def __init__(
+        self, ensemble: Ensemble, members: NDArray[np.intp], sections: int, span: int,
+        observe: Callable[[Ensemble, int], Array] | None, progress: Callable[[int], None] | None,
+    ) -> None:  # fmt: skip
+        self.ensemble, self.members, self.observe, self.progress = ensemble, members, observe, progress
+        self.periods, self.sections = span * ensemble.common_multiple, sections
+        self.starts = ensemble.x[None, :, members]
+        if sections > 1:
+            along, common = ensemble.subset(members), ensemble.common_multiple
+            saved = along.advance((sections - 1) * common, save_periods=common, progress=progress).saved
+            self.starts = np.concatenate([self.starts, saved])
+
+    def run(self, points: NDArray[np.intp], steps: int) -> "Trial":
+        """Run some of the members, given by their place among them."""
+        e, at = self.ensemble, np.tile(self.members[points], self.sections)
+        x = np.moveaxis(self.starts[:, :, points], 0, 1).reshape(e.model.dimension, -1)
+        # A motion that ended on the way to a section leaves none: its first one stands in for it.
+        x = np.where(np.isfinite(x), x, np.tile(self.starts[0][:, points], self.sections))
+        part = Ensemble(
+            e.model, e.values[:, at], x, orders=e.orders, steps=steps, method=e.method, workers=e.workers, redo=False,
+            beyond=e.limits[:, at], turn=e.period[at],
+        )  # fmt: skip
+        part.turns = e.turns[at]
+        begin = part.turns.copy()
+        seen = self.observe(part, self.periods) if self.observe else np.zeros((0, at.size))
+        run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
+        end = part.end_time / part.period - begin
+        sizes = motion_sizes(part, run, x)
+        return Trial(steps, run.saved, sizes, part.status, end, seen, part.crossings, self.sections)
+
+
+@dataclass(frozen=True)
+class Trial:
+    """Some points with some steps; ``size`` is what differences are divided by. Columns are sections by points."""
+
+    steps: int
+    saved: Array
+    size: Array
+    status: NDArray[np.int8]
+    end: Array
+    seen: Array
+    crossings: Array
+    sections: int
+
+    def keep(self, which: NDArray[np.intp]) -> "Trial":
+        """Some of the points, by their places, in that order."""
+        k = (np.arange(self.sections)[:, None] * (self.status.size // self.sections) + which).ravel()
+        return Trial(
+            self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.seen[:, k],
+            self.crossings[k], self.sections,
+        )  # fmt: skip
+
+    def crosses(self) -> NDArray[np.bool_]:
+        """Whether each point crossed a surface at which its rates kink or jump."""
+        return np.asarray((self.crossings.reshape(self.sections, -1) > 0).any(axis=0))
+
+    def largest(self) -> Array:
+        """Size of each point's motion, shape (state, point)."""
+        return np.asarray(self.size.reshape(len(self.size), self.sections, -1).max(axis=1))
+
+    def joined(self, other: "Trial") -> "Trial":
+        """These points, and others with the same steps."""
+
+        def both(a: NDArray, b: NDArray) -> NDArray:
+            parts = [v.reshape(*v.shape[:-1], self.sections, v.shape[-1] // self.sections) for v in (a, b)]
+            return np.concatenate(parts, axis=-1).reshape(*a.shape[:-1], a.shape[-1] + b.shape[-1])
+
+        names = ("saved", "size", "status", "end", "crossings")
+        saved, size, status, end, crossings = (both(getattr(self, n), getattr(other, n)) for n in names)
+        rows = max(len(self.seen), len(other.seen))
+        seen = both(*(np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in (self, other)))
+        return Trial(other.steps, saved, size, status, end, seen, crossings, self.sections)
+
+    def difference(self, finer: "Trial") -> tuple[Array, NDArray[np.bool_]]:
+        """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
+
+        And where both diverged, or failed, at the same time.
+        """
+        with np.errstate(invalid="ignore"):
+            gap = np.abs(self.saved - finer.saved)
+        seen = np.isfinite(gap)
+        out: Array = (np.where(seen, gap, 0.0).max(axis=0, initial=0.0) / finer.size).max(axis=0)
+        rows = min(len(self.seen), len(finer.seen))
+        noted = np.abs(self.seen[:rows] - finer.seen[:rows])
+        out = np.maximum(out, np.where(np.isfinite(noted), noted, 0.0).max(axis=0, initial=0.0))
+        ended = (self.status != Status.ok) | (finer.status != Status.ok)
+        apart = np.abs(self.end - finer.end)
+        contact = (self.status == Status.contact) & (finer.status == Status.contact)
+        # The end of a divergence is known to some steps only; one within a few steps may be the method's own. A pole is met
+        # by steps that fail, which a trial does not redo.
+        gone = (Status.diverged, Status.unresolved)
+        diverged = np.isin(self.status, gone) & np.isin(finer.status, gone)
+        diverged &= (apart <= ALIKE / self.steps) & (self.end >= FEW / self.steps)
+        out = np.where(contact, np.maximum(out, apart), out)
+        worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
+        return worst, np.asarray(diverged.reshape(self.sections, -1).any(axis=0))
+
+
+class Reference:
+    """Trials of points with the same, many steps, each run once, when it is first asked for."""
+
+    def __init__(self, trials: Trials, steps: int) -> None:
+        self.trials, self.steps = trials, steps
+        self.points = np.zeros(0, dtype=np.intp)
+        self.trial: Trial | None = None
+
+    def difference(self, trial: "Trial", points: NDArray[np.intp]) -> Array:
+        """Largest scaled difference of the points of a trial, given by their place among the members, from their own."""
+        new = points[~np.isin(points, self.points)]
+        if new.size:
+            run = self.trials.run(new, self.steps)
+            self.points, self.trial = np.append(self.points, new), run if self.trial is None else self.trial.joined(run)
+        if self.trial is None:
+            return np.zeros(0)
+        order = np.argsort(self.points)
+        return trial.difference(self.trial.keep(order[np.searchsorted(self.points[order], points)]))[0]
+
+
+def motion_sizes(ensemble: Ensemble, run: Segment, start: Array) -> Array:
+    """Size of the motion of every point over a run that tracked extremes, shape (state, point); see `scales`.
+
+    A run that ended is judged by the section points that it reached.
+    """
+    assert run.extremes is not None
+    n = ensemble.model.dimension
+    points = np.concatenate([start[None], run.saved])
+    known = np.isfinite(points)
+    least = np.fmin(run.extremes["minimum"][:n], np.where(known, points, np.inf).min(axis=0))
+    most = np.fmax(run.extremes["maximum"][:n], np.where(known, points, -np.inf).max(axis=0))
+    magnitude = np.maximum(np.abs(least), np.abs(most))
+    return scales(ensemble.model, ensemble.period, most - least, magnitude, share=1.0)
