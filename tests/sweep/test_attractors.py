@@ -80,7 +80,7 @@ def test_a_search_is_repeatable_to_the_bit_on_any_number_of_threads(duffing, twi
 def test_the_orbits_of_the_dead_zone_are_those_of_its_exact_solution():
     """known_values.md lists 2 T and 4 T, of two starts; a third one of 8 T attracts, though slowly."""
     system = whirlmap.load("gear_backlash", Omega=1.0, zeta=0.05, F_ah=0.2)
-    ds = attractors(system, starts=96, box={"x": (-3, 3), "v": (-2, 2)}, lyapunov=256)
+    ds = attractors(system, starts=96, box={"x": (-3, 3), "v": (-2, 2)}, lyapunov=1024)
     assert sorted(ds["period_T"].values) == [2, 4, 8] and int(ds["starts"].sum()) == 96
     assert "accuracy_not_met" not in ds.attrs  # contacts are located, so that few steps do
     exact = DeadZone(0.05, 0.1, 0.2, 1.0)
