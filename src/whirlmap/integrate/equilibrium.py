@@ -140,31 +140,39 @@ def _newton(rates: _Rates, points: NDArray[np.intp], guess: Array) -> tuple[Arra
 
     x, found, seen = guess.copy(), np.zeros(points.size, dtype=bool), np.abs(guess)
     active = np.arange(points.size)
+    f, jacobian = residual(x, active)
     for _ in range(MOST_STEPS):
         now = x[:, active]
-        f, jacobian = residual(now, active)
         regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))
         regular[regular] = np.linalg.slogdet(jacobian[regular])[0] != 0
         active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
         if active.size == 0:
             break
         step = np.asarray(np.linalg.solve(jacobian, -f.T[..., None])[..., 0].T, dtype=float)
-        size, worse = _halvings(residual, norm, now, step, f, active)
+        size, worse, f, jacobian = _halvings(residual, norm, now, step, f, active)
         x[:, active] = np.where(worse, now, now + size * step)
         seen[:, active] = np.maximum(seen[:, active], np.abs(x[:, active]))
         small = (np.abs(step) <= SMALL * rates.sizes(seen[:, active], points[active])).all(axis=0)
         found[active[small]] = True  # a step this small cannot lower a residual that is rounding already
-        active = active[~small & ~worse]
+        stay = ~small & ~worse
+        active, size, f, jacobian = active[stay], size[stay], f[:, stay], jacobian[stay]
+        shorter = np.flatnonzero(size < 1)  # whole steps have their rates and Jacobian already
+        if shorter.size:
+            f[:, shorter], jacobian[shorter] = residual(x[:, active[shorter]], active[shorter])
     return x, found
 
 
 def _halvings(
     residual: Callable[[Array, NDArray[np.intp]], tuple[Array, Array]], measure: Callable[[Array, NDArray[np.intp]], Array],
     x: Array, step: Array, f: Array, at: NDArray[np.intp],
-) -> tuple[Array, NDArray[np.bool_]]:  # fmt: skip
-    """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them."""
+) -> tuple[Array, NDArray[np.bool_], Array, Array]:  # fmt: skip
+    """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them.
+
+    And rates and Jacobian after the whole step.
+    """
     norm, size = measure(f, at), np.ones(at.size)
-    worse = ~(measure(residual(x + step, at)[0], at) < norm)
+    after, slopes = residual(x + step, at)
+    worse = ~(measure(after, at) < norm)
     left = np.flatnonzero(worse)
     if left.size:
         sizes = 0.5 ** np.arange(1, HALVINGS + 1)[:, None]
@@ -174,4 +182,4 @@ def _halvings(
         lower = found < norm[left]
         worse[left] = ~lower.any(axis=0)
         size[left] = sizes[lower.argmax(axis=0), 0]
-    return size, worse
+    return size, worse, after, slopes
