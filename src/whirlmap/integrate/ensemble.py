@@ -39,6 +39,9 @@ def cores() -> int:
 #: As little work in all starts no threads.
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
+#: Comparing an array with a member of an enumeration takes five times as long.
+OK = np.int8(Status.ok)
+
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict", "crossings", "grazings")
 
@@ -199,7 +202,7 @@ class Ensemble:
     @property
     def running(self) -> NDArray[np.bool_]:
         """Which points have not ended."""
-        return self.status == Status.ok
+        return self.status == OK
 
     @property
     def sliding(self) -> NDArray[np.bool_]:
