@@ -12,12 +12,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.kernels.surfaces import sided
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 #: Steps per T from which extremes are read: so many times those of the point, where it returns and not, at least so many.
 FINER, OPEN_FINER, EXTREMES_STEPS = 6, 3, 32
+#: The latter where rates kink or jump: a contact is far shorter than T, and located corners let few steps carry it.
+KINKED_EXTREMES = 4 * EXTREMES_STEPS
+
 
 def empty_extremes(ensemble: Ensemble) -> dict[str, Array]:
     """Extremes, mean and rms of every state and output, shape (row, point), of which nothing is known yet."""
@@ -33,7 +37,8 @@ def extremes_of_record(
     Over one return, ``multiple`` common periods, of the points that return; over the ``kept`` T of the record of others.
     """
     finer = np.where(multiple > 0, FINER, OPEN_FINER)
-    fine = ensemble.subset(members, steps=np.maximum(finer * ensemble.point_steps[members], EXTREMES_STEPS))
+    least = KINKED_EXTREMES if sided(ensemble.model).surfaces else EXTREMES_STEPS
+    fine = ensemble.subset(members, steps=np.maximum(finer * ensemble.point_steps[members], least))
     out = empty_extremes(fine)
     length = np.where((multiple > 0) & fine.model.forced, np.minimum(multiple * fine.common_multiple, kept), kept)
     for periods in np.unique(length):

@@ -154,7 +154,11 @@ def _thins(ensemble: Ensemble, point: int, section: Array, waited: int, start: A
 
 
 def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tolerance: float) -> Array:
-    """Rate at which motion dies away in points at rest; NaN in others, infinite where the place repels."""
+    """Rate at which motion dies away in points at rest; NaN in others, infinite where the place repels.
+
+    Zero where dry friction holds a motion: it slides on the surface of its velocity, and there no state moves by more than
+    rounding in a whole record. Beside it it would be held as well.
+    """
     growth = np.full(ensemble.points, np.nan)
     states = slice(ensemble.model.dimension)
     ranges = (extremes["maximum"] - extremes["minimum"])[states]
@@ -166,6 +170,8 @@ def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tole
         points, x = points[there], x[:, there]
     if points.size:
         growth[points] = rate_of_rest(ensemble, points, x)
+    held = (ranges <= ROUNDING * np.fmax(settled.moved, np.abs(extremes["mean"][states]))).all(axis=0)
+    growth[held & ensemble.sliding & ensemble.running & np.isnan(growth)] = 0.0
     return growth
 
 

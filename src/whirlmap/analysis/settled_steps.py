@@ -75,5 +75,10 @@ def check_steps(ensemble: Ensemble, progress: Callable[[int], None] | None = Non
 
 
 def wider_tolerance(ensemble: Ensemble, settling: Settling) -> Array:
-    """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps."""
+    """How much wider than asked the tolerance of each point is: a return is no finer than the error of the steps.
+
+    Steps that were given have no error that is known: the tolerance stays as asked.
+    """
+    if ensemble.accuracy is None:
+        return np.ones(ensemble.points)
     return np.asarray(np.fmax(np.fmin(ensemble.step_error, LOST) / settling.tolerance, 1.0))

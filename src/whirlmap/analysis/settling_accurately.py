@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.endings import confirm_ends, restarted
+from whirlmap.analysis.endings import confirm_ends, confirm_growth, restarted
 from whirlmap.analysis.settled_steps import LOST, steps_of_settled, wider_tolerance
 from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.analysis.settling_unforced import settle_unforced, trends_beyond
@@ -46,8 +46,10 @@ def settle_accurately(
         start, began = part.x.copy(), part.turns.copy()
         settle_part(part, members)
         if part.accuracy is not None:
+            again = lambda anew, which: begin_anew(anew, members[which])  # noqa: E731
+            confirm_growth(part, start, began, again, lambda: settled.moved[:, members])
             believed = np.isfinite(settled.thinning[members])
-            confirm_ends(part, start, began, lambda again, which: begin_anew(again, members[which]), believed)
+            confirm_ends(part, start, began, again, believed)
         if part is not ensemble:
             ensemble.absorb(part, members)
 

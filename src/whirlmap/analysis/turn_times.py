@@ -52,7 +52,8 @@ def learn_turns(
         if here.size:
             steps = np.maximum(np.ceil(ensemble.point_steps[here] * ratio[wrong]), 1).astype(np.int64)
             part = with_turns(ensemble.subset(here, steps=steps), turn[wrong])
-            part.x[:] = start[:, here]  # its steps were chosen for parts of another time: what they led to may be their own
+            # Its steps were chosen for parts of another time: what they led to may be their own.
+            part.put(np.arange(here.size), start[:, here])
             ensemble.absorb(part, here)
         known = left[np.isfinite(turn)]
         if known.size and ensemble.accuracy is not None:
