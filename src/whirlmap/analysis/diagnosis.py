@@ -209,8 +209,9 @@ def _trend(
     if not (run.alive.any() and len(run.section)):
         return judged
     first = int(np.flatnonzero(run.alive)[0])
-    section = run.section[:, :, first]
-    trends = Trends.of(part.model, float(part.period[0]), section, duration / len(section), exponent, cyclic)
+    section = run.section[:, :, [first]]
+    time, value, error = (np.array([v]) for v in (duration / len(section), *exponent))
+    trends = Trends.of(part.model, part.period[:1], section, time, value, error, cyclic)
     ranges = (returns.extremes["maximum"] - returns.extremes["minimum"])[: part.model.dimension, [first]]
     endless = label_trends(part, np.array([first]), trends, ranges)
     label = Regime(int(endless.regime[0]))

@@ -27,6 +27,8 @@ Array = NDArray[np.float64]
 ENOUGH = (0.05, 0.005)
 #: Points that run together: their section points are kept until they are judged.
 TOGETHER = 512
+#: Points whose trends are computed together: what that takes on the way is several times their section points.
+TRENDS = 64
 
 
 @dataclass(frozen=True)
@@ -124,12 +126,13 @@ def _judge(
         at = members[left]
         tangent.status[at], tangent.end_time[at] = run.status, run.end_time
         for point in left:
-            _trend(np.concatenate(sections[point]), first, done, members[point], tangent, cyclic, found)
+            sections[point] = [np.concatenate(sections[point])]
+        _trends([sections[point][0] for point in left], first, done, at, tangent, cyclic, found)
         found.exponent[at], error = mean_and_error(rates[:done, left])
         found.error[at] = np.fmax(error, carried.error[0, left])
         found.periods[at] = done
         unsure = np.flatnonzero((found.regime[at] == Regime.undecided) & run.running)
-        _vote(run, unsure, at, done, [np.concatenate(sections[p]) for p in left[unsure]], cyclic, found)
+        _vote(run, unsure, at, done, [sections[p][0] for p in left[unsure]], cyclic, found)
         # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
         changes = (found.regime[at] == Regime.quasi_periodic) & np.isfinite(found.growth[at])
         found.regime[at[changes]], found.confidence[at[changes]] = Regime.undecided, 0.0
@@ -144,18 +147,30 @@ def _judge(
         left, run = left[stay], run.subset(np.flatnonzero(stay))
 
 
-def _trend(
-    section: Array, align: int, done: int, point: int, run: Ensemble, cyclic: Mapping[int, float] | None, found: OpenPoints
+def _trends(
+    sections: list[Array],
+    align: int,
+    done: int,
+    at: NDArray[np.intp],
+    run: Ensemble,
+    cyclic: Mapping[int, float] | None,
+    found: OpenPoints,
 ) -> None:
-    """Trend of one point's section so far, into ``found``."""
-    if len(section):
-        time = run.common_multiple * run.period[point]
-        if not run.model.forced:  # crossings come as often as they come: the rate is per unit of time on the mean
-            end = run.end_time[point]
-            time = (end - align * time if np.isfinite(end) else done * time) / len(section)
-        seen = Trends.of(run.model, float(run.period[point]), section, float(time), (np.nan, np.nan), cyclic)
-        found.growth[point], found.drift[:, point] = seen.growth[0], seen.drift[:, 0]
-        found.centre[:, point], found.reach[:, point] = seen.centre[:, 0], seen.reach[:, 0]
+    """Trends of the sections so far of some points of a run, into ``found``."""
+    count = np.array([len(s) for s in sections], dtype=np.int64)
+    for rows in np.unique(count[count > 0]):  # forced: all that still run have the same
+        same = np.flatnonzero(count == rows)
+        for these in np.array_split(same, -(-same.size // TRENDS)):
+            points = at[these]
+            time = run.common_multiple * run.period[points]
+            if not run.model.forced:  # crossings come as often as they come: the rate is per unit of time on the mean
+                end = run.end_time[points]
+                time = np.where(np.isfinite(end), end - align * time, done * time) / rows
+            unknown = np.full(points.size, np.nan)
+            section = np.stack([sections[k] for k in these], axis=2)
+            seen = Trends.of(run.model, run.period[points], section, time, unknown, unknown, cyclic)
+            for name in ("growth", "drift", "centre", "reach"):
+                getattr(found, name)[..., points] = getattr(seen, name)
 
 
 def _vote(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
-from whirlmap.analysis.returns import check_steps
+from whirlmap.analysis.settled_steps import check_steps
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful

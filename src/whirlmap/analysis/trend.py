@@ -84,13 +84,15 @@ def _growth(x: Array, least: Array) -> Array:
     largest = sizes.max(axis=0)
     moving = largest > least
     share = np.divide(sizes, largest, out=np.zeros_like(sizes), where=moving)
+    # What is summed stands in one piece: a point's sums must not depend on those beside it.
+    whole = np.ascontiguousarray(np.moveaxis(share, 1, -1)).sum(axis=-1)
     with np.errstate(divide="ignore", invalid="ignore"):
-        size = np.log(share.sum(axis=1) / moving.sum(axis=0))
-        steps = np.diff(size, axis=0)
-        same = (steps > 0).all(axis=0) | (steps < 0).all(axis=0)
+        size = np.ascontiguousarray(np.log(whole / moving.sum(axis=0)).T)
+        steps = np.diff(size)
+        same = (steps > 0).all(axis=1) | (steps < 0).all(axis=1)
         at = np.arange(PARTS) - (PARTS - 1) / 2
-        slope = (at[:, None] * size).sum(axis=0) / (at**2).sum()
-        off = np.abs(size - size.mean(axis=0) - slope * at[:, None]).max(axis=0)
+        slope = (at * size).sum(axis=1) / (at**2).sum()
+        off = np.abs(size - size.mean(axis=1)[:, None] - slope[:, None] * at).max(axis=1)
         total = np.abs(slope) * (PARTS - 1)
         steady = same & (off <= BEND * total) & (total >= CHANGE)
     return np.where(steady, slope / length, np.nan)

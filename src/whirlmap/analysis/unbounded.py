@@ -48,19 +48,17 @@ class Trends:
 
     @classmethod
     def of(
-        cls, model: Model, period: float, section: Array, time: float, exponent: tuple[float, float],
+        cls, model: Model, period: Array, section: Array, time: Array, exponent: Array, error: Array,
         cyclic: Mapping[int, float] | None,
     ) -> "Trends":  # fmt: skip
-        """Trends of one point from its section, shape (row, state), with ``time`` between its rows; ``period`` is T."""
-        extent, largest = np.ptp(section, axis=0)[:, None], np.abs(section).max(axis=0)[:, None]
-        least = STILL * scales(model, np.array([period]), extent, largest)
-        seen = trend(section[:, :, None], dict(cyclic or {}), least)
+        """Trends of points from their sections, shape (row, state, point), ``time`` between rows; ``period`` is T."""
+        least = STILL * scales(model, period, np.ptp(section, axis=0), np.abs(section).max(axis=0))
+        seen = trend(section, dict(cyclic or {}), least)
         first = section[: max(len(section) // PARTS, 1)]
-        low, high = first.min(axis=0)[:, None], first.max(axis=0)[:, None]
+        low, high = first.min(axis=0), first.max(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
             reach = (high - low) / -np.expm1(-np.abs(seen.growth) * len(first))
-        value, error = (np.array([v]) for v in exponent)
-        return cls(seen.growth / time, seen.drift / time, (low + high) / 2, reach, value, error)
+        return cls(seen.growth / time, seen.drift / time, (low + high) / 2, reach, exponent, error)
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,11 @@ def cores() -> int:
 
 #: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run). Calls of
 #: fewer steps of blocks than `SHORT` are not divided: they take less than some milliseconds, Python's part of a call 0.1.
+#: As little work in all starts no threads.
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
+
+#: Comparing an array with a member of an enumeration takes five times as long.
+OK = np.int8(Status.ok)
 
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict", "crossings", "grazings")
@@ -198,7 +202,7 @@ class Ensemble:
     @property
     def running(self) -> NDArray[np.bool_]:
         """Which points have not ended."""
-        return self.status == Status.ok
+        return self.status == OK
 
     @property
     def sliding(self) -> NDArray[np.bool_]:
@@ -311,7 +315,8 @@ class Ensemble:
             if progress:
                 progress(n_periods * local.size)
 
-        if self.workers == 1 or len(tasks) == 1:
+        work_in_all = sum(-(-local.size // LANES) * n_periods * group.steps for group, local in tasks)
+        if self.workers == 1 or len(tasks) == 1 or work_in_all < SHORT:
             for task in tasks:
                 work(task)
         else:

@@ -1,7 +1,5 @@
 """Start states: the static equilibrium with all forcing off, by damped Newton, for many operating points at once."""
 
-from collections.abc import Callable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -103,10 +101,17 @@ class _Rates:
     def __call__(self, x: Array, points: NDArray[np.intp]) -> tuple[Array, Array]:
         """Rates, shape (state, column), and Jacobian, (column, row, state); infinite behind a closed gap."""
         rates, jacobian = self.evaluate(0.0, x, points, forced=False)
+        return self._behind_gaps(rates, x, points), jacobian.transpose(2, 0, 1)
+
+    def alone(self, x: Array, points: NDArray[np.intp]) -> Array:
+        """Rates without their Jacobian."""
+        return self._behind_gaps(self.evaluate.rates(0.0, x, points, forced=False), x, points)
+
+    def _behind_gaps(self, rates: Array, x: Array, points: NDArray[np.intp]) -> Array:
         rows = self.gaps(list(x), list(self.values[:, points]))
         open_gaps = [np.broadcast_to(gap, points.shape) > 0 for gap in rows]
         rates[:, ~np.all(open_gaps or [np.full(points.size, True)], axis=0)] = np.inf
-        return rates, jacobian.transpose(2, 0, 1)
+        return rates
 
 
 def _run_to_rest(rates: _Rates, points: NDArray[np.intp], x: Array) -> Array:
@@ -132,46 +137,47 @@ def _run_to_rest(rates: _Rates, points: NDArray[np.intp], x: Array) -> Array:
 
 
 def _newton(rates: _Rates, points: NDArray[np.intp], guess: Array) -> tuple[Array, NDArray[np.bool_]]:
-    def residual(x: Array, at: NDArray[np.intp]) -> tuple[Array, Array]:
-        return rates(x, points[at])
-
-    def norm(f: Array, at: NDArray[np.intp]) -> Array:
-        return rates.residual(f, points[at])
-
     x, found, seen = guess.copy(), np.zeros(points.size, dtype=bool), np.abs(guess)
     active = np.arange(points.size)
+    f, jacobian = rates(x, points)
     for _ in range(MOST_STEPS):
         now = x[:, active]
-        f, jacobian = residual(now, active)
         regular = np.asarray(np.isfinite(jacobian).all(axis=(1, 2)) & np.isfinite(f).all(axis=0))
         regular[regular] = np.linalg.slogdet(jacobian[regular])[0] != 0
         active, now, f, jacobian = active[regular], now[:, regular], f[:, regular], jacobian[regular]
         if active.size == 0:
             break
         step = np.asarray(np.linalg.solve(jacobian, -f.T[..., None])[..., 0].T, dtype=float)
-        size, worse = _halvings(residual, norm, now, step, f, active)
+        size, worse, f, jacobian = _halvings(rates, points[active], now, step, f)
         x[:, active] = np.where(worse, now, now + size * step)
         seen[:, active] = np.maximum(seen[:, active], np.abs(x[:, active]))
         small = (np.abs(step) <= SMALL * rates.sizes(seen[:, active], points[active])).all(axis=0)
         found[active[small]] = True  # a step this small cannot lower a residual that is rounding already
-        active = active[~small & ~worse]
+        stay = ~small & ~worse
+        active, size, f, jacobian = active[stay], size[stay], f[:, stay], jacobian[stay]
+        shorter = np.flatnonzero(size < 1)  # whole steps have their rates and Jacobian already
+        if shorter.size:
+            f[:, shorter], jacobian[shorter] = rates(x[:, active[shorter]], points[active[shorter]])
     return x, found
 
 
 def _halvings(
-    residual: Callable[[Array, NDArray[np.intp]], tuple[Array, Array]], measure: Callable[[Array, NDArray[np.intp]], Array],
-    x: Array, step: Array, f: Array, at: NDArray[np.intp],
-) -> tuple[Array, NDArray[np.bool_]]:  # fmt: skip
-    """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them."""
-    norm, size = measure(f, at), np.ones(at.size)
-    worse = ~(measure(residual(x + step, at)[0], at) < norm)
+    rates: _Rates, points: NDArray[np.intp], x: Array, step: Array, f: Array
+) -> tuple[Array, NDArray[np.bool_], Array, Array]:
+    """Largest of 1, 1/2, ... of each step that lowers the residual, and where none does: two calls for all of them.
+
+    And rates and Jacobian after the whole step.
+    """
+    norm, size = rates.residual(f, points), np.ones(points.size)
+    after, slopes = rates(x + step, points)
+    worse = ~(rates.residual(after, points) < norm)
     left = np.flatnonzero(worse)
     if left.size:
         sizes = 0.5 ** np.arange(1, HALVINGS + 1)[:, None]
         trial = x[:, None, left] + sizes * step[:, None, left]
-        many = np.tile(at[left], HALVINGS)
-        found = measure(residual(trial.reshape(x.shape[0], -1), many)[0], many).reshape(trial.shape[1:])
+        many = np.tile(points[left], HALVINGS)
+        found = rates.residual(rates.alone(trial.reshape(x.shape[0], -1), many), many).reshape(trial.shape[1:])
         lower = found < norm[left]
         worse[left] = ~lower.any(axis=0)
         size[left] = sizes[lower.argmax(axis=0), 0]
-    return size, worse
+    return size, worse, after, slopes

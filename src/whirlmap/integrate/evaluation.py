@@ -52,6 +52,22 @@ class Evaluator:
         jacobian : array, shape (state, state, column)
             Zero where it was not asked for.
         """
+        rates, moving, p = self._evaluate(time, x, points, forced=forced)
+        n, columns = x.shape
+        dense = np.zeros((n, n, columns))
+        rows = {"input": unblocked(p, columns), "slot": unblocked(moving, columns)}
+        for i, j, weight, where, value in self.kernel.source.entries:
+            dense[i, j] += weight * (value if where == "constant" else rows[where][int(value)])
+        return rates, dense
+
+    def rates(self, time: ArrayLike, x: Array, points: NDArray[np.intp], *, forced: bool = True) -> Array:
+        """Rates alone, bit by bit those of a call."""
+        return self._evaluate(time, x, points, forced=forced)[0]
+
+    def _evaluate(
+        self, time: ArrayLike, x: Array, points: NDArray[np.intp], *, forced: bool
+    ) -> tuple[Array, Array, Array]:
+        """Rates; and what the Jacobian is made of: the slots that the kernel fills, and its inputs, in blocks."""
         n, columns = x.shape
         sizes, blocks = self.kernel.source.sizes, self.inputs.blocks(points)
         y = blocked(np.asarray(x, dtype=float))
@@ -61,8 +77,4 @@ class Evaluator:
             blocks=y.shape[0], forced=int(forced), y=y, time=blocked(times), **blocks, dy=dy, jac=moving, o=o,
             work=self.kernel.work(),
         )  # fmt: skip
-        dense = np.zeros((n, n, columns))
-        rows = {"input": unblocked(blocks["p"], columns), "slot": unblocked(moving, columns)}
-        for i, j, weight, where, value in self.kernel.source.entries:
-            dense[i, j] += weight * (value if where == "constant" else rows[where][int(value)])
-        return unblocked(dy, columns), dense
+        return unblocked(dy, columns), moving, blocks["p"]

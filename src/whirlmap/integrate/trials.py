@@ -11,6 +11,7 @@ from whirlmap.integrate.scales import scales
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 
 #: Steps within which the ends of one divergence lie: a pole is passed by a step, and what follows grows without bound.
 ALIKE = 4
@@ -33,8 +34,9 @@ class Trials:
             saved = along.advance((sections - 1) * common, save_periods=common, progress=progress).saved
             self.starts = np.concatenate([self.starts, saved])
 
-    def run(self, points: NDArray[np.intp], steps: int) -> "Trial":
-        """Run some of the members, given by their place among them."""
+    def run(self, points: NDArray[np.intp], steps: int | Integers) -> "Trial":
+        """Run some of the members, given by their place among them, with the same steps or each with its own."""
+        steps = steps if isinstance(steps, int) else np.tile(steps, self.sections)
         e, at = self.ensemble, np.tile(self.members[points], self.sections)
         x = np.moveaxis(self.starts[:, :, points], 0, 1).reshape(e.model.dimension, -1)
         # A motion that ended on the way to a section leaves none: its first one stands in for it.
@@ -56,7 +58,7 @@ class Trials:
 class Trial:
     """Some points with some steps; ``size`` is what differences are divided by. Columns are sections by points."""
 
-    steps: int
+    steps: int | Integers
     saved: Array
     size: Array
     status: NDArray[np.int8]

@@ -23,7 +23,8 @@ from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.attractor_search import Found, Search
-from whirlmap.sweep.points import Labelling, points_dataset
+from whirlmap.sweep.point_variables import points_dataset
+from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.starts import default_box, draw_starts, repeated
 
 Array = NDArray[np.float64]

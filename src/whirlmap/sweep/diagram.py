@@ -18,8 +18,7 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.measured import Measured, joined
-from whirlmap.sweep.points import (
-    Labelling,
+from whirlmap.sweep.point_variables import (
     common_multiple_variable,
     doubts,
     kept_states,
@@ -27,6 +26,7 @@ from whirlmap.sweep.points import (
     section_variable,
     shared_common_multiple,
 )
+from whirlmap.sweep.points import Labelling
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]

@@ -20,7 +20,8 @@ from numpy.typing import NDArray
 from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
 from whirlmap.sweep.identity import kernel_hash
-from whirlmap.sweep.points import Labelling, points_dataset
+from whirlmap.sweep.point_variables import points_dataset
+from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of

@@ -11,7 +11,10 @@ from whirlmap.integrate.system import System
 from whirlmap.results.provenance import package_version
 
 #: Parts of the package whose source decides what is computed of a point.
-DECIDING = ("equations", "films", "kernels", "integrate", "analysis", "results", "sweep/points.py", "sweep/refine.py")
+DECIDING = (
+    "equations", "films", "kernels", "integrate", "analysis", "results", "sweep/points.py", "sweep/point_variables.py",
+    "sweep/refine.py",
+)  # fmt: skip
 
 #: Packages whose versions do; llvmlite's and LLVM's are part of the platform. Numba compiles loops of the labels.
 LIBRARIES = ("whirlmap", "numba", "numpy", "scipy", "sympy")

@@ -28,7 +28,7 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
-from whirlmap.sweep.points import doubts
+from whirlmap.sweep.point_variables import doubts
 
 Array = NDArray[np.float64]
 

@@ -1,0 +1,103 @@
+"""Settle many operating points of an unforced model: the return of each is counted in crossings of the declared section.
+
+A point runs its transient, and is then cut at the section. Windows are as many typical times as would be common periods,
+each twice the one before, for the points that have not returned.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.crossing import run_with_crossings
+from whirlmap.analysis.endings import restarted
+from whirlmap.analysis.periodicity import return_multiple
+from whirlmap.analysis.settled_steps import wider_tolerance
+from whirlmap.analysis.settling import Settled, Settling
+from whirlmap.analysis.trend import trend
+from whirlmap.analysis.turn_times import SOUGHT, TURNS, learn_turns
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import FLOOR, scales
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: T of an unforced motion that left its limits that are looked at, at most.
+LAST = 512
+
+
+def settle_unforced(
+    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
+    progress: Callable[[int], None] | None,
+) -> Settled:  # fmt: skip
+    """Settle all points, in place; ``longest`` less the settling's own is what the transient is longer by."""
+    settled = Settled.none(ensemble)
+    transient = longest - settling.longest + settling.transient
+    running = np.flatnonzero(ensemble.running)
+    first = ensemble.subset(running).advance(1, extremes=True).extremes  # how far the states move before they settle
+    assert first is not None
+    ranges = (first["maximum"] - first["minimum"])[: ensemble.model.dimension]
+    settled.moved[:, running] = np.fmax(ranges, 0.0)
+    learn_turns(ensemble, running, SOUGHT, settled, progress)
+    _run_transient(ensemble, np.flatnonzero(ensemble.running), transient, settled, progress)
+    learn_turns(ensemble, np.flatnonzero(ensemble.running), TURNS + 1, settled, progress)
+    wide = wider_tolerance(ensemble, settling)
+    window = min(settling.first_window, 2 * settling.most)
+    left = np.flatnonzero(ensemble.running)
+    while left.size:
+        begin, section = ensemble.subset(left), ensemble.subset(left)
+        points, times, _ = run_with_crossings(section, window, progress=progress)
+        extremes = begin.advance(window, extremes=True, progress=progress).extremes
+        assert extremes is not None
+        ensemble.absorb(section, left)
+        settled.scale[:, left] = sizes_of(ensemble, left, extremes) * wide[left]
+        ranges = (extremes["maximum"] - extremes["minimum"])[: ensemble.model.dimension]
+        settled.moved[:, left] = np.fmax(settled.moved[:, left], ranges)
+        settled.waited[left] += window
+        count = np.where(ensemble.running[left], np.isfinite(times).sum(axis=0), 0)
+        for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
+            columns = np.flatnonzero(count == shared)
+            these = left[columns]
+            found = return_multiple.find(
+                points[:shared][:, :, columns], scale=settled.scale[:, these], tolerance=settling.tolerance,
+                most=int(min(window, shared)) // 2, cyclic=cyclic, alike=False,
+            )  # fmt: skip
+            settled.multiple[these], settled.distance[these] = found["multiple"], found["distance"] * wide[these]
+        left = left[ensemble.running[left] & (settled.multiple[left] == 0)]
+        if window >= 2 * settling.most:
+            break
+        window = min(2 * window, 2 * settling.most)
+    return settled
+
+
+def _run_transient(
+    ensemble: Ensemble, members: NDArray[np.intp], transient: Integers, settled: Settled,
+    progress: Callable[[int], None] | None,
+) -> None:  # fmt: skip
+    for times in np.unique(transient[members][transient[members] > 0]):
+        these = members[transient[members] == times]
+        ensemble.advance(int(times), members=these, progress=progress)
+    settled.waited[members] += transient[members]
+
+
+def trends_beyond(
+    ensemble: Ensemble, settled: Settled, start: Array, began: Integers, cyclic: dict[int, float] | None
+) -> None:
+    """See whether points of an unforced model that left their limits had grown or drifted there steadily."""
+    points = np.flatnonzero(ensemble.status == Status.diverged)
+    if not points.size:
+        return
+    part = restarted(ensemble, points, start, began, ensemble.point_steps[points])
+    whole = np.minimum(ensemble.end_time[points] / part.period, LAST).astype(np.int64)
+    for count in np.unique(whole[whole > 0]):
+        at = np.flatnonzero(whole == count)
+        seen = trend(part.advance(int(count), members=at, save_periods=1).saved, cyclic)
+        settled.growth[points[at]], settled.drift[:, points[at]] = seen.growth, seen.drift
+
+
+def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:
+    """Sizes of the states of some points over a recorded stretch (`scales`); NaN where a point has ended."""
+    low, high = (extremes[name][: ensemble.model.dimension] for name in ("minimum", "maximum"))
+    magnitude = np.maximum(np.abs(low), np.abs(high))
+    return scales(ensemble.model, ensemble.period[members], high - low, magnitude, share=share)
