@@ -76,7 +76,7 @@ def _swing(series: Array) -> Array:
 
 
 def in_phase(rates: Array) -> Array:
-    """Error of the mean over runs too, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
+    """Error, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
 
     Runs of one cycle are no independent ones, and the mean over them is no better than each.
     """
