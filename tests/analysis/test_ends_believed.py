@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from whirlmap.analysis.endings import restarted
 from whirlmap.analysis.points import make_ensemble
 from whirlmap.analysis.returns import settle_and_record
 from whirlmap.analysis.settling import Settling
@@ -128,3 +129,26 @@ def test_a_label_claims_no_more_than_its_steps_allow():
     ds = label_points(system, {"O": [0.7]}, lyapunov=0, accuracy=1e-3)
     assert int(ds["period_T"][0]) == 1
     assert ds["return_distance"].values[0] <= 1e-3
+
+
+def test_growth_by_steps_that_are_too_long_is_not_believed():
+    """Two masses that meet late: with the steps of the free motion contacts throw them to 1e24, whatever the size."""
+    y2, w2 = State("y2", "1", "y2"), State("w2", "1", "rate of y2")
+    push = k * when(x - y2 > 1, x - y2 - 1)
+    gap = Model(
+        "late_gap", (x, y2, v, w2), (A, d, k, O),
+        {x: v, y2: w2, v: A * cos(O * t) - d * v - x - push, w2: 2 * (push - d * w2 - y2 / 2)}, harmonics=(O,), swing=(x,),
+    )  # fmt: skip
+    found = label_points(System(gap, {"A": 1.5, "d": 0.1, "k": 30.0, "O": 0.9}, start={"v": 0.1}), {"O": [0.9]}, lyapunov=0)
+    assert found["period_T"].values.tolist() == [1]
+    assert np.abs(found["minimum"].values[0, :2] - [-4.946187, -3.510363]).max() < 1e-4  # by event location
+
+
+def test_runs_that_begin_again_forget_the_sides_of_their_end():
+    system = System(STOP, {"A": 0.8, "d": 0.1, "k": 100.0, "O": 1.0})
+    ensemble, _ = make_ensemble(system, {"O": [1.0]}, steps=32)
+    start, began = ensemble.x.copy(), ensemble.turns.copy()
+    fresh = ensemble.subset(np.arange(1)).advance(4, save_periods=1).saved
+    ensemble.advance(37)
+    again = restarted(ensemble, np.arange(1), start, began, ensemble.point_steps)
+    np.testing.assert_array_equal(again.advance(4, save_periods=1).saved, fresh)

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
+from whirlmap.analysis.lyapunov import in_phase, mean_and_error
 from whirlmap.errors import RangeError
 
 
@@ -41,3 +42,19 @@ def test_impossible_counts_are_refused():
         whirlmap.lyapunov_spectrum(system, count=3)
     with pytest.raises(RangeError, match="at least 16 periods"):
         whirlmap.lyapunov_spectrum(system, periods=4)
+
+
+@pytest.mark.parametrize("cycle", [16.0, 15.97, 20.9, 3.7])
+def test_a_growth_that_returns_has_no_sign(cycle):
+    """The growth of a vector along a cycle is that of the speed; cut off anywhere, also in blocks in step with the cycle."""
+    phase = 2 * np.pi * (0.3 + np.arange(257) / cycle)
+    rates = np.diff(np.log(1.2 + np.cos(phase)))
+    value, error = mean_and_error(rates)
+    shared = float(in_phase(np.repeat(rates[:, None, None], 32, axis=2))[0])
+    assert abs(value) <= 3 * shared + 1e-12 and shared <= error < 0.03
+
+
+def test_random_records_keep_the_error_of_their_blocks():
+    rates = np.random.default_rng(3).normal(size=(1024, 50))
+    error = mean_and_error(rates)[1]
+    assert np.mean(error) == pytest.approx(1 / 32, rel=0.05)

@@ -115,9 +115,7 @@ def confirm_growth(
     ensemble.status[left], ensemble.step_verdict[left] = Status.unresolved, Verdict.stiff
 
 
-def _grown(
-    ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64], moved: Array
-) -> NDArray[np.bool_]:
+def _grown(ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64], moved: Array) -> NDArray[np.bool_]:
     """Whether some points have moved far beyond their first common period, for which their steps were chosen."""
     with np.errstate(invalid="ignore"):
         far = moved > GROWN * start_sizes(ensemble.model, ensemble.period[members], start[:, members])

@@ -55,9 +55,10 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
 def mean_and_error(rates: Array) -> tuple[Array, Array]:
     """Mean over periods and its error; rates have shape (period, ...).
 
-    The error is the standard error from `BLOCKS` block means, and at least half the range of the accumulated deviation from
-    the mean, over the length. For a random record that is smaller, 0.6 standard errors. Of the time direction of an unforced
-    cycle, whose growth is that of the speed and returns with it, blocks in step with the cycle show nothing else.
+    The error is the standard error from `BLOCKS` block means, and at least a third of the range of the accumulated deviation
+    from the mean, over the length: three errors bound what the length leaves of a growth that returns, such as that of the
+    time direction of an unforced cycle, which blocks in step with the cycle do not show. For a random record it is 0.4
+    standard errors.
     """
     n = rates.shape[0] // BLOCKS
     if n == 0:
@@ -69,13 +70,13 @@ def mean_and_error(rates: Array) -> tuple[Array, Array]:
 
 
 def _swing(series: Array) -> Array:
-    """Half the range of the accumulated deviation from the mean along the last axis, over its length."""
+    """A third of the range of the accumulated deviation from the mean along the last axis, over its length."""
     off = np.cumsum(series - series.mean(axis=-1, keepdims=True), axis=-1)
-    return np.asarray((np.fmax(off.max(axis=-1), 0.0) - np.fmin(off.min(axis=-1), 0.0)) / (2 * series.shape[-1]))
+    return np.asarray((np.fmax(off.max(axis=-1), 0.0) - np.fmin(off.min(axis=-1), 0.0)) / (3 * series.shape[-1]))
 
 
 def in_phase(rates: Array) -> Array:
-    """Error of the mean over runs too, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
+    """Error, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
 
     Runs of one cycle are no independent ones, and the mean over them is no better than each.
     """

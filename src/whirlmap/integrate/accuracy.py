@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.trials import Reference, Trials
+from whirlmap.integrate.trials import Trials
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -33,9 +33,6 @@ BELIEVED = 48
 #: Steps of a point whose method has lost its order: between steps a corner moves by their error, and with 64 of them that
 #: shakes a periodic orbit of the dead zone by 2e-4, which its tangent vector takes for chaos.
 KINKED = 256
-#: Steps with which a rung is confirmed where the motion crosses surfaces: located corners begin new steps, so that all rungs
-#: whose grids leave out a contact take it in the same steps, with the same error.
-THROUGH = LADDER[-1]
 
 
 class Verdict(IntEnum):
@@ -125,8 +122,7 @@ def choose_steps(
     A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
     steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point
-    that has lost its order goes on to `KINKED` steps, or to the accuracy. Where the motion crosses surfaces a rung is taken
-    only if it agrees with `THROUGH` steps as well.
+    that has lost its order goes on to `KINKED` steps, or to the accuracy.
 
     Raises
     ------
@@ -148,12 +144,11 @@ def choose_steps(
     verdict[running] = Verdict.stiff
     history, kinked = np.full((len(LADDER), n), np.nan), np.zeros(n, dtype=bool)
     trials = Trials(ensemble, members, sections, span, observe, progress)
-    fine = Reference(trials, THROUGH)
     if least is not None:  # most points meet it with the steps that they have: all of these in two runs
         at = np.flatnonzero(running)
         own, finer = (trials.run(at, np.array(LADDER)[first[at] + k]) for k in (0, 1))
         found, away = own.difference(finer)
-        met = ~away & (found <= accuracy) & ~finer.crosses()
+        met = ~away & (found <= accuracy)
         error[at[met]] = begun[at[met]] = found[met]
         verdict[at[met]], size[:, at[met]] = Verdict.met, finer.largest()[:, met]
         running[at[met]] = False
@@ -170,9 +165,6 @@ def choose_steps(
         # A method that is unstable diverges at about the same time with any steps, up to those with which it is not.
         since[left] = np.where(away, np.minimum(since[left], LADDER[i]), np.inf)
         found[away & (LADDER[i] < DIVERGES * since[left])] = np.inf
-        if rung < THROUGH:
-            through = np.flatnonzero((found <= accuracy) & now.crosses() & ~away)
-            found[through] = np.maximum(found[through], fine.difference(before.keep(through), left[through]))
         history[i, left] = error[left] = found
         begun[left], size[:, left] = np.where(first[left] == i, found, begun[left]), now.largest()
         steps[left] = LADDER[i]

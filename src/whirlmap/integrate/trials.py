@@ -51,7 +51,7 @@ class Trials:
         run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
         end = part.end_time / part.period - begin
         sizes = motion_sizes(part, run, x)
-        return Trial(steps, run.saved, sizes, part.status, end, seen, part.crossings, self.sections)
+        return Trial(steps, run.saved, sizes, part.status, end, seen, self.sections)
 
 
 @dataclass(frozen=True)
@@ -64,20 +64,14 @@ class Trial:
     status: NDArray[np.int8]
     end: Array
     seen: Array
-    crossings: Array
     sections: int
 
     def keep(self, which: NDArray[np.intp]) -> "Trial":
         """Some of the points, by their places, in that order."""
         k = (np.arange(self.sections)[:, None] * (self.status.size // self.sections) + which).ravel()
         return Trial(
-            self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.seen[:, k],
-            self.crossings[k], self.sections,
+            self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.seen[:, k], self.sections
         )  # fmt: skip
-
-    def crosses(self) -> NDArray[np.bool_]:
-        """Whether each point crossed a surface at which its rates kink or jump."""
-        return np.asarray((self.crossings.reshape(self.sections, -1) > 0).any(axis=0))
 
     def largest(self) -> Array:
         """Size of each point's motion, shape (state, point)."""
@@ -90,11 +84,11 @@ class Trial:
             parts = [v.reshape(*v.shape[:-1], self.sections, v.shape[-1] // self.sections) for v in (a, b)]
             return np.concatenate(parts, axis=-1).reshape(*a.shape[:-1], a.shape[-1] + b.shape[-1])
 
-        names = ("saved", "size", "status", "end", "crossings")
-        saved, size, status, end, crossings = (both(getattr(self, n), getattr(other, n)) for n in names)
+        names = ("saved", "size", "status", "end")
+        saved, size, status, end = (both(getattr(self, n), getattr(other, n)) for n in names)
         rows = max(len(self.seen), len(other.seen))
         seen = both(*(np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in (self, other)))
-        return Trial(other.steps, saved, size, status, end, seen, crossings, self.sections)
+        return Trial(other.steps, saved, size, status, end, seen, self.sections)
 
     def difference(self, finer: "Trial") -> tuple[Array, NDArray[np.bool_]]:
         """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
@@ -119,26 +113,6 @@ class Trial:
         out = np.where(contact, np.maximum(out, apart), out)
         worst: Array = np.where(ended & ~contact & ~diverged, np.inf, out).reshape(self.sections, -1).max(axis=0)
         return worst, np.asarray(diverged.reshape(self.sections, -1).any(axis=0))
-
-
-class Reference:
-    """Trials of points with the same, many steps, each run once, when it is first asked for."""
-
-    def __init__(self, trials: Trials, steps: int) -> None:
-        self.trials, self.steps = trials, steps
-        self.points = np.zeros(0, dtype=np.intp)
-        self.trial: Trial | None = None
-
-    def difference(self, trial: "Trial", points: NDArray[np.intp]) -> Array:
-        """Largest scaled difference of the points of a trial, given by their place among the members, from their own."""
-        new = points[~np.isin(points, self.points)]
-        if new.size:
-            run = self.trials.run(new, self.steps)
-            self.points, self.trial = np.append(self.points, new), run if self.trial is None else self.trial.joined(run)
-        if self.trial is None:
-            return np.zeros(0)
-        order = np.argsort(self.points)
-        return trial.difference(self.trial.keep(order[np.searchsorted(self.points[order], points)]))[0]
 
 
 def motion_sizes(ensemble: Ensemble, run: Segment, start: Array) -> Array:
