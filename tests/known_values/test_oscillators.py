@@ -7,10 +7,12 @@ over 32 lanes with different starts; tolerance: three of the table's errors plus
 import numpy as np
 import pytest
 
+import whirlmap
 from whirlmap.analysis.periodicity import return_multiple
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.models import family
+from whirlmap.results.regime import Regime
 
 
 def lanes(name, values, x, steps, swept=None):
@@ -134,3 +136,10 @@ def test_gear_with_backlash():
     growth = chaotic.advance(3000).growth[:, 0].mean(axis=0) / chaotic.period
     assert 0.035 < np.median(growth[:16]) < 0.055  # the table's 0.041 to 0.048 and 0.056 to 0.060, fixed-step, widened
     assert 0.050 < np.median(growth[16:]) < 0.066
+
+
+def test_a_linear_oscillator_that_is_hardly_damped_is_periodic_at_every_speed():
+    """Contraction by 0.1 % is slow, and no torus: an exponent below zero by three errors is no zero."""
+    system = whirlmap.load("duffing", start={"x": 1.0}, alpha=1.0, beta=0.0, delta=0.002, gamma=0.5)
+    ds = whirlmap.bifurcation_diagram(system, "omega", np.linspace(1.9, 2.1, 9), lyapunov=1024)
+    assert (ds["period_T"].values == 1).all() and (ds["regime"].values == Regime.periodic).all()

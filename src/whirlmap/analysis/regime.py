@@ -137,7 +137,7 @@ def decide(evidence: Evidence) -> Findings:
     Notes
     -----
     A zero exponent is one whose total growth, exponent x duration, stays below ln(periods) + 3: distances on a torus grow in
-    proportion to time. They do not shrink, so that a sure fall below -3 contracts. Narrow bands of chaos hop round a cycle
+    proportion to time. They do not shrink: one below zero by three errors is no zero, and a sure fall below -3 contracts. Narrow bands of chaos hop round a cycle
     with a rational rotation number to many digits, so that a number within ten errors of a ratio with a denominator up to
     32 does not speak for a torus. A section that turns slowly (oversampled) gives the 0-1 test no say.
 
@@ -193,7 +193,7 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
         grown = e.exponent * e.duration
         limit = np.log(np.maximum(e.section.points, LEAST)) + BREATHING
         sure = np.abs(e.exponent) > 3 * e.exponent_error
-        vote = np.where(np.abs(grown) < limit, Vote.regular, Vote.none)
+        vote = np.where((np.abs(grown) < limit) & ~(sure & (grown < 0)), Vote.regular, Vote.none)
         vote = np.where(sure & (grown >= limit), Vote.chaotic, vote)
         return np.where(contracts(e.exponent, e.exponent_error, e.duration), Vote.periodic, vote)
 

@@ -277,6 +277,9 @@ def simulation_in_stretches(
             last = parts[-1]["x"].isel(time=-1).values
             if np.isfinite(last).all():
                 now = _from(system, last)
+            if len(parts) > 1 and int(parts[-1]["status"]) != Status.ok:  # what has diverged is told from the very start
+                whole = simulate(system, periods=periods, transient=transient, **options)
+                return Work(whole.assign_attrs(doubts), periods, periods)
     except KeyboardInterrupt:
         if not parts:
             return Work(None, 0, periods)
