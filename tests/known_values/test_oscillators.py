@@ -1,4 +1,4 @@
-"""Published and independently computed numbers of /work's `known_values.md`, copied here with their errors.
+"""Published and independently computed numbers, with their errors.
 
 Block standard errors of one chaotic run are too small (two runs differed by 2.6 of them), so that exponents are means
 over 32 lanes with different starts; tolerance: three of the table's errors plus 1 %, as its head says.

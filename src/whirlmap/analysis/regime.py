@@ -137,9 +137,10 @@ def decide(evidence: Evidence) -> Findings:
     Notes
     -----
     A zero exponent is one whose total growth, exponent x duration, stays below ln(periods) + 3: distances on a torus grow in
-    proportion to time. They do not shrink: one below zero by three errors is no zero, and a sure fall below -3 contracts. Narrow bands of chaos hop round a cycle
-    with a rational rotation number to many digits, so that a number within ten errors of a ratio with a denominator up to
-    32 does not speak for a torus. A section that turns slowly (oversampled) gives the 0-1 test no say.
+    proportion to time. They do not shrink: one below zero by three errors is no zero, and a sure fall below -3 contracts.
+    Narrow bands of chaos hop round a cycle with a rational rotation number to many digits, so that a number within ten
+    errors of a ratio with a denominator up to 32 does not speak for a torus. A section that turns slowly (oversampled)
+    gives the 0-1 test no say.
 
     Limits: a torus about to break up, and chaos whose exponent is below 10 / duration, are undecided. A transient longer
     than the run is what it looks like.

@@ -33,7 +33,7 @@ VANISHES = 0.5
 CLOSED = 1e-6
 #: Part of its bound, and growth since the start where the model declares none, from which a point has diverged whose
 #: steps fail.
-NEAR, GROWN = 1e-2, 1e6
+NEAR, GROWN = 1e-2, 1e5
 
 
 @dataclass(frozen=True)
