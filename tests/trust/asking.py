@@ -7,8 +7,8 @@ The tests of this folder hold whirlmap against truths that it had no part in:
 | test_kinks_and_jumps | friction, stops, backlash, relays, switched stiffness, rub | `truth_orbits`: event location |
 | test_blind_oscillators | twenty oscillators drawn at random | the same, at test time |
 | test_ends_of_runs | contact, growth and escape that come late | the same; SciPy's events for times |
-| test_scales | the same systems in metres, micrometres, nanoseconds | the unscaled twin, and closed forms |
-| test_unforced | cycles, stiff, with kinks and sliding | closed forms, `truth_cycles` (Radau, DOP853), events |
+| test_scaled_twins | the same systems in metres, micrometres, nanoseconds | the unscaled twin, and closed forms |
+| test_unforced_cycles | cycles, stiff, with kinks and sliding | closed forms, `truth_cycles` (Radau, DOP853), events |
 | test_exponents_exact | exponents and their errors | closed forms, Liouville, monodromy matrices, saltation |
 | test_two_frequencies | sweeps of one of several frequencies | superposition in closed form (`truth_linear`), SciPy |
 | test_extremes | extremes, means, rms between the steps | closed forms, SciPy's interpolant |
