@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.open_points import ENOUGH
+from whirlmap.analysis.labels.nonperiodic_points import ENOUGH
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.points import Labelling, label_points
 

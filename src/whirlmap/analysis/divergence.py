@@ -72,7 +72,7 @@ def swarm_divergence(ensemble: Ensemble, good: NDArray[np.bool_], multiple: int 
     if not good.any():
         return np.nan, np.nan
     whole = max(multiple, 1)
-    length = max(LENGTH // (ensemble.common_multiple * whole), 1) * whole
+    length = max(LENGTH // (ensemble.strobe * whole), 1) * whole
     mean, error = mean_divergence(ensemble.subset(np.flatnonzero(good)), length)
     seen = np.isfinite(mean)
     if not seen.any():
@@ -130,7 +130,7 @@ def _mean(
     run: Ensemble, points: NDArray[np.intp], local: NDArray[np.intp], steps: int, length: int, trace: "_Trace"
 ) -> Array:
     """Mean over the next ``length`` common periods of some points that share their steps."""
-    common = run.common_multiple
+    common = run.strobe
     total, left, turns = np.zeros(points.size), length, max(TOGETHER // (steps * common * points.size), 1)
     while left:
         now = min(turns, left)

@@ -43,7 +43,7 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
     array, shape (period, exponent, point)
         Growth rate per unit of the model's time in each common period; NaN in points that have ended.
     """
-    common = ensemble.common_multiple
+    common = ensemble.strobe
     ensemble.advance(align * common, progress=progress)
     segment = ensemble.advance(periods * common, progress=progress)
     growth = segment.growth.reshape(periods, common, ensemble.tangents, ensemble.points).sum(axis=1)
@@ -52,14 +52,20 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
     return rates
 
 
-def mean_and_error(rates: Array) -> tuple[Array, Array]:
+def mean_and_error(rates: Array, cycle: int = 1) -> tuple[Array, Array]:
     """Mean over periods and its error; rates have shape (period, ...).
+
+    ``cycle`` is the number of periods after which the forcing repeats: where the record is long enough whole cycles count,
+    for within one the rates change with its phase.
 
     The error is the standard error from `BLOCKS` block means, and at least a third of the range of the accumulated deviation
     from the mean, over the length: three errors bound what the length leaves of a growth that returns, such as that of the
     time direction of an unforced cycle, which blocks in step with the cycle do not show. For a random record it is 0.4
     standard errors.
     """
+    if rates.shape[0] >= BLOCKS * cycle:
+        whole = rates.shape[0] // cycle
+        rates = rates[: whole * cycle].reshape(whole, cycle, *rates.shape[1:]).mean(axis=1)
     n = rates.shape[0] // BLOCKS
     if n == 0:
         raise RangeError(f"an error needs at least {BLOCKS} periods, not {rates.shape[0]}")
@@ -140,7 +146,7 @@ def lyapunov_spectrum(
     )
     ensemble = tuned(ensemble).ensemble  # vectors that vanish on the way would not come back
     align = max(transient // 10, 5)
-    ensemble.advance(max(transient - align, 0) * ensemble.common_multiple, progress=progress)
+    ensemble.advance(max(transient - align, 0) * ensemble.strobe, progress=progress)
     carried = tuned(ensemble, FINE, returns=True)
     ensemble = carried.ensemble
     rates = exponents(ensemble, periods, align=align, progress=progress)

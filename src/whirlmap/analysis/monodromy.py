@@ -42,7 +42,7 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
                 steps=ensemble.point_steps[points[these]], method=ensemble.method, tangents=n, workers=ensemble.workers,
                 orthonormal=False, turn=ensemble.period[points[these]],
             )  # fmt: skip
-            e.advance(int(m) * e.common_multiple)
+            e.advance(int(m) * e.strobe)
             columns = e.vectors[:, :, e.running].transpose(2, 1, 0)
             largest[these[e.running]] = np.abs(np.linalg.eigvals(columns)).max(axis=1)
     return largest

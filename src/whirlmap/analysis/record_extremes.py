@@ -40,7 +40,7 @@ def extremes_of_record(
     least = KINKED_EXTREMES if sided(ensemble.model).surfaces else EXTREMES_STEPS
     fine = ensemble.subset(members, steps=np.maximum(finer * ensemble.point_steps[members], least))
     out = empty_extremes(fine)
-    length = np.where((multiple > 0) & fine.model.forced, np.minimum(multiple * fine.common_multiple, kept), kept)
+    length = np.where((multiple > 0) & fine.model.forced, multiple * fine.strobe, kept)
     for periods in np.unique(length):
         these = np.flatnonzero(length == periods)
         found = fine.advance(int(periods), members=these, extremes="between", progress=progress).extremes

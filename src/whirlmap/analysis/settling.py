@@ -188,7 +188,7 @@ def settle(
     Settled
         Points that ended, and points that did not return in the longest time, have multiple 0.
     """
-    common = ensemble.common_multiple
+    common = ensemble.strobe
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
     wide = np.ones(ensemble.points) if wide is None else wide
     pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))

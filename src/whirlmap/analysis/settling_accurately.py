@@ -14,6 +14,7 @@ from whirlmap.analysis.endings import confirm_ends, confirm_growth, restarted
 from whirlmap.analysis.settled_steps import LOST, steps_of_settled, wider_tolerance
 from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.analysis.settling_unforced import settle_unforced, trends_beyond
+from whirlmap.analysis.settling_without_returns import settle_without_returns
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -31,7 +32,7 @@ def settle_accurately(
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
     """Settle, and settle on with more steps where the settled motion, or what lies before an end, needs them."""
-    how = _settle_forced if ensemble.model.forced else settle_unforced
+    how = settle_unforced if not ensemble.model.forced else _settle_forced if ensemble.returns else settle_without_returns
 
     def settle_part(part: Ensemble, members: NDArray[np.intp]) -> None:
         again = how(part, settling, longest[members], cyclic, progress)

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.divergence import missed, off_zero, swarm_divergence
-from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.labels.section_evidence import LEAST
 from whirlmap.analysis.lyapunov import BLOCKS, in_phase, mean_and_error
 from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.integrate.ensemble import Ensemble
@@ -77,14 +77,14 @@ class TangentRun:
 def run_with_section(
     ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None
 ) -> tuple[Array, Array]:
-    """Local exponents of successive common periods, and the section points met on the way.
+    """Local exponents of successive periods T, and the section points met on the way.
 
     Parameters
     ----------
     ensemble : Ensemble
         On its attractor, with tangent vectors; advanced in place.
     periods : int
-        Common periods that count (for an unforced model: typical times).
+        T that count (for an unforced model: typical times).
     align : int
         Those run before, while the tangent vectors turn into place.
 
@@ -93,17 +93,15 @@ def run_with_section(
     rates : array, shape (period, exponent, point)
         Per unit of time; NaN in points that ended.
     section : array, shape (time, state, point)
-        Once per common period, or the crossings of an unforced model, as many as each point has: the rows beyond are NaN.
+        Once per T, or the crossings of an unforced model, as many as each point has: the rows beyond are NaN.
     """
-    common = ensemble.common_multiple
-    ensemble.advance(align * common, progress=progress)
+    ensemble.advance(align, progress=progress)
     if ensemble.model.forced:
-        segment = ensemble.advance(periods * common, save_periods=common, progress=progress)
+        segment = ensemble.advance(periods, save_periods=1, progress=progress)
         growth, section = segment.growth, segment.saved
     else:
         section, _, growth = run_with_crossings(ensemble, periods, progress=progress)
-    local = growth.reshape(periods, -1, ensemble.tangents, ensemble.points).sum(axis=1)
-    rates = local / (common * ensemble.period)
+    rates = growth / ensemble.period
     rates[:, :, ensemble.status != Status.ok] = np.nan
     return rates, section
 
@@ -143,7 +141,7 @@ def exponents_to_error(
     rate = 2 * np.pi / float(ensemble.period.max())  # of one operating point
     pieces: list[Array] = []
     sections: list[Array] = []
-    done, stretch = 0, min(max(FIRST_STRETCH // ensemble.common_multiple, BLOCKS, least), most)
+    done, stretch = 0, min(max(FIRST_STRETCH // ensemble.strobe, BLOCKS, least), most)
     while True:
         rates, section = run_with_section(ensemble, stretch, align=16 if not pieces else 0, progress=progress)
         pieces.append(rates)

@@ -124,7 +124,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
 
 
 def _vote(vote: Any) -> str:
-    from whirlmap.analysis.regime import Vote
+    from whirlmap.analysis.labels.regime import Vote
 
     return Vote(int(vote)).name
 

@@ -169,7 +169,7 @@ def map(  # noqa: A001 (the command's name)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
     from whirlmap.analysis.settling import Settling
-    from whirlmap.sweep.points import Labelling
+    from whirlmap.analysis.labels.labelling import Labelling
     from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)

@@ -5,7 +5,7 @@ the ratio of two frequencies depends on a varied parameter, points are grouped b
 ensemble of its own.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -22,8 +22,19 @@ from whirlmap.integrate.system import System, exact_order, frequencies
 
 Array = NDArray[np.float64]
 
-#: Longest common period, in T, that a point of a sweep may have. A settled motion is seen over hundreds of common periods.
-LONGEST = 1000
+#: Longest common period, in T, that returns are counted in. A longer one is none that a motion is seen to return after.
+LONGEST = 128
+
+
+def common_multiple(orders: Sequence[Fraction]) -> int:
+    """Number of T in the common period of harmonics with these orders over the fastest."""
+    return lcm(*(order.denominator for order in orders)) if orders else 1
+
+
+def strobe(orders: Sequence[Fraction]) -> int:
+    """Number of T between section points that show returns: the common period, or one T where it is above `LONGEST`."""
+    common = common_multiple(orders)
+    return common if common <= LONGEST else 1
 
 
 @dataclass(frozen=True)
@@ -36,7 +47,7 @@ class OrderGroup:
     @property
     def common_multiple(self) -> int:
         """Number of T in the common period."""
-        return lcm(*(order.denominator for order in self.orders)) if self.orders else 1
+        return common_multiple(self.orders)
 
 
 def orders_vary(model: Model, names: Iterable[str]) -> bool:
@@ -70,8 +81,7 @@ def order_groups(system: System, values: Array, varied: Iterable[str]) -> list[O
     Raises
     ------
     RangeError
-        Naming the point: two of its frequencies have no ratio p/q with q up to 10 000, or its common period is longer than
-        `LONGEST`.
+        Naming the point: two of its frequencies have no ratio p/q with q up to 10 000.
     """
     varied, points = tuple(varied), values.shape[1]
     if not orders_vary(system.model, varied):
@@ -95,9 +105,6 @@ def order_groups(system: System, values: Array, varied: Iterable[str]) -> list[O
     groups = [
         OrderGroup(np.flatnonzero(of.ravel() == k), tuple(fractions[code] for code in row)) for k, row in enumerate(rows.T)
     ]  # fmt: skip
-    longest = max(groups, key=lambda group: group.common_multiple)
-    if longest.common_multiple > LONGEST:
-        raise RangeError(_too_long(system, values[:, longest.members[:1]], varied, longest))
     return sorted(groups, key=lambda group: group.common_multiple)
 
 
@@ -126,14 +133,3 @@ def _no_common_period(system: System, value: Array, varied: tuple[str, ...]) -> 
         f" frequencies whose ratio, {abs(ratios[odd]):.10g}, is not a ratio p/q with q up to 10000, so the forcing never"
         f" repeats and there is no common period to lock the steps to; expected a ratio of integers, such as {near}"
     )
-
-
-def _too_long(system: System, value: Array, varied: tuple[str, ...], group: OrderGroup) -> str:
-    orders = ", ".join(str(order) for order in group.orders)
-    near = ", ".join(str(order.limit_denominator(20)) for order in group.orders)
-    return (
-        f"{_at(system, value, varied)}{system.model.name}: the harmonics have the orders {orders}, and a common period of"
-        f" {group.common_multiple} T; expected one of at most {LONGEST} T: choose values that give simpler ratios, such as"
-        f" {near} here"
-    )
-

@@ -27,10 +27,10 @@ class Trials:
         observe: Callable[[Ensemble, int], Array] | None, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
         self.ensemble, self.members, self.observe, self.progress = ensemble, members, observe, progress
-        self.periods, self.sections = span * ensemble.common_multiple, sections
+        self.periods, self.sections = span * ensemble.strobe, sections
         self.starts = ensemble.x[None, :, members]
         if sections > 1:
-            along, common = ensemble.subset(members), ensemble.common_multiple
+            along, common = ensemble.subset(members), ensemble.strobe
             saved = along.advance((sections - 1) * common, save_periods=common, progress=progress).saved
             self.starts = np.concatenate([self.starts, saved])
 

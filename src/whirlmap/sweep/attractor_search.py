@@ -16,7 +16,8 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.points import POOLS, Labelling
+from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.sweep.points import POOLS
 from whirlmap.sweep.starts import repeated
 
 Array = NDArray[np.float64]
@@ -88,7 +89,7 @@ class Search:
             self.found.status[batch] = ensemble.status
             open_ones = np.flatnonzero(ensemble.running & ((returns.multiple == 0) | (not self.system.model.forced)))
             if open_ones.size:
-                common = ensemble.common_multiple
+                common = ensemble.strobe
                 saved = ensemble.advance(
                     RECORD * common, members=open_ones, save_periods=common, progress=self.progress
                 ).saved
@@ -115,7 +116,7 @@ class Search:
         first, rows = int(returned[0]), slice(self.system.model.dimension)
         m = int(self.multiple[first])
         ensemble = self.ensemble(self.x[:, [first]])
-        common = ensemble.common_multiple
+        common = ensemble.strobe
         orbit = ensemble.advance(m * common, save_periods=common, extremes=True)
         assert orbit.extremes is not None
         low, high = (orbit.extremes[name][rows] for name in ("minimum", "maximum"))
@@ -168,7 +169,7 @@ class Search:
     def _traces(self, starts: NDArray[np.intp]) -> Array:
         """Section points of long runs from where starts stand now, shape (start, time, state)."""
         ensemble = self.ensemble(self.x[:, starts])
-        common = ensemble.common_multiple
+        common = ensemble.strobe
         saved = ensemble.advance(TRACE * common, save_periods=common, progress=self.progress).saved
         return np.moveaxis(saved, 2, 0)
 

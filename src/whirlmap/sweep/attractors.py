@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.labels.section_evidence import LEAST
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.points import TANGENT_STEPS, cyclic_states, make_ensemble, run_attributes, tangent_steps
-from whirlmap.analysis.regime import regime
+from whirlmap.analysis.labels.regime import regime
 from whirlmap.analysis.returns import settle_and_record
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import run_with_section
@@ -24,7 +24,7 @@ from whirlmap.results.schema import names_coordinate, regime_variable, status_va
 from whirlmap.results.status import Status
 from whirlmap.sweep.attractor_search import Found, Search
 from whirlmap.sweep.point_variables import points_dataset
-from whirlmap.sweep.points import Labelling
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.starts import default_box, draw_starts, repeated
 
 Array = NDArray[np.float64]

@@ -21,7 +21,7 @@ from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
-from whirlmap.sweep.points import Labelling
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of
@@ -142,16 +142,16 @@ class Job:
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
     """What must agree for a cell to be left alone: regime, how the run ended, and the period, in T and in common periods."""
     return np.asarray(
-        ds["regime"].values.astype(np.int64) + 10 * ds["status"].values.astype(np.int64)
-        + 100 * ds["period_common"].values.astype(np.int64) + 10**8 * ds["period_T"].values.astype(np.int64)
+        ds["regime"].values.astype(np.int64) + 100 * ds["status"].values.astype(np.int64)
+        + 10**4 * ds["period_common"].values.astype(np.int64) + 10**9 * ds["period_T"].values.astype(np.int64)
     )  # fmt: skip
 
 
 def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
     inferred = out[EVALUATION] == Evaluation.inferred
     for name, code in (
-        ("regime", labels % 10), ("status", labels // 10 % 10), ("period_common", labels // 100 % 10**6),
-        ("period_T", labels // 10**8),
+        ("regime", labels % 100), ("status", labels // 100 % 100), ("period_common", labels // 10**4 % 10**5),
+        ("period_T", labels // 10**9),
     ):  # fmt: skip
         out[name][inferred] = code[inferred]
 

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.sweep.points import Labelling
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.stored import OnChunk, run_sweep
 from whirlmap.sweep.tolerances import Tolerance

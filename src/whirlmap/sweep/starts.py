@@ -9,7 +9,7 @@ from whirlmap.analysis.points import cyclic_states
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
-from whirlmap.sweep.points import Labelling
+from whirlmap.analysis.labels.labelling import Labelling
 
 Array = NDArray[np.float64]
 

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.regime import BREATHING
+from whirlmap.analysis.labels.regime import BREATHING
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
 
 Array = NDArray[np.float64]
@@ -158,7 +158,7 @@ class Labelled:
 def least_exponent(periods: int, common_period: float) -> float:
     """Smallest exponent that counts as growth, measured over so many common periods.
 
-    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.regime`. That also keeps out motion that grows
+    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.labels.regime`. That also keeps out motion that grows
     without bound: where neither the transient nor this run met the bound, it has grown by less.
     """
     return (math.log(periods) + BREATHING) / (periods * common_period)

@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.winding import Winding, converged_digits, winding_numbers
-from whirlmap.analysis.zero_one import STATUS, growth_rates, remove_cycle
+from whirlmap.analysis.zero_one import STATUS, growth_rates, phase_means, remove_cycle
 
 Array = NDArray[np.float64]
 
@@ -19,6 +19,13 @@ STILL = 1e-10
 REST = 1e-5
 #: Fewer section points say nothing.
 LEAST = 256
+#: Digits of Birkhoff averages above which a motion is smooth.
+SMOOTH = 6.0
+#: Longest return that is looked for, fewest section points for that, distance over the spread of a near one, and how much
+#: nearer it comes where it closes.
+LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
+#: Rounds of a cycle that a record holds at least where the mean of each of its phases is taken off.
+ROUNDS = 8
 #: Points whose coordinates are held at once: as many as stay in cache.
 TOGETHER = 32
 
@@ -33,8 +40,16 @@ class SectionEvidence:
         K of the 0-1 test, median over observables.
     growth_low : array
         Its lower quartile over angles.
-    digits : array
-        `converged_digits` of the weighted Birkhoff average, median over observables.
+    digits, digits_before : array
+        `converged_digits` of the weighted Birkhoff average, median over observables: the larger of those of the whole record
+        and of its last half, and those of its last quarter.
+    rough : array
+        The same of the whole record, relative to what is left without the cycle that the motion hops around.
+    uneven : array
+        How much the extents of the first and the last third of the record differ, over the extent; the largest of the
+        observables.
+    closes : array of bool
+        Whether the section comes near to a return, and nearer in the last third of the record than in the first.
     points : int
         Section points judged.
     """
@@ -42,18 +57,24 @@ class SectionEvidence:
     growth: Array
     growth_low: Array
     digits: Array
+    digits_before: Array
+    rough: Array
+    uneven: Array
+    closes: NDArray[np.bool_]
     points: int
 
 
 def section_evidence(
-    section: Array, *, cyclic: Mapping[int, float] | None = None, angles: int = 40
+    section: Array, *, common: int = 1, cyclic: Mapping[int, float] | None = None, angles: int = 40
 ) -> SectionEvidence:
     """0-1 test and weighted Birkhoff average of many operating points.
 
     Parameters
     ----------
     section : array, shape (time, state, point)
-        Successive section points, one per common period (or crossing), settled. Points with NaN are not judged.
+        Successive section points, one per T (or crossing), settled. Points with NaN are not judged.
+    common : int
+        Number of T after which the forcing repeats.
     cyclic : mapping of state index to period, optional
         Angles, which enter by their cosine and sine.
     angles : int
@@ -61,37 +82,95 @@ def section_evidence(
 
     Notes
     -----
-    Coordinates are divided by their spread; the cycle that the motion hops around is taken off (`remove_cycle`), so
-    that chaos in narrow bands is seen, and digits are relative to what is left. An observable that turns slowly
-    (oversampled) silences the 0-1 test.
+    Coordinates are divided by their spread. What repeats with the forcing is taken off (the mean of each phase of the
+    common period, where the record holds `ROUNDS` of these), and the cycle that the motion hops around (`remove_cycle`), for
+    the 0-1 test and ``rough``, so that chaos in narrow bands is seen. The 0-1 test sees one point per common period, or as
+    many more as it needs; an observable that turns slowly (oversampled) silences it. It is not asked where the averages
+    converge (`SMOOTH`): it can only agree.
     """
     count = section.shape[2]
-    growth, low, digits = (np.full(count, np.nan) for _ in range(3))
+    growth, low, digits, before, rough, uneven = (np.full(count, np.nan) for _ in range(6))
+    closes = np.zeros(count, dtype=bool)
     for part in _parts(section):
         columns, moves = moving_coordinates(section[:, :, part], cyclic)
         judged = np.flatnonzero(moves.any(axis=1))
-        watched = observables(columns[judged], moves[judged])
-        flat = watched.reshape(-1, watched.shape[-1]).T  # (time, point and observable)
-        rest = remove_cycle(flat)[0]
-        # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
-        left = np.ascontiguousarray(rest.T).reshape(watched.shape)
-        moving = (left.std(axis=2) >= REST * watched.std(axis=2)).all(axis=1)
-        judged, rest = judged[moving], left[moving].reshape(-1, watched.shape[-1]).T
         if not judged.size:
             continue
-        (lower, middle, _), status, _ = growth_rates(rest, angles)
-        each = (judged.size, OBSERVABLES)
+        watched = observables(columns[judged], moves[judged])
+        rows, at = watched.shape[-1], part[judged]
+        before[at] = _digits(watched[:, :, -(rows // 4) :])
+        digits[at] = np.maximum(_digits(watched), _digits(watched[:, :, -(rows // 2) :]))
+        extents = [np.ptp(watched[:, :, k], axis=2) for k in (slice(rows // 3), slice(-(rows // 3), None))]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            uneven[at] = (np.abs(extents[0] - extents[1]) / np.maximum(*extents)).max(axis=1)
+        strobed = watched[:, :, (rows - 1) % common :: common]
+        closes[at] = _closes(strobed) if strobed.shape[2] >= LEAST_RETURNS else False
+        unsure = np.flatnonzero(digits[at] < SMOOTH)
+        at, watched = at[unsure], watched[unsure]
+        left = _without_cycles(watched.reshape(-1, rows), common).reshape(watched.shape)
+        # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
+        moving = (left.std(axis=2) >= REST * watched.std(axis=2)).all(axis=1)
+        at, left = at[moving], left[moving]
+        if not at.size:
+            continue
+        rough[at] = _digits(left)
+        stride = _stride(rows, common)
+        strided = left[:, :, (rows - 1) % stride :: stride]
+        (lower, middle, _), status, _ = growth_rates(strided.reshape(-1, strided.shape[-1]).T, angles)
+        each = (at.size, OBSERVABLES)
         slow = (status.reshape(each) == STATUS.index("oversampled")).any(axis=1)
-        at = part[judged]
         growth[at] = np.where(slow, np.nan, np.median(middle.reshape(each), axis=1))
         low[at] = np.where(slow, np.nan, np.median(lower.reshape(each), axis=1))
-        digits[at] = np.median(converged_digits(rest).reshape(each), axis=1)
-    return SectionEvidence(growth, low, digits, section.shape[0])
+    return SectionEvidence(growth, low, digits, before, rough, uneven, closes, section.shape[0])
 
 
-def _parts(section: Array) -> list[NDArray[np.intp]]:
+def _digits(left: Array) -> Array:
+    """Digits of observables, shape (point, observable, time): the median over observables."""
+    flat = left.reshape(-1, left.shape[-1]).T
+    return np.asarray(np.median(converged_digits(flat).reshape(left.shape[:2]), axis=1))
+
+
+def _closes(strobed: Array) -> NDArray[np.bool_]:
+    """Whether the nearest return of observables, shape (point, observable, time), comes nearer along the record.
+
+    On a torus the distance over any number of common periods is that of a shift of the phase, and stays.
+    """
+    rows = strobed.shape[2]
+    most, part = min(LONGEST_RETURN, rows // 2), rows // 6
+    near = np.stack([np.abs(strobed[:, :, -part:] - strobed[:, :, -part - q : -q]).max(axis=(1, 2)) for q in range(1, most + 1)])
+    nearest = near.argmin(axis=0) + 1
+    out = np.zeros(len(strobed), dtype=bool)
+    for q in np.unique(nearest[near.min(axis=0) < NEAR]):
+        at = np.flatnonzero((nearest == q) & (near.min(axis=0) < NEAR))
+        away = ((strobed[at, :, q:] - strobed[at, :, :-q]) ** 2).sum(axis=1)
+        third = away.shape[1] // 3
+        out[at] = away[:, -third:].mean(axis=1) < CLOSER**2 * away[:, :third].mean(axis=1)
+    return out
+
+
+def _stride(rows: int, common: int) -> int:
+    """T between the points that the 0-1 test sees: the largest part of a common period that leaves it enough of them."""
+    most = min(common, rows // LEAST)
+    return max((d for d in range(1, most + 1) if common % d == 0), default=1)
+
+
+def _without_cycles(series: Array, common: int) -> Array:
+    """Series, shape (series, time), less what repeats with the forcing and the cycle that they hop around."""
+    rows = series.shape[1]
+    if rows < ROUNDS * common:
+        return series - series.mean(axis=1, keepdims=True)
+    left = series - phase_means(series, common)
+    if common == 1:
+        return np.ascontiguousarray(remove_cycle(left.T)[0].T)
+    _, cycle = remove_cycle(left[:, ::common].T)
+    for m in np.unique(cycle[(cycle > 1) & (rows >= ROUNDS * cycle * common)]):
+        left[cycle == m] -= phase_means(left[cycle == m], int(m) * common)
+    return left
+
+
+def _parts(section: Array, least: int = LEAST) -> list[NDArray[np.intp]]:
     """Points that are judged together; none where the section is too short."""
-    points = np.arange(section.shape[2] if section.shape[0] >= LEAST else 0)
+    points = np.arange(section.shape[2] if section.shape[0] >= least else 0)
     return [points[k : k + TOGETHER] for k in range(0, points.size, TOGETHER)]
 
 
@@ -148,13 +227,13 @@ def moving_coordinates(
     return x, moves
 
 
-def windings_of(section: Array, cyclic: Mapping[int, float] | None = None) -> list[Winding]:
+def windings_of(section: Array, cyclic: Mapping[int, float] | None = None, *, least: int = LEAST) -> list[Winding]:
     """Rotation numbers of section points, shape (time, state, point), in the plane of their two largest extents.
 
     The direction of turning depends on the plane, so that number and 1 - number mean the same.
     """
     out = [Winding(np.nan, np.nan, "not-finite")] * section.shape[2]
-    for part in _parts(section):
+    for part in _parts(section, least):
         columns, moves = moving_coordinates(section[:, :, part], cyclic)
         count = moves.sum(axis=1)
         lines, planes = np.flatnonzero(count == 1), np.flatnonzero(count > 1)

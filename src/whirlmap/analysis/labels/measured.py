@@ -28,12 +28,13 @@ class Measured:
     exponent_periods: NDArray[np.int64]
     confidence: Array
     winding: Array
+    rule: NDArray[np.int8]
     start_found: NDArray[np.bool_]
     steps: NDArray[np.int64]
     step_error: Array
     step_verdict: NDArray[np.int8]
     grazings: NDArray[np.int64]
-    common: NDArray[np.int64]
+    common: Array
     end_state: Array
 
 

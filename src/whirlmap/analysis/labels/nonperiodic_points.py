@@ -1,0 +1,264 @@
+"""Operating points that do not return: exponent, section and verdict of each, run as long as that one needs.
+
+A run with one tangent vector gives both, once per T. It goes on in stretches that double, until the rule (`regime`) has a
+label and the error of the exponent is small enough, or to the longest length. A point whose tangent vector shrinks for sure
+is on its way to an orbit, for which it needs no tangent vector, and stops. Every point is judged anew at the end of every
+stretch by its whole record: a label that an early stretch gave does not stay. A point's numbers depend on its own run alone.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.labels.locked import locked_multiple
+from whirlmap.analysis.labels.regime import Rule, contracts, regime
+from whirlmap.analysis.labels.section_evidence import LEAST
+from whirlmap.analysis.lyapunov import mean_and_error
+from whirlmap.analysis.tangent_accuracy import tuned
+from whirlmap.analysis.tangent_run import run_with_section
+from whirlmap.analysis.unbounded import Trends
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales
+from whirlmap.results.regime import Regime
+
+Array = NDArray[np.float64]
+Points = NDArray[np.intp]
+
+#: Error of the largest exponent, relative and in units of 2 pi/T, with which a labelled point stops.
+ENOUGH = (0.05, 0.005)
+#: Points that run together, and numbers of their section points that are held until they are judged, about.
+TOGETHER, HELD = 512, 2**23
+#: T that the longest of those records has, in the mean.
+USUAL = 1024
+#: Points whose trends are computed together: what that takes on the way is several times their section points.
+TRENDS = 64
+#: Section points, once per common period, that are kept of a point that contracts, and longest return that is looked for.
+KEPT, LONGEST_RETURN = 512, 200
+
+
+@dataclass(frozen=True)
+class OpenPoints:
+    """What was found, each array of shape (point,).
+
+    Attributes
+    ----------
+    regime : array of int
+        `Regime`: quasi-periodic, chaotic, locked or undecided.
+    rule : array of int
+        `Rule` that decided.
+    confidence, winding : array
+        As of `whirlmap.analysis.labels.regime.regime`.
+    exponent, error : array
+        Largest Lyapunov exponent and one standard error, per unit of the model's time.
+    periods : array of int
+        T over which it was measured.
+    shrinks : array of bool
+        Whether the tangent vector shrinks for sure.
+    closes : array of bool
+        Whether its section comes near to a return, and nearer as time goes on.
+    growth : array
+        Rate per unit of time at which the section's range grows or falls steadily; NaN where it does not.
+    drift : array, shape (state, point)
+        Speed per unit of time at which the section's mean moves steadily; zero where it does not.
+    centre, reach : array, shape (state, point)
+        Of the section, as in `Trends`.
+    x : array, shape (state, point)
+        Where the run was left, at phase zero.
+    nearest : array of int
+        Return in common periods that the section comes nearest to, 0 where none was looked for.
+    nearness : array
+        Its scaled distance, by the last section point.
+    multiple : array of int
+        n of a locked motion.
+    paths : dict of array, shape (time, state)
+        Last section points of points that may return, once per common period.
+    """
+
+    regime: NDArray[np.int8]
+    rule: NDArray[np.int8]
+    confidence: Array
+    winding: Array
+    exponent: Array
+    error: Array
+    periods: NDArray[np.int64]
+    shrinks: NDArray[np.bool_]
+    closes: NDArray[np.bool_]
+    growth: Array
+    drift: Array
+    centre: Array
+    reach: Array
+    x: Array
+    nearest: NDArray[np.int64]
+    nearness: Array
+    multiple: NDArray[np.int64]
+    paths: dict[int, Array] = field(default_factory=dict)
+
+    @classmethod
+    def none(cls, x: Array) -> "OpenPoints":
+        """Points of which nothing is known yet, at states of shape (state, point)."""
+        states, points = x.shape
+        zero, unknown = np.zeros((states, points)), np.full((5, points), np.nan)
+        whole = np.zeros((3, points), dtype=np.int64)
+        return cls(
+            np.full(points, Regime.undecided, dtype=np.int8), np.full(points, Rule.none, dtype=np.int8), np.zeros(points),
+            unknown[0], unknown[1], unknown[2], whole[0], np.zeros(points, dtype=bool), np.zeros(points, dtype=bool), unknown[3], zero, zero.copy(),
+            zero.copy(), x.copy(), whole[1], unknown[4], whole[2],
+        )  # fmt: skip
+
+    def take(self, other: "OpenPoints", points: Points) -> None:
+        """Take over what was found of some points."""
+        for one in fields(self):
+            if one.name != "paths":
+                getattr(self, one.name)[..., points] = getattr(other, one.name)
+        self.paths.update({int(points[k]): path for k, path in other.paths.items()})
+
+
+def judge_open_points(
+    tangent: Ensemble,
+    most: int,
+    cyclic: Mapping[int, float] | None,
+    progress: Callable[[int], None] | None = None,
+    *,
+    contraction_ends: bool = False,
+) -> OpenPoints:
+    """Measure and judge points that have settled but do not return.
+
+    Parameters
+    ----------
+    tangent : Ensemble
+        At the settled states, at phase zero, with one tangent vector; its ``status`` is taken forward in place.
+    most : int
+        T (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
+    contraction_ends : bool
+        Whether points that can return stop, undecided, once their tangent vectors have shrunk for sure.
+    """
+    n, states = tangent.points, tangent.model.dimension
+    found = OpenPoints.none(tangent.x)
+    together = int(np.clip(HELD // (USUAL * states), 16, TOGETHER))
+    for first in range(0, n, together):
+        members = np.arange(first, min(first + together, n))
+        _Judge(tangent, members, most, dict(cyclic or {}), found, progress).run(contraction_ends and tangent.returns)
+    return found
+
+
+class _Judge:
+    """Some of the points, on the way to their verdicts."""
+
+    def __init__(
+        self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], found: OpenPoints,
+        progress: Callable[[int], None] | None,
+    ) -> None:  # fmt: skip
+        self.tangent, self.members, self.cyclic, self.found, self.progress = tangent, members, cyclic, found, progress
+        cycle = tangent.strobe
+        self.first = -(-min(LEAST, most) // cycle) * cycle  # whole common periods, so that all stops are at phase zero
+        self.most = max(most // cycle * cycle, self.first)
+        self.align = -(-max(self.first // 10, 5) // cycle) * cycle
+        self.rates = np.full((self.most, members.size), np.nan)
+        self.sections: list[Array] = [np.zeros((0, tangent.model.dimension)) for _ in members]
+
+    def run(self, contraction_ends: bool) -> None:
+        """Run the points to their verdicts."""
+        carried, found = tuned(self.tangent.subset(self.members)), self.found
+        left, run, done, stretch = np.arange(self.members.size), carried.ensemble, 0, self.first
+        while left.size:
+            local, section = run_with_section(run, stretch, align=0 if done else self.align, progress=self.progress)
+            self.rates[done : done + stretch, left] = local[:, 0]
+            done += stretch
+            for k, point in enumerate(left):
+                here = section[:, :, k]
+                self.sections[point] = np.concatenate([self.sections[point], here[np.isfinite(here[:, 0])]])
+            at = self.members[left]
+            self.tangent.status[at], self.tangent.end_time[at] = run.status, run.end_time
+            found.x[:, at] = run.x
+            self._trends(left, done)
+            found.exponent[at], error = mean_and_error(self.rates[:done, left], run.strobe)
+            found.error[at] = np.fmax(error, carried.error[0, left])
+            found.periods[at] = done
+            late = (self.rates[done // 2 : done, left].sum(axis=0)) * run.period
+            found.shrinks[at] = contracts(found.exponent[at], found.error[at], done * run.period, late)
+            self._vote(run, np.flatnonzero(run.running), left, done, late)
+            # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
+            changes = (found.regime[at] == Regime.quasi_periodic) & np.isfinite(found.growth[at])
+            found.regime[at[changes]], found.confidence[at[changes]] = Regime.undecided, 0.0
+            target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1] * 2 * np.pi / run.period)
+            open_ = found.regime[at] == Regime.undecided
+            if contraction_ends:
+                open_ &= ~(found.shrinks[at] | found.closes[at])
+            stay = run.running & (open_ | ((found.error[at] > target) & (found.regime[at] != Regime.locked)))
+            stretch = min(done, self.most - done)
+            if not stretch:
+                stay[:] = False
+            if run.returns and run.model.forced:
+                self._near_returns(run, left[~stay & run.running])
+            left, run = left[stay], run.subset(np.flatnonzero(stay))
+
+    def _trends(self, left: Points, done: int) -> None:
+        """Trends of the sections so far, once per common period."""
+        tangent, at = self.tangent, self.members[left]
+        sections = [self._strobed(point) for point in left]
+        count = np.array([len(s) for s in sections], dtype=np.int64)
+        for rows in np.unique(count[count > 0]):  # forced: all that still run have the same
+            same = np.flatnonzero(count == rows)
+            for these in np.array_split(same, -(-same.size // TRENDS)):
+                points = at[these]
+                time = tangent.strobe * tangent.period[points]
+                if not tangent.model.forced:  # crossings come as often as they come: the rate is per unit of time on the mean
+                    end = tangent.end_time[points]
+                    ran = np.where(np.isfinite(end), end - self.align * tangent.period[points], done * tangent.period[points])
+                    time = ran / rows
+                unknown = np.full(points.size, np.nan)
+                section = np.stack([sections[k] for k in these], axis=2)
+                seen = Trends.of(tangent.model, tangent.period[points], section, time, unknown, unknown, self.cyclic)
+                for name in ("growth", "drift", "centre", "reach"):
+                    getattr(self.found, name)[..., points] = getattr(seen, name)
+
+    def _strobed(self, point: int) -> Array:
+        """Section points of one of the points once per common period, the last one among them."""
+        cycle = self.tangent.strobe
+        return self.sections[point][(len(self.sections[point]) - 1) % cycle :: cycle]
+
+    def _vote(self, run: Ensemble, lanes: Points, left: Points, done: int, late: Array) -> None:
+        """Judge points, each from as many section points as it has itself."""
+        found, at = self.found, self.members[left]
+        count = np.array([len(self.sections[left[k]]) for k in lanes], dtype=np.int64)
+        for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
+            these = lanes[count == rows]
+            points = at[these]
+            section = np.stack([self.sections[left[k]] for k in these], axis=2)
+            judged = regime.find(
+                run.status[these], np.zeros(these.size, dtype=np.int64), exponent=found.exponent[points],
+                exponent_error=found.error[points], duration=done * run.period[these], late_growth=late[these],
+                section=section, common=run.common_multiple, cyclic=self.cyclic, final=done >= self.most,
+                returns=run.returns,
+            )  # fmt: skip
+            for name in ("regime", "rule", "confidence", "winding", "closes"):
+                getattr(found, name)[points] = judged[name]
+            locked = np.flatnonzero(judged["regime"] == Regime.locked)
+            if locked.size:
+                size = np.ptp(section[:, :, locked], axis=0), np.abs(section[:, :, locked]).max(axis=0)
+                scale = scales(run.model, run.period[these[locked]], *size)
+                n, _ = locked_multiple(section[:, :, locked], run.orders, scale=scale, cyclic=self.cyclic)
+                found.multiple[points[locked]] = n
+
+    def _near_returns(self, run: Ensemble, stopped: Points) -> None:
+        """Return that the section of each point comes nearest to, and its last section points once per common period."""
+        model = run.model
+        for point in stopped:
+            at = self.members[point]
+            path = self._strobed(int(point))[-KEPT:]
+            most = min(LONGEST_RETURN, len(path) - 1)
+            if most < 1:
+                continue
+            low, high = self.sections[point].min(axis=0), self.sections[point].max(axis=0)
+            size = scales(
+                model, self.tangent.period[[at]], (high - low)[:, None], np.maximum(np.abs(low), np.abs(high))[:, None]
+            )[:, 0]  # fmt: skip
+            away = path[-1] - path[-2 : -2 - most : -1]
+            for k, period in self.cyclic.items():
+                away[:, k] -= period * np.rint(away[:, k] / period)
+            distance = np.abs(away / size).max(axis=1)
+            nearest = int(distance.argmin())
+            self.found.nearest[at], self.found.nearness[at] = nearest + 1, distance[nearest]
+            self.found.paths[int(at)] = path

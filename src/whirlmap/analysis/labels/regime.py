@@ -1,0 +1,355 @@
+"""The rule: the regime of operating points from independent indicators, each of which has a vote.
+
+1. A run that ended says contact or diverged by itself.
+2. ``periodic`` needs a return of the section, and no indicator that speaks for chaos.
+3. ``quasi-periodic`` needs a largest exponent that is zero and Birkhoff averages that converge as on a torus; where they do
+   so slowly, only the longest run is enough.
+4. ``chaotic`` needs a positive exponent and one more indicator: the 0-1 test or the Birkhoff averages; after the longest
+   run a growth that goes on as fast to its end is enough where these are silent.
+5. ``locked`` needs a negative exponent and converged averages, where the forcing has no common period to return after.
+6. One vote against, and the point is ``undecided``.
+
+An exponent that lies more than three errors from zero is not zero, however little it has grown: what contracts is no torus.
+Only growth may be shear: distances on a torus grow in proportion to time, and their growth comes to an end.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from enum import IntEnum
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, SectionEvidence, section_evidence, windings_of
+from whirlmap.analysis.winding import Winding
+from whirlmap.results.findings import Findings, gives_dataset
+from whirlmap.results.regime import Regime
+from whirlmap.results.schema import regime_variable, variable
+from whirlmap.results.status import Status, flags
+
+Array = NDArray[np.float64]
+
+
+class Vote(IntEnum):
+    """What one indicator says of a point."""
+
+    none = 0
+    periodic = 1
+    regular = 2
+    torus = 3
+    chaotic = 4
+
+
+class Rule(IntEnum):
+    """Which rule decided, or what is known of a point without a label."""
+
+    none = 0
+    returns = 1
+    smooth = 2
+    slowly_smooth = 3
+    exponent_and_section = 4
+    exponent_alone = 5
+    closed_orbit = 6
+    contracts = 7
+    regular = 8
+    disagreement = 9
+    end = 10
+    trend = 11
+
+    @property
+    def meaning(self) -> str:
+        """The rule in words."""
+        return {
+            Rule.none: "nothing speaks clearly",
+            Rule.returns: "the section returns",
+            Rule.smooth: "a zero exponent, averages that converge to six digits",
+            Rule.slowly_smooth: "a zero exponent, averages that converge slowly over the longest run",
+            Rule.exponent_and_section: "a positive exponent, a section that wanders",
+            Rule.exponent_alone: "a positive exponent over the longest run, a section that does not say",
+            Rule.closed_orbit: "a closed orbit with all multipliers inside the circle, which the motion comes nearer to",
+            Rule.contracts: "contracts",
+            Rule.regular: "regular: a torus, or a long period",
+            Rule.disagreement: "indicators disagree",
+            Rule.end: "the run ended",
+            Rule.trend: "the motion comes to rest, grows, drifts or creeps steadily",
+        }[self]
+
+
+#: Indicators that vote, in the order in which they stand in Datasets.
+INDICATORS = ("return", "exponent", "zero_one", "birkhoff")
+
+#: Errors of an exponent that it must be away from zero to have a sign.
+SURE = 3.0
+#: Growth of tangent vectors, beyond the logarithm of the number of periods, that is still compatible with none: on a
+#: torus with shear they grow in proportion to time, and breathe.
+BREATHING = 3.0
+#: Part of the growth over a run that its last half has at least where it goes on: half of it, and of shear ln 2 in ln n.
+GOES_ON = 0.25
+#: Growth over the longest run, beyond the same, and part of it in its last half, that says chaos by itself.
+PLAIN, STEADY = 10.0, (0.35, 0.65)
+#: K of the 0-1 test above and below which it has a say (medians and the quartile on the side of doubt).
+WANDERS, BOUNDED = (0.9, 0.5), (0.3, 0.2)
+#: Digits of Birkhoff averages below which motion may be chaotic, and from which it may be a torus after the longest run.
+ROUGH, SLOWLY = 2.5, 3.0
+#: Digits that the average over a record has more than that over its last quarter, at least, where it converges; with as many
+#: in all, and that many section points, they need no longer run.
+GAINS, CONVERGES, LONG = 1.0, 4.5, 1000
+#: Largest difference of the extents of the first and last third of a motion that has settled.
+UNEVEN = 0.05
+#: Error of a rotation number below which it is one, and above which there is none.
+TURNS, WANDERING = 2e-5, 1e-4
+#: Errors of a rotation number, and largest denominator, within which a ratio may be hops between bands.
+HOPS, BANDS = 10.0, 32
+#: Largest denominator of a ratio within three errors of which a rotation number may be locked; least error of one.
+LOCKED, RATIO = 200, 1e-9
+#: Error of a rotation number with which it is no such ratio by chance.
+KNOWN = 1e-7
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """What is known of operating points, each array of shape (point,); NaN where something was not measured.
+
+    Attributes
+    ----------
+    status : array of int
+        How the run ended (`Status`).
+    multiple : array of int
+        Return of the section in common periods (crossings), 0 where none.
+    exponent, exponent_error : array
+        Largest Lyapunov exponent [1/time].
+    duration : array
+        Time over which it was measured.
+    late_growth : array
+        Growth of the logarithm of the tangent vector over the last half of it.
+    section : SectionEvidence
+    winding : tuple of Winding
+    final : bool
+        Whether this is the longest run.
+    returns : bool
+        Whether a return could be seen: not where the forcing has no common period.
+    """
+
+    status: NDArray[np.int8]
+    multiple: NDArray[np.int64]
+    exponent: Array
+    exponent_error: Array
+    duration: Array
+    late_growth: Array
+    section: SectionEvidence
+    winding: tuple[Winding, ...]
+    final: bool = True
+    returns: bool = True
+
+
+@gives_dataset
+def regime(
+    status: ArrayLike,
+    multiple: ArrayLike,
+    *,
+    exponent: ArrayLike,
+    exponent_error: ArrayLike,
+    duration: ArrayLike,
+    late_growth: ArrayLike | None = None,
+    section: Array | None = None,
+    common: int = 1,
+    cyclic: Mapping[int, float] | None = None,
+    final: bool = True,
+    returns: bool = True,
+) -> Findings:
+    """Label operating points, with the vote of every indicator.
+
+    Parameters
+    ----------
+    status, multiple, exponent, exponent_error, duration : array, shape (point,)
+        As in `Evidence`.
+    late_growth : array, shape (point,), optional
+        As there; half of the growth where absent.
+    section : array, shape (time, state, point), optional
+        Section points once per T, or crossings; the columns of points that return are not looked at.
+    common : int
+        Number of T after which the forcing repeats.
+    cyclic : mapping of state index to period, optional
+    final, returns : bool
+        As in `Evidence`.
+
+    Returns
+    -------
+    xr.Dataset
+        As `decide`.
+    """
+    where = np.atleast_1d(np.asarray(status, dtype=np.int8))
+    multiples = np.atleast_1d(np.asarray(multiple, dtype=np.int64))
+    open_points = np.flatnonzero((where == Status.ok) & (multiples == 0))
+    if section is None:
+        section = np.zeros((0, 1, where.size))
+    seen = section[:, :, open_points]
+    judged = section_evidence(seen, common=common, cyclic=cyclic)
+    names = ("growth", "growth_low", "digits", "digits_before", "rough", "uneven", "closes")
+    full = {n: np.zeros(where.size, dtype=getattr(judged, n).dtype) for n in names}
+    for name, values in full.items():
+        if values.dtype.kind == "f":
+            values[:] = np.nan
+        values[open_points] = getattr(judged, name)
+    windings = [Winding(np.nan, np.nan, "not-finite")] * where.size
+    if returns:  # without a common period a section is no curve
+        strobed = seen[(section.shape[0] - 1) % common :: common]
+        for k, winding in zip(open_points, windings_of(strobed, cyclic, least=LEAST // 2), strict=True):
+            windings[k] = winding
+    given = (exponent, exponent_error, duration)
+    value, error, time = (np.broadcast_to(np.asarray(v, dtype=float), where.shape) for v in given)
+    late = value * time / 2 if late_growth is None else np.broadcast_to(np.asarray(late_growth, dtype=float), where.shape)
+    said = SectionEvidence(**full, points=section.shape[0])
+    return decide(Evidence(where, multiples, value, error, time, late, said, tuple(windings), final, returns))
+
+
+def decide(evidence: Evidence) -> Findings:
+    """Combine the votes of the indicators.
+
+    Returns
+    -------
+    Findings
+        Over ``point``: ``regime``; ``rule``, which decided (`Rule`); ``confidence``, the share of the indicators asked that
+        speak for the label (1 for ended runs, 0 for undecided); ``vote(indicator, point)``; the numbers ``zero_one``,
+        ``zero_one_low``, ``digits``, ``winding`` and ``winding_error``.
+
+    Notes
+    -----
+    The exponent is zero within three errors, or where it has grown by no more than ln(periods) + 3 and that growth comes to
+    an end (`_exponent_votes`). Narrow bands of chaos hop round a cycle with a rational rotation number to many digits, so
+    that a number within ten errors of a ratio with a denominator up to 32 does not speak for a torus. A section that turns
+    slowly (oversampled) gives the 0-1 test no say.
+
+    A torus needs averages that converge: six digits, or a rotation number known to six; or four and a half that have grown by
+    one since a quarter of the record. After the longest run fewer digits are enough where they have grown so: digits that
+    stand still are chaos, digits that fall a transient. The extents of the first and last third must agree. No rotation number
+    may be a ratio with a denominator up to 200 within its error, where that is small enough to say so, and no near return of
+    the section may close further (`SectionEvidence.closes`): that is an orbit of high period, on its way.
+
+    Limits: a torus about to break up, and chaos whose exponent is below 10 / duration, are undecided. A transient longer
+    than the run is what it looks like.
+    """
+    votes = np.stack([_return_votes(evidence), _exponent_votes(evidence), _zero_one_votes(evidence), _birkhoff(evidence)])
+    chaotic, torus = votes == Vote.chaotic, votes == Vote.torus
+    returned = evidence.multiple > 0
+    stable, neutral = (votes[1] == vote for vote in (Vote.periodic, Vote.regular))
+    quiet = ~chaotic.any(axis=0)
+    points = evidence.status.size
+    label, rule = np.full(points, Regime.undecided, dtype=np.int8), np.full(points, Rule.none, dtype=np.int8)
+
+    def decided(where: NDArray[np.bool_], what: Regime, why: Rule | NDArray[np.int8]) -> None:
+        label[where], rule[where] = what, np.broadcast_to(why, where.shape)[where]
+
+    slowly = np.where(evidence.section.digits >= SMOOTH, Rule.smooth, Rule.slowly_smooth).astype(np.int8)
+    decided(returned & quiet, Regime.periodic, Rule.returns)
+    against_chaos = (torus | (votes == Vote.regular) | (votes == Vote.periodic)).any(axis=0)
+    decided(
+        ~returned & chaotic[1] & (chaotic.sum(axis=0) >= 2) & ~against_chaos, Regime.chaotic, Rule.exponent_and_section
+    )
+    decided(~returned & _grows_plainly(evidence) & ~against_chaos & (label == 0), Regime.chaotic, Rule.exponent_alone)
+    decided(~returned & neutral & torus[3] & quiet, Regime.quasi_periodic, slowly)
+    if not evidence.returns:
+        decided(~returned & stable & torus[3] & quiet, Regime.locked, slowly)
+    known = np.select(
+        [returned | (chaotic.any(axis=0) & against_chaos), stable, neutral & quiet & torus[2:].any(axis=0)],
+        [Rule.disagreement, Rule.contracts, Rule.regular], Rule.none,
+    )  # fmt: skip
+    rule[label == Regime.undecided] = known[label == Regime.undecided]
+    asked = np.ones_like(votes, dtype=bool)
+    asked[1] = np.isfinite(evidence.exponent)
+    asked[2:] = np.isfinite(np.stack([evidence.section.growth, evidence.section.digits]))
+    asked[0] = returned  # that nothing returned is the occasion for the others, not a vote
+    speaks = torus | (votes == Vote.regular)
+    speaks = np.where(np.isin(label, (Regime.periodic, Regime.locked)), speaks & ~returned | (votes == Vote.periodic), speaks)
+    speaks = np.where(label == Regime.periodic, votes == Vote.periodic, speaks)
+    speaks = np.where(label == Regime.chaotic, chaotic, speaks)
+    confidence = (speaks & asked).sum(axis=0) / np.maximum(asked.sum(axis=0), 1)
+    confidence[label == Regime.undecided] = 0.0
+    for status, ended in ((Status.contact, Regime.contact), (Status.diverged, Regime.diverged)):
+        there = evidence.status == status
+        label[there], confidence[there], rule[there] = ended, 1.0, Rule.end
+    other = ~np.isin(evidence.status, (Status.ok, Status.contact, Status.diverged))
+    label[other], confidence[other], rule[other] = Regime.undecided, 0.0, Rule.end
+    s, w = evidence.section, evidence.winding
+    return Findings(
+        {
+            "regime": regime_variable("point", label),
+            "rule": variable("point", rule, "1", "rule that decided", **flags(Rule)),
+            "confidence": variable("point", confidence, "1", "share of the indicators asked that speak for the label"),
+            "vote": variable(("indicator", "point"), votes.astype(np.int8), "1", "vote of each indicator", **flags(Vote)),
+            "zero_one": variable("point", s.growth, "1", "K of the 0-1 test"),
+            "zero_one_low": variable("point", s.growth_low, "1", "its lower quartile over angles"),
+            "closes": variable("point", s.closes.astype(np.int8), "1", "whether a near return of the section comes nearer"),
+            "digits": variable("point", s.digits, "1", "digits to which Birkhoff averages converge"),
+            "winding": variable("point", [v.number for v in w], "1", "rotation number of the section, turns per point"),
+            "winding_error": variable("point", [v.error for v in w], "1", "its error"),
+        },
+        {"indicator": ("indicator", list(INDICATORS))},
+    )
+
+
+def _return_votes(e: Evidence) -> NDArray[np.int64]:
+    return np.where(e.multiple > 0, Vote.periodic, Vote.none)
+
+
+def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
+    """Chaotic, periodic (contracting) or regular (zero), by sign and growth of tangent vectors."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        grown = e.exponent * e.duration
+        limit = np.log(np.maximum(e.section.points, LEAST)) + BREATHING
+        sure = np.abs(e.exponent) > SURE * e.exponent_error
+        shear = (grown > 0) & (grown < limit)
+        vote = np.where(~sure & (np.abs(grown) < limit), Vote.regular, Vote.none)
+        vote = np.where(sure & shear, Vote.regular, vote)
+        vote = np.where(sure & (grown >= limit) & (e.late_growth >= GOES_ON * grown), Vote.chaotic, vote)
+        return np.where(contracts(e.exponent, e.exponent_error, e.duration, e.late_growth), Vote.periodic, vote)
+
+
+def contracts(exponent: Array, error: Array, duration: Array, late_growth: Array) -> NDArray[np.bool_]:
+    """Whether tangent vectors shrink for sure, and go on to: neutral ones shrink while they turn into place."""
+    with np.errstate(invalid="ignore"):
+        grown = exponent * duration
+        shrinks: NDArray[np.bool_] = (exponent < -SURE * error) & (late_growth <= GOES_ON * grown)
+    return shrinks
+
+
+def _grows_plainly(e: Evidence) -> NDArray[np.bool_]:
+    """Whether the exponent alone says chaos: after the longest run, far beyond shear, and as fast in both halves."""
+    if not e.final:
+        return np.zeros(e.status.size, dtype=bool)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        grown = e.exponent * e.duration
+        far = grown >= np.log(np.maximum(e.section.points, LEAST)) + PLAIN
+        share = e.late_growth / grown
+        return np.asarray(far & (e.exponent > SURE * e.exponent_error) & (share > STEADY[0]) & (share < STEADY[1]))
+
+
+def _zero_one_votes(e: Evidence) -> NDArray[np.int64]:
+    K, low = e.section.growth, e.section.growth_low
+    with np.errstate(invalid="ignore"):
+        vote = np.where((WANDERS[0] < K) & (low > WANDERS[1]), Vote.chaotic, Vote.none)
+        return np.where((BOUNDED[0] > K) & (low < BOUNDED[1]), Vote.regular, vote)
+
+
+def _birkhoff(e: Evidence) -> NDArray[np.int64]:
+    """Torus where averages converge, chaotic where they do not and no rotation number is known."""
+    s = e.section
+    number, error = (np.array([getattr(w, name) for w in e.winding], dtype=float) for name in ("number", "error"))
+    with np.errstate(invalid="ignore"):
+        hops = _near_ratio(number, np.maximum(HOPS * error, RATIO), BANDS)
+        locked = _near_ratio(number, np.maximum(SURE * error, RATIO), LOCKED)
+        even = (s.digits >= ROUGH) & ~(s.uneven > UNEVEN)
+        gains = s.digits >= s.digits_before + GAINS
+        torus = (s.digits >= SMOOTH) | ((error <= 10.0**-SMOOTH) & ~hops & ~locked & even)
+        torus |= (s.points >= LONG) & (s.digits >= CONVERGES) & gains & even
+        if e.final:
+            torus |= (((error < TURNS) & ~hops) | (gains & (s.digits >= SLOWLY))) & even
+        torus &= ~(locked & (error <= KNOWN)) & ~s.closes
+        rough = (s.rough < ROUGH) & ~((error < WANDERING) & ~hops) & ~gains
+    return np.where(torus, Vote.torus, np.where(rough, Vote.chaotic, Vote.none))
+
+
+def _near_ratio(number: Array, within: Array, most: int) -> NDArray[np.bool_]:
+    """Whether numbers lie within some distance of a ratio with a denominator up to ``most``."""
+    q = np.arange(1, most + 1)
+    return np.asarray((np.abs(number[:, None] - np.round(number[:, None] * q) / q) <= within[:, None]).any(axis=1))
