@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.dimension import STATUS, correlation_dimension
-from whirlmap.analysis.labels.section_evidence import moving_coordinates
+from whirlmap.analysis.labels.section_coordinates import moving_coordinates
 from whirlmap.analysis.floquet import STEPS, floquet_multipliers
 from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.recurrence import recurrence

@@ -21,15 +21,6 @@ EXAMPLES = (
     "whirlmap attractors gear_backlash --set Omega=1.0 --set F_ah=0.2 --set zeta=0.05 --box x=-3:3 --box v=-2:2",
 )
 
-Lyapunov = Annotated[
-    int,
-    typer.Option(
-        "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
-        help="Common periods over which the largest Lyapunov exponent of each attractor is measured and its section"
-        " judged; 256 or more.",
-    ),
-]  # fmt: skip
-
 
 def attractors(
     case: options.CaseName,
@@ -51,7 +42,7 @@ def attractors(
     transient: options.Transient = 100,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: Lyapunov = 512,
+    lyapunov: options.Lyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,

@@ -117,14 +117,7 @@ def map(  # noqa: A001 (the command's name)
     transient: options.Transient = 100,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: Annotated[
-        int,
-        typer.Option(
-            "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
-            help="Common periods over which points that do not return have their largest Lyapunov exponent measured;"
-            " 0: not measured; fewer than 256 leave them undecided.",
-        ),
-    ] = 256,
+    lyapunov: options.Lyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,

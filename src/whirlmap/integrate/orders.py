@@ -49,6 +49,11 @@ class OrderGroup:
         """Number of T in the common period."""
         return common_multiple(self.orders)
 
+    @property
+    def strobe(self) -> int:
+        """Number of T between section points that show returns."""
+        return strobe(self.orders)
+
 
 def orders_vary(model: Model, names: Iterable[str]) -> bool:
     """Whether the ratio of two harmonics' frequencies depends on one of these parameters, or on one that follows it."""

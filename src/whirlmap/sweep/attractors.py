@@ -45,7 +45,7 @@ def attractors(
     box: Mapping[str, tuple[float, float]] | None = None,
     seed: int = 0,
     settling: Settling | None = None,
-    lyapunov: int = 512,
+    lyapunov: int | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,

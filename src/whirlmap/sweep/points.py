@@ -112,7 +112,7 @@ def label_points(
     s = labelling.settling
     attributes = run_attributes(
         system, ensemble, varied=" ".join(columns), transient=s.transient, most=s.most, tolerance=s.tolerance,
-        lyapunov_periods=lyapunov, **shared_common_multiple(system, columns, ensemble),
+        lyapunov_periods=labelling.longest(ensemble.strobe), **shared_common_multiple(system, columns, ensemble),
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the last batch; this is of all
     return with_attributes(ds, attributes | doubts(ds))

@@ -163,7 +163,7 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     s = job.labelling.settling
     attributes = run_attributes(
         job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,
-        lyapunov_periods=job.labelling.lyapunov, kernel_hash=job.kernel,
+        lyapunov_periods=job.labelling.longest(ensemble.strobe), kernel_hash=job.kernel,
         **shared_common_multiple(job.system, space.names, ensemble),
         seed=space.seed if space.tolerances else None, coordinates=" ".join(space.tolerances) or None,
     )  # fmt: skip

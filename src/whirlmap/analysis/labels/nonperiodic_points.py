@@ -13,8 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.locked import locked_multiple
-from whirlmap.analysis.labels.regime import Rule, contracts, regime
-from whirlmap.analysis.labels.section_evidence import LEAST
+from whirlmap.analysis.labels.regime import CONVERGES, SURE, TURNED, UNKNOWN, Evidence, Rule, contracts, decide
+from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, windings_of
+from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
@@ -28,7 +29,7 @@ Points = NDArray[np.intp]
 
 #: Error of the largest exponent, relative and in units of 2 pi/T, with which a labelled point stops.
 ENOUGH = (0.05, 0.005)
-#: Points that run together, and numbers of their section points that are held until they are judged, about.
+#: Points that run together, and numbers of their sections that are held until they are judged, about.
 TOGETHER, HELD = 512, 2**23
 #: T that the longest of those records has, in the mean.
 USUAL = 1024
@@ -136,7 +137,7 @@ def judge_open_points(
     """
     n, states = tangent.points, tangent.model.dimension
     found = OpenPoints.none(tangent.x)
-    together = int(np.clip(HELD // (USUAL * states), 16, TOGETHER))
+    together = int(np.clip(HELD // (USUAL * (OBSERVABLES + states // tangent.strobe)), 16, TOGETHER))
     for first in range(0, n, together):
         members = np.arange(first, min(first + together, n))
         _Judge(tangent, members, most, dict(cyclic or {}), found, progress).run(contraction_ends and tangent.returns)
@@ -156,7 +157,10 @@ class _Judge:
         self.most = max(most // cycle * cycle, self.first)
         self.align = -(-max(self.first // 10, 5) // cycle) * cycle
         self.rates = np.full((self.most, members.size), np.nan)
-        self.sections: list[Array] = [np.zeros((0, tangent.model.dimension)) for _ in members]
+        states = tangent.model.dimension
+        self.strobed: list[Array] = [np.zeros((0, states)) for _ in members]  # once per common period
+        self.watched: list[Array] = [np.zeros((OBSERVABLES, 0)) for _ in members]  # once per T
+        self.watch: Watch | None = None
 
     def run(self, contraction_ends: bool) -> None:
         """Run the points to their verdicts."""
@@ -166,9 +170,7 @@ class _Judge:
             local, section = run_with_section(run, stretch, align=0 if done else self.align, progress=self.progress)
             self.rates[done : done + stretch, left] = local[:, 0]
             done += stretch
-            for k, point in enumerate(left):
-                here = section[:, :, k]
-                self.sections[point] = np.concatenate([self.sections[point], here[np.isfinite(here[:, 0])]])
+            self._keep(left, section)
             at = self.members[left]
             self.tangent.status[at], self.tangent.end_time[at] = run.status, run.end_time
             found.x[:, at] = run.x
@@ -197,7 +199,7 @@ class _Judge:
     def _trends(self, left: Points, done: int) -> None:
         """Trends of the sections so far, once per common period."""
         tangent, at = self.tangent, self.members[left]
-        sections = [self._strobed(point) for point in left]
+        sections = [self.strobed[point] for point in left]
         count = np.array([len(s) for s in sections], dtype=np.int64)
         for rows in np.unique(count[count > 0]):  # forced: all that still run have the same
             same = np.flatnonzero(count == rows)
@@ -214,46 +216,60 @@ class _Judge:
                 for name in ("growth", "drift", "centre", "reach"):
                     getattr(self.found, name)[..., points] = getattr(seen, name)
 
-    def _strobed(self, point: int) -> Array:
-        """Section points of one of the points once per common period, the last one among them."""
-        cycle = self.tangent.strobe
-        return self.sections[point][(len(self.sections[point]) - 1) % cycle :: cycle]
+    def _keep(self, left: Points, section: Array) -> None:
+        """Keep what the indicators see of a stretch's section; unforced points have as many crossings as they have."""
+        if self.watch is None:
+            self.watch = Watch(np.where(np.isfinite(section), section, section[:1]), self.cyclic)
+        watched, cycle = self.watch(section, left), self.tangent.strobe
+        for k, point in enumerate(left):
+            seen = np.isfinite(section[:, 0, k])
+            self.watched[point] = np.concatenate([self.watched[point], watched[k][:, seen]], axis=1)
+            self.strobed[point] = np.concatenate([self.strobed[point], section[cycle - 1 :: cycle, :, k][seen[cycle - 1 :: cycle]]])
 
     def _vote(self, run: Ensemble, lanes: Points, left: Points, done: int, late: Array) -> None:
         """Judge points, each from as many section points as it has itself."""
-        found, at = self.found, self.members[left]
-        count = np.array([len(self.sections[left[k]]) for k in lanes], dtype=np.int64)
+        found, final = self.found, done >= self.most
+        common = run.common_multiple
+        count = np.array([self.watched[left[k]].shape[1] for k in lanes], dtype=np.int64)
         for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
             these = lanes[count == rows]
-            points = at[these]
-            section = np.stack([self.sections[left[k]] for k in these], axis=2)
-            judged = regime.find(
-                run.status[these], np.zeros(these.size, dtype=np.int64), exponent=found.exponent[points],
-                exponent_error=found.error[points], duration=done * run.period[these], late_growth=late[these],
-                section=section, common=run.common_multiple, cyclic=self.cyclic, final=done >= self.most,
-                returns=run.returns,
+            at, duration = self.members[left[these]], done * run.period[these]
+            value, error = found.exponent[at], found.error[at]
+            watched = np.stack([self.watched[left[k]] for k in these])
+            # The 0-1 test takes as long as all else: it is asked where a label can come of it.
+            seen = evidence_of(watched, common=common, asked=(value > SURE * error) | final)
+            unsure = (seen.digits >= CONVERGES) & np.isnan(seen.growth)
+            if unsure.any():
+                seen = evidence_of(watched, common=common, asked=(value > SURE * error) | final | unsure)
+            strobed = np.stack([self.strobed[left[k]] for k in these], axis=2)
+            turned = run.returns and len(strobed) >= TURNED
+            winding = windings_of(strobed, self.cyclic) if turned else [UNKNOWN] * these.size
+            judged = decide(
+                Evidence(
+                    run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,
+                    tuple(winding), final, run.returns,
+                )
             )  # fmt: skip
-            for name in ("regime", "rule", "confidence", "winding", "closes"):
-                getattr(found, name)[points] = judged[name]
+            for name in ("regime", "rule", "confidence", "winding"):
+                getattr(found, name)[at] = judged[name]
+            found.closes[at] = seen.closes
             locked = np.flatnonzero(judged["regime"] == Regime.locked)
             if locked.size:
-                size = np.ptp(section[:, :, locked], axis=0), np.abs(section[:, :, locked]).max(axis=0)
-                scale = scales(run.model, run.period[these[locked]], *size)
-                n, _ = locked_multiple(section[:, :, locked], run.orders, scale=scale, cyclic=self.cyclic)
-                found.multiple[points[locked]] = n
+                points = strobed[:, :, locked]
+                scale = scales(run.model, run.period[these[locked]], np.ptp(points, axis=0), np.abs(points).max(axis=0))
+                n, _ = locked_multiple(points, run.orders, scale=scale, cyclic=self.cyclic)
+                found.multiple[at[locked]] = n
 
     def _near_returns(self, run: Ensemble, stopped: Points) -> None:
         """Return that the section of each point comes nearest to, and its last section points once per common period."""
-        model = run.model
         for point in stopped:
-            at = self.members[point]
-            path = self._strobed(int(point))[-KEPT:]
+            at, path = self.members[point], self.strobed[int(point)]
             most = min(LONGEST_RETURN, len(path) - 1)
             if most < 1:
                 continue
-            low, high = self.sections[point].min(axis=0), self.sections[point].max(axis=0)
+            low, high = path.min(axis=0), path.max(axis=0)
             size = scales(
-                model, self.tangent.period[[at]], (high - low)[:, None], np.maximum(np.abs(low), np.abs(high))[:, None]
+                run.model, self.tangent.period[[at]], (high - low)[:, None], np.maximum(np.abs(low), np.abs(high))[:, None]
             )[:, 0]  # fmt: skip
             away = path[-1] - path[-2 : -2 - most : -1]
             for k, period in self.cyclic.items():
@@ -261,4 +277,4 @@ class _Judge:
             distance = np.abs(away / size).max(axis=1)
             nearest = int(distance.argmin())
             self.found.nearest[at], self.found.nearness[at] = nearest + 1, distance[nearest]
-            self.found.paths[int(at)] = path
+            self.found.paths[int(at)] = path[-KEPT:]

@@ -20,7 +20,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, SectionEvidence, section_evidence, windings_of
+from whirlmap.analysis.labels.section_coordinates import Watch, windings_of
+from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, SectionEvidence, evidence_of
 from whirlmap.analysis.winding import Winding
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
@@ -78,6 +79,8 @@ class Rule(IntEnum):
 #: Indicators that vote, in the order in which they stand in Datasets.
 INDICATORS = ("return", "exponent", "zero_one", "birkhoff")
 
+#: Section points, once per common period, from which a rotation number is sought; what is said where there are fewer.
+TURNED, UNKNOWN = 128, Winding(np.nan, np.nan, "not-finite")
 #: Errors of an exponent that it must be away from zero to have a sign.
 SURE = 3.0
 #: Growth of tangent vectors, beyond the logarithm of the number of periods, that is still compatible with none: on a
@@ -184,22 +187,16 @@ def regime(
     if section is None:
         section = np.zeros((0, 1, where.size))
     seen = section[:, :, open_points]
-    judged = section_evidence(seen, common=common, cyclic=cyclic)
-    names = ("growth", "growth_low", "digits", "digits_before", "rough", "uneven", "closes")
-    full = {n: np.zeros(where.size, dtype=getattr(judged, n).dtype) for n in names}
-    for name, values in full.items():
-        if values.dtype.kind == "f":
-            values[:] = np.nan
-        values[open_points] = getattr(judged, name)
-    windings = [Winding(np.nan, np.nan, "not-finite")] * where.size
-    if returns:  # without a common period a section is no curve
-        strobed = seen[(section.shape[0] - 1) % common :: common]
-        for k, winding in zip(open_points, windings_of(strobed, cyclic, least=LEAST // 2), strict=True):
+    judged = evidence_of(Watch(seen, cyclic)(seen, np.arange(open_points.size)), common=common)
+    windings = [UNKNOWN] * where.size
+    strobed = seen[(section.shape[0] - 1) % common :: common]
+    if returns and section.shape[0] >= LEAST and len(strobed) >= TURNED:  # without a common period a section is no curve
+        for k, winding in zip(open_points, windings_of(strobed, cyclic), strict=True):
             windings[k] = winding
     given = (exponent, exponent_error, duration)
     value, error, time = (np.broadcast_to(np.asarray(v, dtype=float), where.shape) for v in given)
     late = value * time / 2 if late_growth is None else np.broadcast_to(np.asarray(late_growth, dtype=float), where.shape)
-    said = SectionEvidence(**full, points=section.shape[0])
+    said = judged.spread(open_points, where.size)
     return decide(Evidence(where, multiples, value, error, time, late, said, tuple(windings), final, returns))
 
 

@@ -1,20 +1,17 @@
 """What a sequence of section points says by itself: the indicators of a regime that need no equations."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.winding import Winding, converged_digits, winding_numbers
+from whirlmap.analysis.labels.section_coordinates import TOGETHER
+from whirlmap.analysis.winding import converged_digits
 from whirlmap.analysis.zero_one import STATUS, growth_rates, phase_means, remove_cycle
 
 Array = NDArray[np.float64]
 
-#: Observables of each point: fixed random combinations of its scaled coordinates, so that none is blind by symmetry.
-OBSERVABLES = 3
-#: A coordinate whose spread is below this part of its magnitude stands still.
-STILL = 1e-10
 #: What is left of an observable without its cycle, over the whole, below which it is not judged.
 REST = 1e-5
 #: Fewer section points say nothing.
@@ -26,8 +23,6 @@ SMOOTH = 6.0
 LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
 #: Rounds of a cycle that a record holds at least where the mean of each of its phases is taken off.
 ROUNDS = 8
-#: Points whose coordinates are held at once: as many as stay in cache.
-TOGETHER = 32
 
 
 @dataclass(frozen=True)
@@ -63,65 +58,77 @@ class SectionEvidence:
     closes: NDArray[np.bool_]
     points: int
 
+    def spread(self, at: NDArray[np.intp], points: int) -> "SectionEvidence":
+        """Evidence of that many points, of which these have it."""
+        full: dict[str, Any] = {}
+        for name in ("growth", "growth_low", "digits", "digits_before", "rough", "uneven"):
+            full[name] = np.full(points, np.nan)
+            full[name][at] = getattr(self, name)
+        closes = np.zeros(points, dtype=bool)
+        closes[at] = self.closes
+        return SectionEvidence(**full, closes=closes, points=self.points)
 
-def section_evidence(
-    section: Array, *, common: int = 1, cyclic: Mapping[int, float] | None = None, angles: int = 40
-) -> SectionEvidence:
-    """0-1 test and weighted Birkhoff average of many operating points.
+
+def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | None = None, angles: int = 40) -> SectionEvidence:
+    """0-1 test and weighted Birkhoff averages of many operating points.
 
     Parameters
     ----------
-    section : array, shape (time, state, point)
-        Successive section points, one per T (or crossing), settled. Points with NaN are not judged.
+    watched : array, shape (point, observable, time)
+        Observables (`Watch`) of successive section points, one per T (or crossing), settled. Points with NaN, and records
+        of fewer than `LEAST` points, are not judged.
     common : int
         Number of T after which the forcing repeats.
-    cyclic : mapping of state index to period, optional
-        Angles, which enter by their cosine and sine.
+    asked : array of bool, shape (point,), optional
+        Of which the 0-1 test is asked; of all where absent.
     angles : int
         Of the 0-1 test.
 
     Notes
     -----
-    Coordinates are divided by their spread. What repeats with the forcing is taken off (the mean of each phase of the
-    common period, where the record holds `ROUNDS` of these), and the cycle that the motion hops around (`remove_cycle`), for
-    the 0-1 test and ``rough``, so that chaos in narrow bands is seen. The 0-1 test sees one point per common period, or as
-    many more as it needs; an observable that turns slowly (oversampled) silences it. It is not asked where the averages
-    converge (`SMOOTH`): it can only agree.
+    What repeats with the forcing is taken off (the mean of each phase of the common period, where the record holds `ROUNDS`
+    of these), and the cycle that the motion hops around (`remove_cycle`), for the 0-1 test and ``rough``, so that chaos in
+    narrow bands is seen. The 0-1 test sees one point per common period, or as many more as it needs; an observable that
+    turns slowly (oversampled) silences it. It is not asked where the averages converge (`SMOOTH`): it can only agree.
     """
-    count = section.shape[2]
+    count, _, rows = watched.shape
     growth, low, digits, before, rough, uneven = (np.full(count, np.nan) for _ in range(6))
     closes = np.zeros(count, dtype=bool)
-    for part in _parts(section):
-        columns, moves = moving_coordinates(section[:, :, part], cyclic)
-        judged = np.flatnonzero(moves.any(axis=1))
-        if not judged.size:
-            continue
-        watched = observables(columns[judged], moves[judged])
-        rows, at = watched.shape[-1], part[judged]
-        before[at] = _digits(watched[:, :, -(rows // 4) :])
-        digits[at] = np.maximum(_digits(watched), _digits(watched[:, :, -(rows // 2) :]))
-        extents = [np.ptp(watched[:, :, k], axis=2) for k in (slice(rows // 3), slice(-(rows // 3), None))]
+    with np.errstate(invalid="ignore"):
+        moves = np.isfinite(watched).all(axis=(1, 2)) & (np.ptp(watched, axis=2) > 0).any(axis=1) & (rows >= LEAST)
+    everything = np.flatnonzero(moves)
+    for at in (everything[k : k + TOGETHER] for k in range(0, everything.size, TOGETHER)):
+        x = watched[at]
+        before[at] = _digits(x[:, :, -(rows // 4) :])
+        digits[at] = np.maximum(_digits(x), _digits(x[:, :, -(rows // 2) :]))
+        extents = [np.ptp(x[:, :, k], axis=2) for k in (slice(rows // 3), slice(-(rows // 3), None))]
         with np.errstate(divide="ignore", invalid="ignore"):
             uneven[at] = (np.abs(extents[0] - extents[1]) / np.maximum(*extents)).max(axis=1)
-        strobed = watched[:, :, (rows - 1) % common :: common]
+        strobed = x[:, :, (rows - 1) % common :: common]
         closes[at] = _closes(strobed) if strobed.shape[2] >= LEAST_RETURNS else False
-        unsure = np.flatnonzero(digits[at] < SMOOTH)
-        at, watched = at[unsure], watched[unsure]
-        left = _without_cycles(watched.reshape(-1, rows), common).reshape(watched.shape)
+        unsure = digits[at] < SMOOTH
+        at, x = at[unsure], x[unsure]
+        left = _without_cycles(x.reshape(-1, rows), common).reshape(x.shape)
         # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
-        moving = (left.std(axis=2) >= REST * watched.std(axis=2)).all(axis=1)
+        moving = (left.std(axis=2) >= REST * x.std(axis=2)).all(axis=1)
         at, left = at[moving], left[moving]
-        if not at.size:
-            continue
-        rough[at] = _digits(left)
-        stride = _stride(rows, common)
-        strided = left[:, :, (rows - 1) % stride :: stride]
-        (lower, middle, _), status, _ = growth_rates(strided.reshape(-1, strided.shape[-1]).T, angles)
-        each = (at.size, OBSERVABLES)
-        slow = (status.reshape(each) == STATUS.index("oversampled")).any(axis=1)
-        growth[at] = np.where(slow, np.nan, np.median(middle.reshape(each), axis=1))
-        low[at] = np.where(slow, np.nan, np.median(lower.reshape(each), axis=1))
-    return SectionEvidence(growth, low, digits, before, rough, uneven, closes, section.shape[0])
+        if at.size:
+            rough[at] = _digits(left)
+        if asked is not None:
+            at, left = at[asked[at]], left[asked[at]]
+        if at.size:
+            growth[at], low[at] = _zero_one(left, _stride(rows, common), angles)
+    return SectionEvidence(growth, low, digits, before, rough, uneven, closes, rows)
+
+
+def _zero_one(left: Array, stride: int, angles: int) -> tuple[Array, Array]:
+    """K of the 0-1 test, and its lower quartile, of observables, shape (point, observable, time)."""
+    each = left.shape[:2]
+    strided = left[:, :, (left.shape[2] - 1) % stride :: stride]
+    (lower, middle, _), status, _ = growth_rates(strided.reshape(-1, strided.shape[-1]).T, angles)
+    slow = (status.reshape(each) == STATUS.index("oversampled")).any(axis=1)
+    median = [np.where(slow, np.nan, np.median(k.reshape(each), axis=1)) for k in (middle, lower)]
+    return median[0], median[1]
 
 
 def _digits(left: Array) -> Array:
@@ -166,92 +173,3 @@ def _without_cycles(series: Array, common: int) -> Array:
     for m in np.unique(cycle[(cycle > 1) & (rows >= ROUNDS * cycle * common)]):
         left[cycle == m] -= phase_means(left[cycle == m], int(m) * common)
     return left
-
-
-def _parts(section: Array, least: int = LEAST) -> list[NDArray[np.intp]]:
-    """Points that are judged together; none where the section is too short."""
-    points = np.arange(section.shape[2] if section.shape[0] >= least else 0)
-    return [points[k : k + TOGETHER] for k in range(0, points.size, TOGETHER)]
-
-
-def observables(columns: Array, moves: NDArray[np.bool_]) -> Array:
-    """Random combinations of the moving coordinates of each point, shape (point, OBSERVABLES, time)."""
-    weights = np.zeros((*moves.shape, OBSERVABLES))
-    for pattern in np.unique(moves, axis=0):
-        drawn = np.random.default_rng(11).uniform(0.5, 1.5, (pattern.sum(), OBSERVABLES))
-        drawn *= np.where(np.random.default_rng(12).random(drawn.shape) < 0.5, -1.0, 1.0)
-        same = np.flatnonzero((moves == pattern).all(axis=1))
-        weights[same[:, None], np.flatnonzero(pattern)] = drawn
-    return np.stack([_combined(columns, weights[:, :, k]) for k in range(OBSERVABLES)], axis=1)
-
-
-def _combined(columns: Array, weights: Array) -> Array:
-    """Weighted sum of the coordinates of each point, shape (point, time).
-
-    Coordinate by coordinate: a matrix product would round by how many points there are, and spread over threads of its own.
-    """
-    out = np.zeros((columns.shape[0], columns.shape[2]))
-    for k in range(columns.shape[1]):
-        out += weights[:, k, None] * columns[:, k]
-    return out
-
-
-def moving_coordinates(
-    section: Array, cyclic: Mapping[int, float] | None = None
-) -> tuple[Array, NDArray[np.bool_]]:
-    """Coordinates of zero mean and unit spread, angles as cosine and sine, and which of them move.
-
-    Returns
-    -------
-    columns : array, shape (point, coordinate, time)
-        Zero where a coordinate stands still, or the point is not finite. Nothing moves in an empty section.
-    moves : array of bool, shape (point, coordinate)
-    """
-    columns = []
-    for k in range(section.shape[1]):
-        column = section[:, k].T
-        if cyclic and k in cyclic:
-            angle = 2 * np.pi * column / cyclic[k]
-            columns += [np.cos(angle), np.sin(angle)]
-        else:
-            columns.append(column)
-    x = np.stack(columns, axis=1)
-    if not x.shape[2]:
-        return x, np.zeros(x.shape[:2], dtype=bool)
-    x[~np.isfinite(x).all(axis=(1, 2))] = 0.0
-    spread = x.std(axis=2)
-    moves = spread > STILL * np.maximum(np.abs(x).max(axis=2), 1e-300)
-    x -= x.mean(axis=2, keepdims=True)
-    x /= np.where(moves, spread, 1.0)[:, :, None]
-    x[~moves] = 0.0
-    return x, moves
-
-
-def windings_of(section: Array, cyclic: Mapping[int, float] | None = None, *, least: int = LEAST) -> list[Winding]:
-    """Rotation numbers of section points, shape (time, state, point), in the plane of their two largest extents.
-
-    The direction of turning depends on the plane, so that number and 1 - number mean the same.
-    """
-    out = [Winding(np.nan, np.nan, "not-finite")] * section.shape[2]
-    for part in _parts(section, least):
-        columns, moves = moving_coordinates(section[:, :, part], cyclic)
-        count = moves.sum(axis=1)
-        lines, planes = np.flatnonzero(count == 1), np.flatnonzero(count > 1)
-        # One coordinate turns in the plane of itself and its last value.
-        line = columns[lines, moves[lines].argmax(axis=1)]
-        found = winding_numbers(line[:, 1:], line[:, :-1])
-        if planes.size:
-            found += winding_numbers(*largest_extents(columns[planes]))
-        for k, winding in zip(np.concatenate([lines, planes]), found, strict=True):
-            out[part[k]] = winding
-    return out
-
-
-def largest_extents(columns: Array) -> tuple[Array, Array]:
-    """Coordinates of each point along its two largest extents, each of shape (point, time)."""
-    products = np.stack([(columns[:, k, None] * columns).sum(axis=2) for k in range(columns.shape[1])], axis=1)
-    axes = np.linalg.eigh(products)[1]
-    # The sign of an axis is arbitrary, and turns the plane round: it is fixed by a direction that no symmetry favours.
-    side = (axes / np.arange(1, axes.shape[1] + 1)[:, None]).sum(axis=1)
-    axes = np.where(side[:, None] < 0, -axes, axes)
-    return _combined(columns, axes[:, :, -1]), _combined(columns, axes[:, :, -2])
