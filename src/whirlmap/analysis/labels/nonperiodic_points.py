@@ -13,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.locked import locked_multiple
-from whirlmap.analysis.labels.regime import CONVERGES, SURE, TURNED, UNKNOWN, Evidence, Rule, contracts, decide
+from whirlmap.analysis.labels.regime import ROUGH, SURE, TURNED, UNKNOWN, Evidence, Rule, contracts, decide
 from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, windings_of
-from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
+from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
@@ -236,11 +236,12 @@ class _Judge:
             at, duration = self.members[left[these]], done * run.period[these]
             value, error = found.exponent[at], found.error[at]
             watched = np.stack([self.watched[left[k]] for k in these])
-            # The 0-1 test takes as long as all else: it is asked where a label can come of it.
-            seen = evidence_of(watched, common=common, asked=(value > SURE * error) | final)
-            unsure = (seen.digits >= CONVERGES) & np.isnan(seen.growth)
-            if unsure.any():
-                seen = evidence_of(watched, common=common, asked=(value > SURE * error) | final | unsure)
+            # What tells chaos takes as long as all else: it is asked where a label can come of it.
+            asked = (value > SURE * error) | final
+            seen = evidence_of(watched, common=common, asked=asked)
+            doubted = (seen.digits >= ROUGH) & (seen.digits < SMOOTH) & ~asked
+            if doubted.any():
+                seen = evidence_of(watched, common=common, asked=asked | doubted)
             strobed = np.stack([self.strobed[left[k]] for k in these], axis=2)
             turned = run.returns and len(strobed) >= TURNED
             winding = windings_of(strobed, self.cyclic) if turned else [UNKNOWN] * these.size

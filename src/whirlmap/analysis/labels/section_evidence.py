@@ -21,6 +21,8 @@ SMOOTH = 6.0
 #: Longest return that is looked for, fewest section points for that, distance over the spread of a near one, and how much
 #: nearer it comes where it closes.
 LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
+#: Last section points by which a return is near, at most.
+LAST = 64
 #: Rounds of a cycle that a record holds at least where the mean of each of its phases is taken off.
 ROUNDS = 8
 
@@ -80,7 +82,7 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
     common : int
         Number of T after which the forcing repeats.
     asked : array of bool, shape (point,), optional
-        Of which the 0-1 test is asked; of all where absent.
+        Of which the 0-1 test and ``rough`` are asked; of all where absent.
     angles : int
         Of the 0-1 test.
 
@@ -106,7 +108,7 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
             uneven[at] = (np.abs(extents[0] - extents[1]) / np.maximum(*extents)).max(axis=1)
         strobed = x[:, :, (rows - 1) % common :: common]
         closes[at] = _closes(strobed) if strobed.shape[2] >= LEAST_RETURNS else False
-        unsure = digits[at] < SMOOTH
+        unsure = digits[at] < SMOOTH if asked is None else (digits[at] < SMOOTH) & asked[at]
         at, x = at[unsure], x[unsure]
         left = _without_cycles(x.reshape(-1, rows), common).reshape(x.shape)
         # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
@@ -114,9 +116,6 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
         at, left = at[moving], left[moving]
         if at.size:
             rough[at] = _digits(left)
-        if asked is not None:
-            at, left = at[asked[at]], left[asked[at]]
-        if at.size:
             growth[at], low[at] = _zero_one(left, _stride(rows, common), angles)
     return SectionEvidence(growth, low, digits, before, rough, uneven, closes, rows)
 
@@ -143,7 +142,7 @@ def _closes(strobed: Array) -> NDArray[np.bool_]:
     On a torus the distance over any number of common periods is that of a shift of the phase, and stays.
     """
     rows = strobed.shape[2]
-    most, part = min(LONGEST_RETURN, rows // 2), rows // 6
+    most, part = min(LONGEST_RETURN, rows // 2), min(rows // 6, LAST)
     near = np.stack([np.abs(strobed[:, :, -part:] - strobed[:, :, -part - q : -q]).max(axis=(1, 2)) for q in range(1, most + 1)])
     nearest = near.argmin(axis=0) + 1
     out = np.zeros(len(strobed), dtype=bool)
