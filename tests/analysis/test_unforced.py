@@ -115,3 +115,16 @@ def test_roessler_cycle_with_a_wrong_clock():
         wrong = System(replace(system.model, typical_time=5.9 * factor), system.values)
         ds = label_points(wrong, {"c": [2.5]}, lyapunov=0)
         assert int(ds["period_T"][0]) == 1
+
+
+@pytest.mark.parametrize(("threshold", "period"), [(2.81, 1), (3.805, 2), (4.1, 4)])
+def test_an_approach_that_alternates_is_no_longer_cycle(threshold, period):
+    """Multipliers of -0.985, -0.946 and -0.822, by SciPy's DOP853 at 1e-12 and Newton's method on the return map."""
+    ds = label_points(whirlmap.load("roessler"), {"c": [threshold]}, lyapunov=0)
+    assert (Regime(int(ds["regime"][0])), int(ds["period_T"][0])) == (Regime.periodic, period)
+
+
+def test_means_of_a_cycle_are_those_of_whole_turns():
+    """The cycle is symmetric; its typical time is no part of a turn."""
+    ds = label_points(van_der_pol(1.0, 6.28), {"mu": [1.0, 3.0]}, lyapunov=0)
+    assert (np.abs(ds["mean"].values[:, :2]) <= 1e-9 * ds["peak_to_peak"].values[:, :2]).all()

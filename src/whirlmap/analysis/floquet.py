@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.scales import scales
+from whirlmap.integrate.scales import scales, tangent_sizes
 from whirlmap.integrate.system import System
 from whirlmap.kernels.event_location import FINE
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
@@ -129,7 +129,9 @@ def _round(system: System, start: Array, duration: float, segments: int, each: i
     run = _Segment.of(system, duration / segments / each, each, round(segments * each * system.period / duration))
     for k in range(segments):
         orbit[:, k + 1], matrices[k] = run.transition(orbit[:, k], k * each)
-    log_modulus, argument = _eigenvalues_of_product(matrices)
+    # In units of their sizes, for frames that are orthonormal in units that differ by 1e9 are rounding.
+    size = tangent_sizes(system.model, np.array([system.period]), start[:, None])[:, 0]
+    log_modulus, argument = _eigenvalues_of_product(matrices * (size / size[:, None]))
     order = np.lexsort((-argument, -log_modulus))
     return orbit, log_modulus[order], argument[order]
 

@@ -1,7 +1,7 @@
 """Settle many operating points of an unforced model: the return of each is counted in crossings of the declared section.
 
 A point runs its transient, and is then cut at the section. Windows are as many typical times as would be common periods,
-each twice the one before, for the points that have not returned.
+each twice the one before, for the points that have not returned; those that still approach an orbit go on.
 """
 
 from collections.abc import Callable
@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
+from whirlmap.analysis.crossing_returns import settled_returns
 from whirlmap.analysis.endings import restarted
-from whirlmap.analysis.periodicity import return_multiple
+from whirlmap.analysis.periodicity import period_of
 from whirlmap.analysis.settled_steps import wider_tolerance
 from whirlmap.analysis.settling import Settled, Settling
 from whirlmap.analysis.trend import trend
@@ -25,6 +26,9 @@ Integers = NDArray[np.int64]
 
 #: T of an unforced motion that left its limits that are looked at, at most.
 LAST = 512
+#: A point whose distance from a return is small, and smaller by this factor than in the window before, is on its way to an
+#: orbit: it is given more of the longest windows, so many at most.
+NEAR, NEARER, MORE = 0.1, 0.9, 64
 
 
 def settle_unforced(
@@ -45,6 +49,8 @@ def settle_unforced(
     wide = wider_tolerance(ensemble, settling)
     window = min(settling.first_window, 2 * settling.most)
     left = np.flatnonzero(ensemble.running)
+    before, extra, period = np.full(ensemble.points, np.inf), 0, period_of(cyclic, ensemble.model.dimension)
+    approaches = np.zeros(ensemble.points, dtype=bool)
     while left.size:
         begin, section = ensemble.subset(left), ensemble.subset(left)
         points, times, _ = run_with_crossings(section, window, progress=progress)
@@ -59,14 +65,19 @@ def settle_unforced(
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
             columns = np.flatnonzero(count == shared)
             these = left[columns]
-            found = return_multiple.find(
-                points[:shared][:, :, columns], scale=settled.scale[:, these], tolerance=settling.tolerance,
-                most=int(min(window, shared)) // 2, cyclic=cyclic, alike=False,
+            found, distance = settled_returns(
+                points[:shared][:, :, columns], settled.scale[:, these], period, settling.tolerance,
+                int(min(window, shared)) // 2,
             )  # fmt: skip
-            settled.multiple[these], settled.distance[these] = found["multiple"], found["distance"] * wide[these]
+            settled.multiple[these], settled.distance[these] = np.maximum(found, 0), distance * wide[these]
+            approaches[these] = found < 0
         left = left[ensemble.running[left] & (settled.multiple[left] == 0)]
         if window >= 2 * settling.most:
-            break
+            nearer = (settled.distance[left] < NEAR) & (settled.distance[left] < NEARER * before[left])
+            left, extra = left[nearer | approaches[left]], extra + 1
+            if extra > MORE:
+                break
+        before[left] = settled.distance[left]
         window = min(2 * window, 2 * settling.most)
     return settled
 

@@ -18,7 +18,7 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
 from whirlmap.integrate.orders import common_multiple, strobe
-from whirlmap.integrate.scales import limits
+from whirlmap.integrate.scales import limits, tangent_sizes
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.lanes import UNKNOWN
 from whirlmap.kernels.methods import RK4, Method
@@ -81,7 +81,7 @@ class Ensemble:
         Steps per T; one number for all points, or one for each.
     method : Method
     tangents : int
-        Tangent vectors carried along, started from a fixed random orthonormal set.
+        Tangent vectors carried along, started from a fixed random set, orthonormal in units of ``sizes``.
     orthonormal : bool
         Whether the tangent vectors are orthonormalised. Where not, they start from the first unit vectors.
     orth : int or array of int, shape (point,)
@@ -98,6 +98,9 @@ class Ensemble:
         Sizes beyond which states have diverged; those of the start where absent (`scales.limits`).
     turn : array, shape (point,), optional
         T of each point of an unforced model, in place of its typical time.
+    sizes : array, shape (state, point), optional
+        Sizes of the states, in which lengths of tangent vectors are measured: with speeds in nanometres per second beside
+        lengths in metres, vectors would turn out parallel. Those of the start where absent (`scales.tangent_sizes`).
 
     Attributes
     ----------
@@ -139,6 +142,7 @@ class Ensemble:
         accuracy: float | None = None,
         beyond: Array | None = None,
         turn: Array | None = None,
+        sizes: Array | None = None,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -155,6 +159,7 @@ class Ensemble:
         self.points = n
         self.period = periods(model, values) if turn is None else np.array(turn, dtype=float)
         self.values, self.limits = values, limits(model, self.period, x) if beyond is None else beyond
+        self.sizes = (tangent_sizes(model, self.period, x) if tangents else np.ones_like(x)) if sizes is None else sizes
         self.status = np.zeros(n, dtype=np.int8)
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
@@ -163,7 +168,7 @@ class Ensemble:
         self.crossings, self.grazings = np.zeros(n), np.zeros(n)
         self._group()
         sides = np.full((max((g.kernel.source.sizes.surfaces for g in self._groups), default=0), n), UNKNOWN)
-        self._y = np.concatenate([x, _tangent_start(model.dimension, tangents, n, orthonormal), sides])
+        self._y = np.concatenate([x, _tangent_start(self.sizes, tangents, orthonormal), sides])
 
     def _group(self) -> None:
         """Group the points by kernel and steps."""
@@ -241,6 +246,7 @@ class Ensemble:
             steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
             orthonormal=self.orthonormal, orth=self.point_orth[members] if orth is None else orth, workers=self.workers,
             redo=self.redo, accuracy=self.accuracy, beyond=self.limits[:, members], turn=self.period[members],
+            sizes=self.sizes[:, members],
         )  # fmt: skip
         part._y = self._y[: part._y.shape[0], members].copy()
         for name in _POINT_ARRAYS:
@@ -364,14 +370,17 @@ def variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]
     return [(m, members) for m, members in split if members.size]
 
 
-def _tangent_start(n: int, count: int, points: int, random: bool) -> Array:
-    """Orthonormal tangent vectors, the same random set or the same unit vectors for every point."""
+def _tangent_start(sizes: Array, count: int, random: bool) -> Array:
+    """Tangent vectors: the same random set, orthonormal in units of ``sizes``, or the same unit vectors for every point."""
+    n, points = sizes.shape
     if count == 0:
         return np.zeros((0, points))
     if count > n:
         raise RangeError(f"{count} tangent vectors in {n} dimensions")
-    q = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))[0] if random else np.eye(n, count)
-    return np.repeat(q.T.reshape(n * count, 1), points, axis=1)
+    if not random:
+        return np.repeat(np.eye(n, count).T.reshape(n * count, 1), points, axis=1)
+    q = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))[0]
+    return np.asarray(q.T[:, :, None] * sizes).reshape(n * count, points)
 
 
 def _statistics(sums: Array, steps: Integers, running: NDArray[np.bool_]) -> dict[str, Array]:

@@ -46,7 +46,7 @@ class Group:
             model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
         )
         limits = ensemble.limits[:, members]
-        self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members], limits)
+        self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members], limits, ensemble.sizes[:, members])
         self.h = ensemble.period[members] / steps
         self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)
         self._packed: tuple[Points, dict[str, Any]] = np.zeros(0, dtype=np.intp), {}  # of the last call
@@ -142,7 +142,7 @@ class _Run:
         self, group: Group, local: Points, total: int, save_every: int, record: Record, *, between: bool
     ) -> None:
         e = group.ensemble
-        self.group, self.total, self.save_every = group, total, save_every or total + 1
+        self.group, self.local, self.total, self.save_every = group, local, total, save_every or total + 1
         self.count, self.n = e.tangents, e.model.dimension
         rows = self.n * (1 + self.count) + group.kernel.source.sizes.surfaces
         self.y = blocked(e._y[:rows, group.members[local]])
@@ -187,10 +187,11 @@ class _Run:
         if k and due.any():
             b, l, event = block[due], lane[due], done[due] // self.orth_every - 1  # noqa: E741
             rows = slice(n, n * (1 + k))
+            size = self.group.ensemble.sizes[:, self.group.members[self.local[b * LANES + l]]].T[:, :, None]
             vectors = self.y[b, rows, l].reshape(-1, k, n).transpose(0, 2, 1)
-            q, r = np.linalg.qr(vectors)
+            q, r = np.linalg.qr(vectors / size)
             length = np.diagonal(r, axis1=1, axis2=2)
-            self.y[b, rows, l] = (q * np.sign(length)[:, None, :]).transpose(0, 2, 1).reshape(-1, n * k)
+            self.y[b, rows, l] = (size * q * np.sign(length)[:, None, :]).transpose(0, 2, 1).reshape(-1, n * k)
             self.growth[b, event, :, l] += np.log(np.abs(length))
         save = (done % self.save_every == 0) & (done // self.save_every <= self.saved.shape[1])
         b, l, event = block[save], lane[save], done[save] // self.save_every - 1  # noqa: E741

@@ -34,6 +34,8 @@ Integers = NDArray[np.int64]
 
 #: Part of its magnitude, and of the sizes that it is alike to, below which a motion of a state does not count.
 FLOOR = 1e-6
+#: Least size of a state over the largest one, in lengths of tangent vectors: a motion that has died out has none.
+SMALLEST = 1e-30
 #: Growth of a state, over the size in which it began, that is taken for a divergence where the model declares no bound. Far
 #: beyond any motion that grows from rounding (1e-16) to its own size, and reached by a blow-up within a few steps.
 GROWTH = 1e30
@@ -122,6 +124,18 @@ def start_sizes(model: Model, period: Array, x: Array) -> Array:
     weight = like.weights(period)
     own = largest_of(like.group, np.where(np.isfinite(x), np.abs(x), 0.0) * weight)
     return np.asarray(np.where(own > 0, own, largest_of(like.group, declared * weight)) / weight)
+
+
+def tangent_sizes(model: Model, period: Array, x: Array) -> Array:
+    """Sizes of the states in which lengths of tangent vectors are measured, shape (state, point).
+
+    They are in the proportions of `start_sizes`; of states of which nothing is known, a position and its rates have T/2 pi
+    between them. The largest of each point lies between one and two, by a power of two: no square of them overflows.
+    """
+    size = start_sizes(model, period, x)
+    size = np.where(size > 0, size, 1 / likeness(model).weights(period))
+    whole = np.exp2(np.frexp(size.max(axis=0))[1] - 1.0)
+    return np.asarray(np.maximum(size / whole, SMALLEST))
 
 
 def limits(model: Model, period: Array, x: Array) -> Array:

@@ -58,7 +58,7 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
     blocks, count         number of blocks, and of tangent vectors
     y                     (states * (1 + count) + surfaces) state, tangent vectors and sides, in place
     h                     (1) step of each lane
-    p                     (inputs) hoisted parameters
+    p                     (inputs) hoisted parameters, reciprocal limits, weights of tangent vectors
     tables, offsets       table entries, and where each lane's begin: (tables) integers
     waves, starts,        cosine and sine of each harmonic at each stage time of its cycle of ``lengths`` steps; where
     lengths, begin        each harmonic's begin, and the step of its cycle at which the run begins: plain arrays
@@ -96,7 +96,7 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
 
 def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, ...], parts: Parts) -> Routine:
     vectors = parts.tangent is not None or sizes.along
-    turn = orthonormalise(module, sizes.states) if vectors else None
+    turn = orthonormalise(module, sizes) if vectors else None
     fold = folding(module, sizes.states + sizes.outputs)
     r = Routine(module, "advance_block", {name: kind for name, kind in ARGUMENTS.items() if name != "blocks"})
     b, a = r.b, r.at
@@ -184,7 +184,8 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
                 with b.if_then(b.and_(due, b.icmp_signed(">", count, integer(0)))):
                     event = b.sub(b.sdiv(done, a["orth_every"]), integer(1))
                     with b.if_then(b.icmp_signed("<", event, a["events"])):
-                        r.call(turn, y=a["y"], count=count, growth=r.row(a["growth"], b.mul(event, count)), active=on)
+                        growth = r.row(a["growth"], b.mul(event, count))
+                        r.call(turn, y=a["y"], p=a["p"], count=count, growth=growth, active=on)
             with b.if_then(b.icmp_signed("!=", a["folded"], integer(0))):
                 r.call(parts.observed, y=a["y"], p=a["p"], o=stepper.o)
                 for values, before, size in ((a["y"], 0, sizes.states), (stepper.o, sizes.states, sizes.outputs)):
@@ -203,14 +204,17 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
     return r
 
 
-def orthonormalise(module: ir.Module, states: int) -> Routine:
+def orthonormalise(module: ir.Module, sizes: Sizes) -> Routine:
     """Write modified Gram-Schmidt on the tangent vectors of active lanes; their lengths' logarithms go to ``growth``.
 
     A lane that waits for its step to be redone keeps its vectors, and with them the growth since they were of length one.
+    Products of vectors are sums over states in units of their sizes, whose reciprocal squares are the last rows of ``p``.
     """
-    r = Routine(module, "orthonormalise", {"y": "rows", "count": "int", "growth": "rows", "active": "flags"})
+    arguments: dict[str, Kind] = {"y": "rows", "p": "rows", "count": "int", "growth": "rows", "active": "flags"}
+    r = Routine(module, "orthonormalise", arguments)
+    states = sizes.states
     b, a = r.b, r.at
-    total = r.local(number(0.0).type)
+    total, weights = r.local(number(0.0).type), r.row(a["p"], integer(sizes.inputs - states))
     runs = b.icmp_signed("!=", r.load(a["active"]), integers(0))
 
     def vector(index: Value) -> Value:
@@ -219,7 +223,8 @@ def orthonormalise(module: ir.Module, states: int) -> Routine:
     def product(one: Value, other: Value) -> Value:
         r.store(number(0.0), total)
         with r.loop(states) as i:
-            r.store(r.add(r.load(total), r.mul(r.load(one, i), r.load(other, i))), total)
+            weighted = r.mul(r.load(weights, i), r.load(one, i))
+            r.store(r.add(r.load(total), r.mul(weighted, r.load(other, i))), total)
         return r.load(total)
 
     with r.loop(a["count"]) as v:

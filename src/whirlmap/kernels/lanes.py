@@ -56,10 +56,11 @@ class LaneKernel:
         """Working memory of one call."""
         return aligned(self.source.sizes.work)
 
-    def inputs(self, values: Array, limits: Array | None = None) -> "Inputs":
+    def inputs(self, values: Array, limits: Array | None = None, sizes: Array | None = None) -> "Inputs":
         """Prepare the inputs of many points: values of shape (parameter, point).
 
         A step that leaves ``limits``, shape (state, point), is not taken; where they are absent, one that is not finite.
+        Lengths of tangent vectors count states in units of ``sizes``, shape (state, point); of one where they are absent.
         """
         n = values.shape[1]
         index = {q.name: i for i, q in enumerate(self.model.parameters)}
@@ -67,12 +68,13 @@ class LaneKernel:
         tables = {table.name: table for table in self.model.tables}
         entries, offsets = fill(tuple(tables[name] for name in self.source.tables), parameters, n)
         inside = np.zeros((self.model.dimension, n)) if limits is None else 1 / limits
-        return Inputs(np.concatenate([self.source.hoisted.evaluate(values), inside]), entries, offsets)
+        weights = np.ones_like(inside) if sizes is None else sizes**-2.0
+        return Inputs(np.concatenate([self.source.hoisted.evaluate(values), inside, weights]), entries, offsets)
 
 
 @dataclass(frozen=True)
 class Inputs:
-    """Hoisted parameters and reciprocal limits, table entries and offsets of many points."""
+    """Hoisted parameters, reciprocal limits and weights of tangent vectors, table entries and offsets of many points."""
 
     p: Array
     tables: Array

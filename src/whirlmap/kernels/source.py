@@ -152,7 +152,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
     of_outputs, of_end = routines.observed(observed), routines.examine(gaps)
     same_side = routines.same_side(kept) if kept.results else None
     sizes = Sizes(
-        states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + model.dimension,
+        states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + 2 * model.dimension,
         tables=len(model.tables),
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
         homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs, surfaces=len(found.surfaces),
