@@ -170,7 +170,7 @@ def _attempt(job: Job, number: int) -> Outcome:
     own = kernel_hash(job.system, job.labelling.method)
     if own != job.kernel:
         return Outcome(number, fault=f"this worker's kernels are {own[:12]}, the store's {job.kernel[:12]}: another version"
-                       " of whirlmap or its libraries, another processor, or another WHIRLMAP_CPU", stop=True)  # fmt: skip
+                       " of whirlmap or its libraries, or another processor or WHIRLMAP_CPU", stop=True)  # fmt: skip
     fault = ""
     for _ in range(ATTEMPTS):
         try:
