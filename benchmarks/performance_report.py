@@ -23,6 +23,10 @@ measured; at larger ones the cheapest setting counts. "Steps by accuracy" is wha
 steps per T, chosen before the clock starts (two or three common periods, once for the hundred that a point settles and is
 recorded).
 
+Other processors. Numbers on this page are those of one machine. On an AMD Zen 4, with reciprocals and roots by estimates,
+heyoka took 1.7 times our time at 1e-7 and plain C with RK4 0.98 times. Plain films divide there now, 3 to 6 % faster
+(`kernels/root_choice.py`); the peers were not timed again.
+
 What the peers are given:
 
 - **heyoka**: batches of 1, 4 and 8 points of similar speed; parameters hoisted into `par`, integer powers as products, the

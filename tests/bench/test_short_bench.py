@@ -88,7 +88,7 @@ def test_json_has_the_promised_keys(little):
     done = bench("bench --quick --json --quiet")
     assert done.exit_code == 0, done.output
     result = json.loads(done.stdout)
-    assert set(result) == {"heyoka", "scipy", "c_reference", "raw", "missing"}
+    assert set(result) == {"heyoka", "scipy", "c_reference", "raw", "missing", "processor", "roots"}
     assert {k: set(v) for k, v in result["heyoka"].items()} == {psi: set(run.ERRORS) for psi in run.PSI}
     assert set(result["scipy"]) == {"DOP853", "LSODA"}
     assert all(set(row) == ROW for row in result["raw"])

@@ -7,6 +7,7 @@ import sympy as sp
 from whirlmap.equations import Model, State
 from whirlmap.integrate.system import System
 from whirlmap.kernels import machine
+from whirlmap.kernels.root_choice import RootChoice, using
 
 x, y, z = (State(name, "1", name) for name in "xyz")
 
@@ -17,11 +18,12 @@ def roots(name):
 
 
 @pytest.fixture(params=[True, False], ids=["estimated", "divided"])
-def system(request, monkeypatch, tmp_path):
+def system(request):
     if request.param and not machine.estimates():
         pytest.skip("this processor has no estimates of whole vectors")
-    monkeypatch.setattr("whirlmap.kernels.source.estimates", lambda: request.param)
-    return roots(f"roots-{request.param}")
+    way = "estimates" if request.param else "divisions"
+    with using(RootChoice(way, way)):
+        yield roots(f"roots-{way}")
 
 
 def expected(v):

@@ -20,7 +20,9 @@ from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
 from whirlmap.integrate.system import System, periods
 from whirlmap.integrate.turns import choose_unforced_steps
 from whirlmap.kernels.formulas import HoistedFunction
+from whirlmap.kernels.machine import processor
 from whirlmap.kernels.methods import method as method_named
+from whirlmap.kernels.root_choice import chosen
 from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
@@ -201,12 +203,13 @@ def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[
         steps_per_period=ensemble.steps if ensemble.accuracy is None else "chosen for each point by the accuracy: see steps",
         citations=(ensemble.method.source,),
     )
+    compiled = {"processor": processor()[0], "roots": str(chosen())}
     cyclic = {s.name: s.cyclic for s in system.model.states if s.cyclic is not None}
     if ensemble.accuracy is not None:
         settings = {"accuracy": ensemble.accuracy, **settings}
         if doubts := doubtful(ensemble.step_verdict):
             settings["accuracy_not_met"] = doubts
-    return {**origin, **settings, **({"cyclic": json.dumps(cyclic)} if cyclic else {})}
+    return {**origin, **compiled, **settings, **({"cyclic": json.dumps(cyclic)} if cyclic else {})}
 
 
 def cyclic_states(system: System) -> dict[int, float]:

@@ -14,7 +14,9 @@ from whirlmap.bench.ratios import Point, ratio
 from whirlmap.bench.taylor import FIT_OVER_TOLERANCE, TaylorRun, Waves, heyoka, taylor_system
 from whirlmap.errors import InputError
 from whirlmap.integrate.accuracy import LADDER, choose_steps
+from whirlmap.kernels.machine import processor
 from whirlmap.kernels.methods import METHODS
+from whirlmap.kernels.root_choice import chosen, reason
 from whirlmap.kernels.routine import LANES
 
 Array = NDArray[np.float64]
@@ -88,6 +90,7 @@ def benchmark(plan: Plan, say: Say) -> dict[str, Any]:
     whirlmap's at equal median error. For heyoka and SciPy the best method and batch of each side count; plain C is RK4
     and is held against whirlmap's RK4.
     """
+    say(f"kernels for {processor()[0]}, roots and reciprocals by {chosen()} ({reason()})")
     missing: dict[str, str] = {}
     peers = _available(missing, say)
     contenders: list[Contender] = []
@@ -107,7 +110,8 @@ def benchmark(plan: Plan, say: Say) -> dict[str, Any]:
     say(f"{len(contenders)} contenders take turns")
     take_turns(contenders, plan.rounds, say)
     raw = [c.row(exact[c.problem]) for c in contenders]
-    return {**summary(raw, missing), "raw": raw, "missing": missing}
+    compiled = {"processor": processor()[0], "roots": str(chosen())}
+    return {**summary(raw, missing), "raw": raw, "missing": missing, **compiled}
 
 
 def _available(missing: dict[str, str], say: Say) -> set[str]:

@@ -22,6 +22,7 @@ from whirlmap.integrate.scales import limits, tangent_sizes
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.lanes import UNKNOWN
 from whirlmap.kernels.methods import RK4, Method
+from whirlmap.kernels.root_choice import adopt, chosen
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 
@@ -336,7 +337,7 @@ class Ensemble:
             for task in tasks:
                 work(task)
         else:
-            pool = ThreadPoolExecutor(self.workers)
+            pool = ThreadPoolExecutor(self.workers, initializer=adopt, initargs=(chosen(),))
             try:
                 for _ in pool.map(work, tasks):
                     pass

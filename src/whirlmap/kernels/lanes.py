@@ -13,6 +13,7 @@ from whirlmap.kernels import advancing, marching
 from whirlmap.kernels.machine import Code, Function, aligned
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.rates import Slopes, Time
+from whirlmap.kernels.root_choice import by_estimates
 from whirlmap.kernels.routine import LANES
 from whirlmap.kernels.source import KernelSource, stored_source
 from whirlmap.kernels.tabulate import fill
@@ -90,10 +91,14 @@ def slopes_for(tangents: int) -> Slopes:
     return "none" if tangents == 0 else "along" if tangents == 1 else "jacobian"
 
 
-@lru_cache(maxsize=64)
 def lane_kernel(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> LaneKernel:
-    """Compile, or find again, the kernel of a model."""
-    source = stored_source(model, method, slopes=slopes, kind=kind)
+    """Compile, or find again, the kernel of a model, with the choice of roots that is in force."""
+    return _compiled(model, method, slopes, kind, by_estimates(model))
+
+
+@lru_cache(maxsize=64)
+def _compiled(model: Model, method: Method, slopes: Slopes, kind: Time, estimated: bool) -> LaneKernel:
+    source = stored_source(model, method, slopes=slopes, kind=kind, estimated=estimated)
     return LaneKernel(model, source, Code.of(source.text))
 
 

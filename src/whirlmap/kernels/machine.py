@@ -33,6 +33,13 @@ HOLDS: dict[Kind, np.dtype[Any]] = {
 }  # fmt: skip
 
 
+@cache
+def _host() -> tuple[str, Mapping[str, bool], str]:
+    """Name and features of this processor, the latter also as LLVM takes them; asking for them takes half a millisecond."""
+    features = llvm.get_host_cpu_features()
+    return llvm.get_host_cpu_name(), features, features.flatten()
+
+
 def processor() -> tuple[str, str]:
     """Name and features of the processor that code is made for: ``$WHIRLMAP_CPU`` where set, else this one.
 
@@ -45,9 +52,9 @@ def processor() -> tuple[str, str]:
         The variable names no level that this processor has: LLVM would end the program.
     """
     chosen = os.environ.get("WHIRLMAP_CPU", "")
-    features = llvm.get_host_cpu_features()
+    name, features, flat = _host()
     if not chosen:
-        return llvm.get_host_cpu_name(), features.flatten()
+        return name, flat
     had = [level for level, needed in LEVELS.items() if all(features.get(f) for f in needed)]
     if chosen not in had:
         raise InputError(
@@ -58,7 +65,7 @@ def processor() -> tuple[str, str]:
 
 def estimates() -> bool:
     """Whether the processor has estimates of roots and reciprocals of whole vectors."""
-    return LANES == 8 and "+avx512f" in processor()[1].split(",")  # they are written for registers of eight
+    return LANES == 8 and ",+avx512f," in f",{processor()[1]},"  # they are written for registers of eight
 
 
 def fuses() -> bool:

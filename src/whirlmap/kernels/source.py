@@ -24,7 +24,7 @@ from whirlmap.kernels.event_location import through as write_through
 from whirlmap.kernels.formulas import HoistedFunction
 from whirlmap.kernels.hermite import Between
 from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
-from whirlmap.kernels.machine import estimates, fuses
+from whirlmap.kernels.machine import fuses
 from whirlmap.kernels.marching import evaluate, march
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.poles import pole_guards
@@ -104,20 +104,23 @@ class KernelSource:
 KEYS = {"text", "sizes", "inputs", "hoisted", "entries", "tables", "nodes"}
 
 
-def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
+def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, estimated: bool) -> KernelSource:
     """Return `kernel_source` from the cache, where it was written before for the same declaration and method."""
     question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH}"
-    question += f" {estimates()} {fuses()}"
+    question += f" {estimated} {fuses()}"
     data = remembered(
         question,
-        lambda: kernel_source(model, method, slopes=slopes, kind=kind).as_data(),
+        lambda: kernel_source(model, method, slopes=slopes, kind=kind, estimated=estimated).as_data(),
         lambda data: isinstance(data, dict) and set(data) == KEYS,
     )
     return KernelSource.from_data(data)
 
 
-def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> KernelSource:
-    """Write the module for a model and a method, with the derivatives that tangent dynamics need."""
+def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, estimated: bool) -> KernelSource:
+    """Write the module for a model and a method, with the derivatives that tangent dynamics need.
+
+    Roots and reciprocals are ``estimated``, or computed by divisions (`whirlmap.kernels.root_choice`).
+    """
     hoisted = Hoisted(model.parameters)
     found = sided(model)
     rates = straight(model, found.rates, hoisted)
@@ -145,7 +148,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time) -
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
     time: Time = "free" if found.surfaces else kind  # lanes cross surfaces at times of their own
-    routines = ModelRoutines(module, model, hoisted, time, Roots(estimates()), Sines(module, fuses()))
+    routines = ModelRoutines(module, model, hoisted, time, Roots(estimated), Sines(module, fuses()))
     routines.surfaces = len(found.surfaces)
     of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None

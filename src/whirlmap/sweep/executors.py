@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
+from whirlmap.kernels.root_choice import RootChoice, using
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
 from whirlmap.analysis.labels.labelling import Labelling
@@ -78,6 +79,8 @@ class Job:
         Spacing of the first lattice of `refine`; 0: every point is computed.
     kernel : str
         `kernel_hash` of the process that began; a worker with another one refuses.
+    roots : RootChoice
+        How kernels take roots and reciprocals: the store's choice, whatever a worker's own would be.
     """
 
     folder: Path
@@ -86,6 +89,7 @@ class Job:
     labelling: Labelling
     coarse: int
     kernel: str
+    roots: RootChoice
 
     @cached_property
     def store(self) -> Store:
@@ -158,10 +162,15 @@ def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
 
 def attempt(job: Job, number: int) -> Outcome:
     """Compute and commit one chunk, up to `ATTEMPTS` times; the outcome says what became of it."""
+    with using(job.roots):
+        return _attempt(job, number)
+
+
+def _attempt(job: Job, number: int) -> Outcome:
     own = kernel_hash(job.system, job.labelling.method)
     if own != job.kernel:
         return Outcome(number, fault=f"this worker's kernels are {own[:12]}, the store's {job.kernel[:12]}: another version"
-                       " of whirlmap or its libraries, or another processor", stop=True)  # fmt: skip
+                       " of whirlmap or its libraries, or another processor or WHIRLMAP_CPU", stop=True)  # fmt: skip
     fault = ""
     for _ in range(ATTEMPTS):
         try:

@@ -8,6 +8,7 @@ from importlib.resources.abc import Traversable
 
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.system import System
+from whirlmap.kernels.root_choice import chosen
 from whirlmap.results.provenance import package_version
 
 #: Parts of the package whose source decides what is computed of a point.
@@ -21,8 +22,8 @@ LIBRARIES = ("whirlmap", "numba", "numpy", "scipy", "sympy")
 
 
 def kernel_hash(system: System, method: str | None) -> str:
-    """Hash of the model, the method, the source that becomes kernels and labels, the versions and the processor."""
-    return hashlib.sha256(f"{_program()}\n{pieces(system).model_hash}\n{method}".encode()).hexdigest()
+    """Hash of the model, the method, the source that becomes kernels and labels, the versions, processor and roots."""
+    return hashlib.sha256(f"{_program()}\n{pieces(system).model_hash}\n{method}\n{chosen()}".encode()).hexdigest()
 
 
 @cache

@@ -8,14 +8,18 @@ from typing import Any
 
 from whirlmap.errors import OutputError
 from whirlmap.integrate.loading import pieces
+from whirlmap.kernels.machine import processor
+from whirlmap.kernels.root_choice import RootChoice, possible
 from whirlmap.results.files import check_writable
 from whirlmap.results.provenance import as_json
 from whirlmap.sweep.executors import Job
-from whirlmap.sweep.store import exists, half_made, remove
+from whirlmap.sweep.store import Store, exists, half_made, remove
 from whirlmap.version import __version__
 
 #: Format of the manifest.
 FORMAT = 1
+#: Key of the choice of roots and reciprocals.
+ROOTS = "roots"
 
 
 def claim(folder: Path, *, resume: bool, force: bool) -> None:
@@ -31,6 +35,31 @@ def claim(folder: Path, *, resume: bool, force: bool) -> None:
         remove(folder)
 
 
+def stored_roots(folder: Path) -> RootChoice | None:
+    """How kernels took roots and reciprocals when a store was begun; None where there is no store yet.
+
+    Raises
+    ------
+    OutputError
+        The store does not say so, or this processor cannot compute so.
+    """
+    if not exists(folder):
+        return None
+    manifest = Store(folder).manifest
+    if ROOTS not in manifest:
+        raise OutputError(
+            f"{folder}: was begun by a version that did not record whether roots are taken by estimates or by divisions."
+            " It opens and is drawn as ever, but cannot be continued; --force replaces it, or choose another name"
+        )
+    choice = RootChoice(**manifest[ROOTS])
+    if not possible(choice):
+        raise OutputError(
+            f"{folder}: was begun on {manifest['processor']} with roots and reciprocals by estimates, which kernels for"
+            f" {processor()[0]} do not have: continue it where it was begun; --force replaces it, or choose another name"
+        )
+    return choice
+
+
 def manifest_of(job: Job) -> dict[str, Any]:
     """What a store was made of: whatever decides its numbers, in words that can be compared and read."""
     own = pieces(job.system)
@@ -40,6 +69,8 @@ def manifest_of(job: Job) -> dict[str, Any]:
         "format": FORMAT,
         "whirlmap_version": __version__,
         "kernel": job.kernel,
+        "processor": processor()[0],
+        ROOTS: job.roots._asdict(),
         "model": own.model,
         "model_hash": own.model_hash,
         "parameters": json.loads(as_json(parameters)),

@@ -17,9 +17,10 @@ from whirlmap.errors import OutputError, RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
+from whirlmap.kernels.root_choice import own_choice, using
 from whirlmap.sweep.executors import Job, Outcome, connected, in_dask, in_threads
 from whirlmap.sweep.identity import kernel_hash
-from whirlmap.sweep.manifest import claim, manifest_of, refuse_other
+from whirlmap.sweep.manifest import claim, manifest_of, refuse_other, stored_roots
 from whirlmap.sweep.point_variables import kept_states, points_dataset, shared_common_multiple
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.refine import COARSE
@@ -113,24 +114,28 @@ def run_sweep(
             " with it their length; expected none, or a bifurcation diagram"
         )
     labelling = replace(labelling, kept=tuple(kept_states(system, None)) if sections else ())
-    with connected(cluster) as client:  # before anything is made or computed
+    folder, own = Path(store).expanduser().absolute(), own_choice()
+    roots = (stored_roots(folder) if resume or share is not None else None) or own
+    with connected(cluster) as client, using(roots):  # before anything is made or computed
         job = Job(
-            Path(store).expanduser().absolute(), system, space, labelling, coarse=COARSE if refine else 0,
-            kernel=kernel_hash(system, labelling.method),
+            folder, system, space, labelling, coarse=COARSE if refine else 0, kernel=kernel_hash(system, labelling.method),
+            roots=roots,
         )  # fmt: skip
+        notes = []
+        if roots != own:
+            notes.append(f"roots and reciprocals as the store was begun: {roots}; a new store would have {own}")
         return _run(
-            job, share, client, resume=resume, force=force, workers=workers or cores(), chunk=chunk, on_chunk=on_chunk
+            job, share, client, notes, resume=resume, force=force, workers=workers or cores(), chunk=chunk, on_chunk=on_chunk
         )
 
 
 def _run(
-    job: Job, share: tuple[int, int] | None, client: Any, *, resume: bool, force: bool, workers: int, chunk: int | None,
-    on_chunk: OnChunk | None,
+    job: Job, share: tuple[int, int] | None, client: Any, notes: list[str], *, resume: bool, force: bool, workers: int,
+    chunk: int | None, on_chunk: OnChunk | None,
 ) -> xr.Dataset:  # fmt: skip
     folder = job.folder
     claim(folder, resume=resume or share is not None, force=force and not resume)
     wanted = manifest_of(job)
-    notes: list[str] = []
     if not exists(folder):
         if half_made(folder):
             notes.append("the store was half-made, and is begun anew")

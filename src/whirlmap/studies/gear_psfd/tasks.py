@@ -104,6 +104,6 @@ def _part(variant: Variant, values: Array, settings: Settings, kernel: str) -> x
     if own != kernel:
         raise OutputError(
             f"this worker's kernels are {own[:12]}, those of the search {kernel[:12]}: another version of whirlmap or its"
-            " libraries, or another processor"
+            " libraries, or another processor, WHIRLMAP_CPU or WHIRLMAP_ROOTS"
         )
     return diagrams(variant, values, settings, workers=1)
