@@ -21,7 +21,7 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.labels.closing import close_orbits
 from whirlmap.analysis.labels.measured import RETURNS, Measured, joined
 from whirlmap.analysis.labels.nonperiodic_points import OpenPoints, judge_open_points
-from whirlmap.analysis.labels.regime import Rule
+from whirlmap.analysis.labels.regime import FORGOTTEN, Rule
 from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values
 from whirlmap.analysis.returns import Returns, record, settle_and_record
@@ -44,9 +44,9 @@ Progress = Callable[[int], None]
 BRIEF, FEWEST = 512, 100
 #: T, and common periods, over which the exponent of a point that does not return is measured at most, the longer of both.
 LONGEST, LONGEST_COMMON = 16384, 1024
-#: A motion that contracts is given the time to shrink by this until it is given up, but no more than so many times the
+#: A motion that contracts is given the time to forget its start until it is given up, but no more than so many times the
 #: longest run of an exponent.
-SHRINK, PATIENCE = 1e-9, 2
+PATIENCE = 2
 #: Scaled distance of a near return that makes a torus worth a trial as an orbit; longest such orbit, in T times tangent
 #: vectors.
 NEARLY, WORTH = 1e-4, 6_000
@@ -229,7 +229,7 @@ class _Points:
         e, found = self.ensemble, self.found
         vectors = e.strobe * e.model.dimension
         for tried in ("first", "nearest"):
-            contracts = self._left(points) & (found.shrinks | found.closes)[points]
+            contracts = self._left(points) & (found.shrinks | found.closes | (found.growth < 0))[points]
             nearly = (found.regime[points] == Regime.quasi_periodic) & (found.nearness[points] < NEARLY)
             multiple = found.nearest[points] if tried == "nearest" else np.ones(points.size, dtype=np.int64)
             which = contracts if tried == "first" else (contracts | nearly) & (multiple > 1)
@@ -256,7 +256,7 @@ class _Points:
         The time of each is a power of two of common periods: points of like exponents are looked at together.
         """
         e, how = self.ensemble, self.how
-        needed = np.log(SHRINK) / (self.found.exponent[points] * (e.strobe * e.period)[points])
+        needed = np.log(FORGOTTEN) / (self.found.exponent[points] * (e.strobe * e.period)[points])
         most = max(PATIENCE * self.longest // e.strobe, how.settling.longest)
         extra = np.minimum(2 ** np.ceil(np.log2(np.maximum(needed, 1))), most).astype(np.int64)
         part = e.subset(points)

@@ -6,7 +6,8 @@
    so slowly, only the longest run is enough.
 4. ``chaotic`` needs a positive exponent and one more indicator: the 0-1 test or the Birkhoff averages; after the longest
    run a growth that goes on as fast to its end is enough where these are silent.
-5. ``locked`` needs a negative exponent and converged averages, where the forcing has no common period to return after.
+5. ``locked`` needs a negative exponent, where the forcing has no common period to return after, and a run in which all of a
+   start has died out, or averages that converge.
 6. One vote against, and the point is ``undecided``.
 
 An exponent that lies more than three errors from zero is not zero, however little it has grown: what contracts is no torus.
@@ -56,6 +57,7 @@ class Rule(IntEnum):
     disagreement = 9
     end = 10
     trend = 11
+    forgotten = 12
 
     @property
     def meaning(self) -> str:
@@ -72,6 +74,7 @@ class Rule(IntEnum):
             Rule.regular: "regular: a torus, or a long period",
             Rule.disagreement: "indicators disagree",
             Rule.end: "the run ended",
+            Rule.forgotten: "contracts so long that nothing is left of the start",
             Rule.trend: "the motion comes to rest, grows, drifts or creeps steadily",
         }[self]
 
@@ -81,6 +84,8 @@ INDICATORS = ("return", "exponent", "zero_one", "birkhoff")
 
 #: Section points, once per common period, from which a rotation number is sought; what is said where there are fewer.
 TURNED, UNKNOWN = 128, Winding(np.nan, np.nan, "not-finite")
+#: Part of a difference of start states that is left where nothing is.
+FORGOTTEN = 1e-9
 #: Errors of an exponent that it must be away from zero to have a sign.
 SURE = 3.0
 #: Growth of tangent vectors, beyond the logarithm of the number of periods, that is still compatible with none: on a
@@ -246,7 +251,9 @@ def decide(evidence: Evidence) -> Findings:
     decided(~returned & _grows_plainly(evidence) & ~against_chaos & (label == 0), Regime.chaotic, Rule.exponent_alone)
     decided(~returned & neutral & torus[3] & quiet, Regime.quasi_periodic, slowly)
     if not evidence.returns:
-        decided(~returned & stable & torus[3] & quiet, Regime.locked, slowly)
+        with np.errstate(invalid="ignore"):
+            forgotten = evidence.exponent * evidence.duration <= np.log(FORGOTTEN)
+        decided(~returned & stable & quiet & (forgotten | torus[3]), Regime.locked, np.where(forgotten, Rule.forgotten, slowly))
     known = np.select(
         [returned | (chaotic.any(axis=0) & against_chaos), stable, neutral & quiet & torus[2:].any(axis=0)],
         [Rule.disagreement, Rule.contracts, Rule.regular], Rule.none,
