@@ -128,7 +128,7 @@ def named_shares(
     Notes
     -----
     An order of which the record does not hold enough to tell its fractions apart names nothing; the others do. Sums of many
-    orders fit anything by chance: they are taken up to a size at which less than `CHANCE` of a line's neighbourhood is theirs.
+    orders fit anything by chance: they are taken up to a size at which less than `CHANCE` of the spectrum is near one.
     At most two frequencies that no order explains become bases of their own, the strongest first: quasi-periodic motion
     has one besides its forcing. Fractions of one order go to 1/8 only, lest they fit by chance.
     """

@@ -1,8 +1,8 @@
 """How long a run is that a person looks at: some turns of the slowest clock, in whole periods T.
 
-A machine with hunting teeth repeats after thousands of T, with two hunting pairs after hundreds of thousands. Nothing that is
-looked at asks for that: a series shows some turns of the slowest shaft, and a spectrum tells lines apart that lie one such
-turn from each other.
+A machine with hunting teeth repeats after thousands of T, with two hunting pairs after hundreds of thousands. Nothing that
+is looked at asks for that: a series shows some turns of the slowest shaft, and a spectrum tells lines apart that lie one
+such turn from each other.
 """
 
 from collections.abc import Callable, Sequence

@@ -268,7 +268,7 @@ def _units(model: Model) -> str:
 def _run_facts(system: System, ensemble: Ensemble, **more: Any) -> dict[str, Any]:
     return {
         "period_T": float(ensemble.period[0]),
-        "common_multiple": ensemble.common_multiple,
+        **({"common_multiple": common} if (common := ensemble.common_multiple) < 2**63 else {}),
         "stop": end_named(system.model, int(ensemble.end_stop[0])),
         **more,
     }

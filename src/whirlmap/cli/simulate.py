@@ -70,7 +70,7 @@ def simulate(
     from whirlmap.analysis.trajectory import SAMPLES
     from whirlmap.sweep.run import simulation_in_stretches
 
-    total = (shown_periods(system, SAMPLES) if periods is None else periods) + transient
+    total = (shown_periods(system, max(SAMPLES // max(every, 1), 1)) if periods is None else periods) + transient
     with Progress("simulate", max(total, 1), quiet=quiet) as progress:
         work = simulation_in_stretches(
             system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,

@@ -169,11 +169,10 @@ class Rescue:
         time = np.zeros(points) if gone is None else gone
         origin = origin if len(origin) else np.zeros((1, points))
         good = np.zeros((run.shape[0], 1, LANES), dtype=np.int64)
+        inputs = kernel.inputs(self.values[:, members], self.limits[:, members]).blocks(np.arange(points))
         kernel.march(
-            blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), origin=blocked(origin), h=blocked(h[None]),
-            **kernel.inputs(self.values[:, members], self.limits[:, members]).blocks(np.arange(points)), steps=steps,
-            good=good,
-            work=kernel.work(),
+            blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), origin=blocked(origin),
+            h=blocked(h[None]), **inputs, steps=steps, good=good, work=kernel.work(),
         )  # fmt: skip
         return unblocked(run, points), unblocked(good, points)[0] != 0
 

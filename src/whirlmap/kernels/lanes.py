@@ -134,8 +134,8 @@ class Waves:
             length = order.denominator * steps
             if length >= COUNTED:
                 raise RangeError(
-                    f"the order {order} of a harmonic has a denominator of more than {COUNTED // steps:.2g}: its phase cannot"
-                    " be counted exactly; expected a ratio of smaller integers"
+                    f"the order {order} of a harmonic has a denominator of more than {COUNTED // steps:.2g}: its phase"
+                    " cannot be counted exactly; expected a ratio of smaller integers"
                 )
             far.append(int(length > LONGEST))
             if far[-1]:
@@ -151,12 +151,13 @@ class Waves:
             at += pieces[-1].size
         table = np.concatenate(pieces) if pieces else np.zeros(2)
         turns = np.array([2 * np.pi * order.numerator / (order.denominator * steps) for order in orders])
-        whole = (np.array(column, dtype=np.int64) for column in (starts, lengths, strides, far))
-        return cls(orders, steps, table, *whole, turns)
+        begins, cycles, moves, counted = (np.array(column, dtype=np.int64) for column in (starts, lengths, strides, far))
+        return cls(orders, steps, table, begins, cycles, moves, counted, turns)
 
     def arguments(self, begin: int) -> dict[str, Any]:
         """Arguments of a locked kernel for a run that begins so many steps after phase zero."""
-        at = [begin * (o.numerator if f else 1) % int(n) for o, f, n in zip(self.orders, self.far, self.lengths, strict=True)]
+        begins = zip(self.orders, self.far, self.lengths.tolist(), strict=True)
+        at = [begin * (order.numerator if far else 1) % length for order, far, length in begins]
         return {
             "waves": self.table, "starts": self.starts, "lengths": self.lengths, "strides": self.strides, "far": self.far,
             "begin": np.array(at, dtype=np.int64), "turns": self.turns,

@@ -26,8 +26,9 @@ EVALUATE: dict[str, Kind] = {
 def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases: Routine, turns: Routine | None) -> None:
     """Write ``march``: ``steps`` steps of ``h`` from ``time``, in place; ``good`` says which lanes ended every step well.
 
-    ``origin`` holds the angle of each harmonic at time zero. A lane that ended a step badly goes on, or stays where it crossed a surface; its numbers mean nothing. ``turns`` writes the
-    angles of the harmonics in one step, for a model with surfaces.
+    ``origin`` holds the angle of each harmonic at time zero. A lane that ended a step badly goes on, or stays where it
+    crossed a surface; its numbers mean nothing. ``turns`` writes the angles of the harmonics in one step, for a model with
+    surfaces.
     """
     one = Routine(module, "march_block", {name: kind for name, kind in MARCH.items() if name != "blocks"})
     b, a = one.b, one.at

@@ -43,9 +43,9 @@ def waterfall(
     transient : int, optional
         T dropped; where absent, `SETTLED` turns of the slowest clock.
     periods : int
-        Least T of the record, which holds `SEEN` turns of the slowest clock and, where they are short, whole common periods
-        (`spectrum_periods`). A forced line then stands on a bin; else it may stand between two, and shows down to 0.72 of its
-        power, with the rest beside it.
+        Least T of the record, which holds `SEEN` turns of the slowest clock and, where they are short, whole common
+        periods (`spectrum_periods`). A forced line then stands on a bin; else it may stand between two, and shows down to
+        0.72 of its power, with the rest beside it.
     samples : int
         Samples per T; frequencies reach half of it. The record takes whole multiples of them as steps.
 
