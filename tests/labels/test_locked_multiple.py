@@ -128,3 +128,69 @@ def test_shapes_scales_and_orders_are_checked():
         locked_multiple(np.zeros((128, 1, 1)), (ONE,), scale=[0.0])
     with pytest.raises(RangeError, match="orders"):
         locked_multiple(np.zeros((128, 1, 1)), (ONE, Fraction(0)), scale=[1.0])
+
+
+# --- oscillators: name, orders of the weak forcings, their amplitude, n -------------------------------------
+
+PAIRS = (ONE, Fraction(1, 37), Fraction(1, 113), Fraction(29, 113), Fraction(29, 8023))
+DUFFING = {"c": 0.3, "k": -1.0, "cubic": 1.0, "frequency": 1.2, "start": (1.0, 0.0)}
+UEDA = {"c": 0.1, "k": 0.0, "cubic": 1.0, "frequency": 1.0, "drive": 1.5, "start": (2.09614788, 0.48090102)}
+MATHIEU = {"c": 0.05, "k": 0.25, "cubic": 0.3, "frequency": 1.0, "varies": 0.7, "load": 0.05, "start": (0.3, 0.3)}
+OSCILLATORS = {
+    "1T, golden": (DUFFING | {"drive": 0.20}, (ONE, GOLDEN), 0.01, 1),
+    "2T, golden": (DUFFING | {"drive": 0.27}, (ONE, GOLDEN), 1e-3, 2),
+    "2T large, golden": (DUFFING | {"drive": 0.65}, (ONE, GOLDEN), 1e-3, 2),
+    "3T, golden": (UEDA, (ONE, GOLDEN), 1e-3, 3),
+    "1T, hunting teeth": (DUFFING | {"drive": 0.20}, HUNTING, 0.01, 1),
+    "half the mesh frequency, hunting teeth": (MATHIEU, HUNTING, 0.01, 2),
+    "1T, two hunting pairs": (DUFFING | {"drive": 0.20}, PAIRS, 1e-3, 1),
+    "2T, two hunting pairs": (DUFFING | {"drive": 0.27}, PAIRS, 1e-4, 2),
+    "1 common period": (DUFFING | {"drive": 0.20}, (ONE, Fraction(2, 3)), 1e-3, 1),
+    "2 common periods": (DUFFING | {"drive": 0.27}, (ONE, Fraction(2, 3)), 1e-3, 2),
+    "4 common periods": (DUFFING | {"drive": 0.289}, (ONE, Fraction(2, 3)), 1e-5, 4),
+    "chaos": (DUFFING | {"drive": 0.30}, (ONE, GOLDEN), 1e-3, 0),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def sections(times=1024, transient=300, steps=32):
+    """Section and range of each oscillator, by RK4, side by side."""
+    systems = [o[0] for o in OSCILLATORS.values()]
+    c, k, cubic, w, drive, varies, load = (
+        np.array([s.get(name, 0.0) for s in systems]) for name in ("c", "k", "cubic", "frequency", "drive", "varies", "load")
+    )
+    weak = [(i, o, a) for i, (_, orders, a, _) in enumerate(OSCILLATORS.values()) for o in orders[1:]]
+    at, a = np.array([i for i, *_ in weak]), np.array([a for *_, a in weak])
+    turns = [[getattr(o, part) for _, o, _ in weak] for part in ("numerator", "denominator")]
+    share = np.zeros((len(systems), at.size))
+    share[at, np.arange(at.size)] = a
+
+    def forcing(half):
+        numerator, denominator = turns
+        exact = np.array([n * half % (2 * steps * d) / d for n, d in zip(numerator, denominator, strict=True)])
+        fast = np.cos(np.pi * half / steps)
+        return fast * drive + load + share @ np.cos(np.pi * exact / steps), k * (1 + varies * fast)
+
+    def rates(x, force):
+        return np.array([x[1], (force[0] - c * w * x[1] - force[1] * x[0] - cubic * x[0] ** 3) / w**2])
+
+    x, h, found = np.array([s["start"] for s in systems]).T, 2 * np.pi / steps, []
+    end = forcing(0)
+    for step in range(steps * (transient + times)):
+        if step >= steps * transient:
+            found.append(x)
+        begin, middle, end = end, forcing(2 * step + 1), forcing(2 * step + 2)
+        k1 = rates(x, begin)
+        k2 = rates(x + h / 2 * k1, middle)
+        k3 = rates(x + h / 2 * k2, middle)
+        x = x + h / 6 * (k1 + 2 * k2 + 2 * k3 + rates(x + h * k3, end))
+    record = np.array(found)
+    return record[::steps], np.ptp(record, axis=0)
+
+
+@pytest.mark.parametrize("name", OSCILLATORS)
+def test_oscillators(sections, name):
+    _, orders, _, n = OSCILLATORS[name]
+    i = list(OSCILLATORS).index(name)
+    found, misfit = locked_multiple(sections[0][:, :, [i]], orders, scale=sections[1][:, [i]])
+    assert found == [n], misfit

@@ -16,8 +16,8 @@ MOST = 12
 TURNS = 2
 #: A sum of orders lies at a line by chance less often than this.
 CHANCE = 0.3
-#: A line is as sharp as this many steps of frequency (1/N).
-SHARP = 0.15
+#: What is left of a line stands this many steps of frequency (1/N) from it, for the fitted lines beside it took a part.
+SHARP = 0.5
 #: Orders with denominators up to this are harmonics of a period that a record holds; sums of theirs count without limit.
 SHORT = 128
 

@@ -8,7 +8,6 @@ from collections.abc import Iterator, Mapping
 from fractions import Fraction
 from itertools import combinations
 from math import gcd, lcm
-from operator import mul
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -76,7 +75,7 @@ def locked_multiple(
     2. Else least squares on lines at sums of the orders (`forced_lines`), the lightest first, weighed by how fast the
        lines fall with the multiple of each order. What is explained to 1e-5 of the scale, everywhere, by a third as many
        terms as there are times has n = 1, if these would not explain lines at fractions of the fastest frequency too.
-    3. What is not: the strongest line that is left, if it lies within 0.15/times of an n-th part of a small sum of orders
+    3. What is not: the strongest line that is left, if it lies within 0.5/times of an n-th part of a small sum of orders
        that chance would not put there (`forced_parts`), joins the orders, and 2 is repeated; up to two such. The smallest n
        whose lines explain the motion is returned.
 
@@ -93,14 +92,14 @@ def locked_multiple(
         raise RangeError(f"section has shape {x.shape}: (time, state, point) with at least 64 times is needed.")
     size = np.asarray(scale, dtype=np.float64)
     size = np.broadcast_to(size[:, None] if size.ndim == 1 else size, x.shape[1:])
-    if not (size > 0).all():
-        raise RangeError("scale holds numbers that are not positive.")
     period = period_of(cyclic, x.shape[1])
     if not all(o > 0 for o in orders):
         raise RangeError(f"orders = {orders}: all must be positive.")
     turns = tuple(sorted({min(Fraction(o) % 1, -Fraction(o) % 1) for o in orders} - {Fraction(0)}, reverse=True))
     n, misfit = np.zeros(x.shape[2], np.int64), np.full(x.shape[2], np.inf)
     finite = np.flatnonzero(np.isfinite(x).all(axis=(0, 1)))
+    if not (size[:, finite] > 0).all():
+        raise RangeError("scale holds numbers that are not positive.")
     for part in np.array_split(finite, max(1, x[:, :, finite].nbytes // AT_A_TIME)):
         y = _scaled(x[:, :, part], size[:, part], period)
         n[part], misfit[part] = _judged(y, turns)
@@ -132,6 +131,7 @@ def _judged(y: Array, turns: Turns) -> tuple[Integers, Array]:
     slow = [*turns, *(abs(a - b) for a, b in combinations(turns, 2))]
     if len(multiples) == MOST or (turns and y.shape[1] * min(slow) < TURNS):
         return n, misfit
+    earlier: dict[tuple[int, Turns], Fraction | None] = {}  # few lines hide less of a subharmonic, many leave less beside it
     for part in ATTEMPTS:
         most = min(y.shape[1] // part, TERMS)
         trials = {turns: np.flatnonzero(n == 0)}
@@ -145,7 +145,8 @@ def _judged(y: Array, turns: Turns) -> tuple[Integers, Array]:
                     if explained.any() and _tells(lines):
                         n[those[explained]] = _smallest(y[those[explained]], lines, generators, turns)
                     for point, line in zip(those[~explained], strongest(rest[~explained]), strict=True):
-                        found = sum_near(line, turns, y.shape[1])
+                        found = sum_near(line, turns, y.shape[1]) or earlier.get((point, generators))
+                        earlier[point, generators] = found
                         if found is not None and found not in generators:
                             following.setdefault((*generators, found), []).append(point)
             trials = {g: np.array(p) for g, p in following.items()}
@@ -173,9 +174,10 @@ def _tells(lines: Lines) -> bool:
 
 def _smallest(y: Array, lines: Lines, generators: Turns, turns: Turns) -> Integers:
     """Smallest n whose lines alone explain points that all lines together explain."""
-    own = len(turns)
-    sums = (sum(map(mul, k, generators[own:]), Fraction(0)) for k in lines.sums[:, own:].tolist())
-    folds = np.array([fold(line % 1, turns) for line in sums])
+    folds = np.ones(len(lines.sums), np.int64)
+    for generator, multiple in zip(generators[len(turns) :], lines.sums.T[len(turns) :], strict=True):
+        n_of_it = fold(generator, turns)
+        folds = np.lcm(folds, n_of_it // np.gcd(n_of_it, multiple))
     n = np.full(len(y), lcm(*folds.tolist()))
     for fewer in range(n.max(initial=1) - 1, 0, -1) if len(y) else ():
         if lcm(*folds.tolist()) % fewer == 0:
