@@ -5,8 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
+from whirlmap.analysis.labels.forced_lines import Lines, sums_of
 from whirlmap.analysis.labels.forced_parts import fold, sum_near
-from whirlmap.analysis.labels.locked import locked_multiple
+from whirlmap.analysis.labels.locked import _smallest, _tells, locked_multiple
 from whirlmap.errors import RangeError
 
 ONE, GOLDEN = Fraction(1), Fraction(0.6180339887498949)
@@ -119,6 +120,36 @@ def test_fold_counts_sums_exactly():
     assert fold(GOLDEN / 3 + GOLDEN, (GOLDEN,)) == 3
     assert sum_near(0.50001, hunting, 1024) == Fraction(1, 2)
     assert sum_near(0.4321, (GOLDEN,), 8192) is None
+
+
+def test_the_smallest_n_is_said_though_a_larger_one_explains_too():
+    times, turns = 512, (GOLDEN,)
+    lines = Lines(*sums_of((GOLDEN, Fraction(1, 6)), (1.0, 1.0), 170), times)
+    forced = smooth((ONE, GOLDEN), times, 0.1)
+    y = np.array([forced + a * np.cos(turned(Fraction(1, n), times)) for a, n in ((0, 1), (0.1, 2), (0.1, 3), (0.1, 6))])
+    assert _smallest(y[..., None], lines, (GOLDEN, Fraction(1, 6)), turns).tolist() == [1, 2, 3, 6]
+
+
+def test_lines_too_close_to_each_other_tell_nothing():
+    every = np.arange(1, 400) / 800 + 1e-4
+    assert _tells(Lines(np.zeros((100, 1), int), every[::4], 512))
+    assert not _tells(Lines(np.zeros((399, 1), int), every, 512))
+
+
+def test_lines_closer_than_the_record_tells_apart_explain_both():
+    times = 512
+    pair = 0.1 + np.array([0.0, 3e-4, 6e-4]) / times
+    lines = Lines(np.zeros((3, 1), int), pair, times)
+    y = np.cos(2 * np.pi * pair[1] * np.arange(times)) * np.linspace(-1, 1, times)
+    assert np.abs(lines.fitted(y[None, :, None])[0]).max() < 3e-7
+
+
+def test_a_forcing_whose_lines_fall_fast_weighs_more():
+    a, b = turned(GOLDEN, 1024), turned(Fraction(1, 29), 1024)
+    y = np.cos(a) / (1.2 - np.cos(a)) + 1e-4 * np.cos(b)
+    lines = Lines(*sums_of((GOLDEN, Fraction(1, 29)), (1.0, 1.0), 170), 1024)
+    assert lines.weights(lines.fitted(y[None, :, None])[1])[0].tolist() == [1, 4]
+    assert locked_multiple(y[:, None, None], (ONE, GOLDEN, Fraction(1, 29)), scale=[np.ptp(y)])[0] == [1]
 
 
 def test_shapes_scales_and_orders_are_checked():
