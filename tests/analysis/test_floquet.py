@@ -65,7 +65,7 @@ def test_multipliers_below_1e_30_are_good_to_many_digits():
 def test_the_gear_pairs_twenty_multipliers():
     """Over 8 T: stable, their product the mean divergence, the smallest far below rounding."""
     system = whirlmap.load("gear-psfd/reference", s=3.27, psi=1e-4)
-    x = whirlmap.simulate(system, transient=200, periods=1)["x"].values[-1]
+    x = whirlmap.simulate(system, transient=1600, periods=8)["x"].values[-1]
     ds = floquet_multipliers(system, x, system.common_period)
     exponents = whirlmap.lyapunov_spectrum(system, transient=60, periods=32, starts=2)["lyapunov"].values
     rates = ds["log_modulus"].values / system.common_period

@@ -202,7 +202,7 @@ def test_columns_of_a_simulation_have_the_verdict_of_its_equations(case, changes
 
     system = whirlmap.load(case, **changes)
     truth = verdict_json(diagnose.find(system, points=500, max_periods=400))
-    ds = whirlmap.simulate(system, periods=400, transient=300)
+    ds = whirlmap.simulate(system, periods=400 * system.common_multiple, transient=300 * system.common_multiple)
     file = write_series(ds, tmp_path / "x.csv")
     for state in system.states:
         signal = read_signal(file, column=state)

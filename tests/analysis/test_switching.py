@@ -71,7 +71,7 @@ def test_a_series_that_crosses_nothing():
 def test_teeth_part_once_a_mesh_period_near_the_mesh_resonance():
     """The turbo gearbox at 3700 rpm, just above its mesh mode at 3450 rpm: the teeth part, and hit no back flank."""
     system = whirlmap.load("machines/turbo-gearbox", backlash="dead_zone", speed="3700 rpm")
-    found = whirlmap.switchings(system, whirlmap.simulate(system, periods=1, transient=30))
+    found = whirlmap.switchings(system, whirlmap.simulate(system, periods=93, transient=30 * 93))
     assert 0.45 < float(found["share"].sel(surface="drive_side")) < 0.57
     assert found["count"].values.tolist() == [93, 0]  # once in each of the 93 mesh periods of a turn of the gear
     apart = np.diff(found["event_time"].values[found["event_rising"].values == 1])

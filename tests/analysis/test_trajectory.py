@@ -42,7 +42,7 @@ def test_a_series_that_ends_is_nan_behind_its_end():
 
 @pytest.mark.parametrize(
     ("options", "says"),
-    [({"periods": 0}, "periods"), ({"every": 7}, "does not divide"), ({"steps": 0}, "steps per T")],
+    [({"periods": 0}, "periods"), ({"every": 7, "periods": 20}, "does not divide"), ({"steps": 0}, "steps per T")],
 )
 def test_impossible_counts_are_refused(options, says):
     with pytest.raises(RangeError, match=says):

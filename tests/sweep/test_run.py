@@ -117,9 +117,17 @@ def test_stretches_of_a_run_that_ends_early_are_filled_with_nan():
 def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
     system = load("duffing")
     whole = simulate(system, periods=32)
-    interrupted_after(monkeypatch, "simulate", 3)
+    advance, calls = run.Series.advance, []
+
+    def interrupted(series):
+        calls.append(series)
+        if len(calls) == 4:
+            raise KeyboardInterrupt
+        advance(series)
+
+    monkeypatch.setattr(run.Series, "advance", interrupted)
     work = simulation_in_stretches(system, periods=32)
-    assert work.done == 6 and work.dataset.attrs["incomplete"] == "interrupted after 6 of 32 common periods"
+    assert work.done == 6 and work.dataset.attrs["incomplete"] == "interrupted after 6 of 32 T"
     np.testing.assert_array_equal(work.dataset["x"], whole["x"][: 6 * 100 + 1])
 
 

@@ -111,7 +111,8 @@ def _located(
         run = blocked(kernel.with_sides(begin[:, left]))
         good = np.zeros((run.shape[0], 1, run.shape[2]), dtype=np.int64)
         kernel.march(
-            blocks=run.shape[0], count=0, y=run, time=blocked(np.zeros((1, left.size))), h=blocked((h[left] * middle)[None]),
+            blocks=run.shape[0], count=0, y=run, time=blocked(np.zeros((1, left.size))),
+            origin=blocked(np.zeros((1, left.size))), h=blocked((h[left] * middle)[None]),
             **inputs.blocks(left), steps=1, good=good, work=kernel.work(),
         )  # fmt: skip
         x = unblocked(run, left.size)[: model.dimension]

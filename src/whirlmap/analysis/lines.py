@@ -1,9 +1,8 @@
 """Names of spectral lines: multiples, fractions and sums of the orders that a machine declares."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
-from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,10 @@ from whirlmap.results.findings import Findings
 
 if TYPE_CHECKING:
     import xarray as xr
+
+#: Largest denominator of a fraction of one order that names a line of a motion; share of a spectrum that may lie within the
+#: tolerance of some sum of orders; and the sum of coefficients that is always tried.
+PARTS, CHANCE, LEAST = 8, 0.1, 2
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,7 @@ def name_lines(
             f"tolerance = {tolerance:g} is too coarse for 1/{parts} of the lowest order {sizes.min():g}:"
             " take a longer record."
         )
-    combinations = [c for c in product(range(-most, most + 1), repeat=len(names)) if 0 < sum(map(abs, c)) <= most]
+    combinations = [c for c in _bounded(len(names), most) if any(c)]
     combinations.sort(key=lambda c: (sum(map(abs, c)), sum(k != 0 for k in c), [-abs(k) for k in c], [-k for k in c]))
     table = np.array(combinations)
     at = table @ sizes
@@ -124,24 +127,49 @@ def named_shares(
 
     Notes
     -----
+    An order of which the record does not hold enough to tell its fractions apart names nothing; the others do. Sums of many
+    orders fit anything by chance: they are taken up to a size at which less than `CHANCE` of the spectrum is near one.
     At most two frequencies that no order explains become bases of their own, the strongest first: quasi-periodic motion
     has one besides its forcing. Fractions of one order go to 1/8 only, lest they fit by chance.
     """
     frequency, power = np.asarray(lines["line_frequency"])[:top], np.asarray(lines["line_power"])
     whole = float(np.nansum(power)) / max(float(lines["line_fraction"]), 1e-300)
-    bases = dict(orders)
+    tolerance = step / 5
+    bases = {name: value for name, value in orders.items() if tolerance < abs(float(value)) / (2 * PARTS)}
+    highest = max(np.nanmax(frequency, initial=0.0), step)
     named: list[LineName] = []
     for extra in ("f1", "f2", ""):
-        most = 6 if len(bases) > 2 else 10  # with three bases as many combinations would fit by chance
-        named = name_lines(frequency, bases, tolerance=step / 5, most=most, parts=8) if bases else []
+        most = _most(bases, tolerance, highest)
+        named = name_lines(frequency, bases, tolerance=tolerance, most=most, parts=PARTS) if bases else []
         unnamed = [n.frequency for n in named if not n.name] if named else list(frequency[:1])
-        if not extra or not unnamed or unnamed[0] < 16 * step / 5:
+        if not extra or not unnamed or unnamed[0] <= 2 * PARTS * tolerance:
             break
         bases[extra] = unnamed[0]
     return [
         {"frequency": float(f), "share": float(power[k]) / whole, "name": (named[k].name or None) if named else None}
         for k, f in enumerate(frequency)
     ]
+
+
+def _bounded(count: int, most: int) -> Iterator[tuple[int, ...]]:
+    """All tuples of so many integers, the sum of whose sizes is at most ``most``."""
+    if not count:
+        yield ()
+        return
+    for first in range(-most, most + 1):
+        for rest in _bounded(count - 1, most - abs(first)):
+            yield first, *rest
+
+
+def _most(bases: Mapping[str, Fraction | float], tolerance: float, highest: float) -> int:
+    """Largest sum of the sizes of coefficients at which sums of orders rarely fit a line by chance."""
+    sizes = np.array([abs(float(value)) for value in bases.values()])
+    for most in range(6 if len(bases) > 2 else 10, LEAST, -1):
+        at = np.array(list(_bounded(len(bases), most))) @ sizes if len(bases) else np.zeros(0)
+        distinct = np.unique(np.rint(at[(at > 0) & (at <= highest)] / tolerance)).size
+        if distinct * 2 * tolerance < CHANCE * highest:
+            return most
+    return LEAST
 
 
 def _fraction(f: float, names: Sequence[str], sizes: np.ndarray, tolerance: float, parts: int) -> LineName:

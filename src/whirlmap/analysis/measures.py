@@ -1,6 +1,7 @@
 """Measures of one settled swarm: its record, spectrum, section, dimension, multipliers, and the votes they give."""
 
 from collections.abc import Callable
+from fractions import Fraction
 from math import ceil
 from typing import Any
 
@@ -12,6 +13,7 @@ from whirlmap.analysis.dimension import STATUS, correlation_dimension
 from whirlmap.analysis.labels.section_coordinates import moving_coordinates
 from whirlmap.analysis.floquet import STEPS, floquet_multipliers
 from whirlmap.analysis.lines import named_shares
+from whirlmap.analysis.record_length import recorded, spectrum_periods
 from whirlmap.analysis.recurrence import recurrence
 from whirlmap.analysis.labels.regime import INDICATORS, Vote, regime
 from whirlmap.analysis.spectral_lines import spectral_lines
@@ -21,7 +23,6 @@ from whirlmap.analysis.winding import locking_ratio
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.results.findings import Findings
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 
@@ -107,15 +108,17 @@ def judge_section(
 def record_series(
     system: System, part: Ensemble, least: int, data: Data, coords: Data, orders: dict[str, float]
 ) -> Data | None:
-    """Time series of the first run into ``data``; the vote of its spectrum, where it ran to its end."""
+    """Time series of the first run into ``data``; the vote of its spectrum, where it ran to its end.
+
+    ``least`` T, or more where the slowest clock asks for them (`spectrum_periods`). The window is Hann's, as the record need
+    not hold whole periods.
+    """
     first = part.subset(np.array([0]), steps=max(int(part.point_steps[0]), RECORD_STEPS))
-    common = first.common_multiple
-    kept = -(-least // common) * common
-    total = kept * first.steps
+    kept = spectrum_periods(system, least)
     every = max(first.steps // 32, 1)
-    while total % every:
+    while first.steps % every:
         every -= 1
-    x = first.advance(kept, save_every=every).saved[:, :, 0]
+    x = recorded(first, kept, Fraction(every, first.steps))[:, :, 0]
     turn = np.arange(1, x.shape[0] + 1) * every / first.steps
     coords["time"] = variable("time", turn * float(first.period[0]), "time", "time since the record began")
     coords["turn"] = variable("time", turn, "T", "time since the record began, in periods T")
@@ -136,16 +139,8 @@ def record_series(
     return {
         "vote": "lines" if broad < ALL_LINES else "broadband" if broad > BROAD else "none",
         "state": swing.name, "lines": int(lines["count"]), "broadband_fraction": broad, "resolution": step,
-        "named": _named(lines, orders, step),
+        "named": named_shares(lines, orders, step=step),
     }  # fmt: skip
-
-
-def _named(lines: Findings, orders: dict[str, float], step: float) -> list[Data]:
-    """Names of the strongest lines; without names where the record is too short to tell orders apart."""
-    try:
-        return named_shares(lines, orders, step=step)
-    except RangeError:
-        return named_shares(lines, {}, step=step)
 
 
 def section_and_dimension(

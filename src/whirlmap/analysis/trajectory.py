@@ -1,6 +1,7 @@
 """Time series and sections of one operating point."""
 
 from collections.abc import Callable
+from math import gcd
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.points import make_ensemble, run_attributes
+from whirlmap.analysis.record_length import settled_periods, shown_periods
 from whirlmap.analysis.settled_steps import check_steps
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
@@ -16,6 +18,7 @@ from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System
 from whirlmap.kernels.reference import reference_outputs
+from whirlmap.kernels.routine import LANES
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 
 if TYPE_CHECKING:
@@ -45,10 +48,92 @@ def series_steps(
     return chosen.steps if steps is not None else max(SAMPLES, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
 
 
+#: Numbers of saved states that one call of the ensemble holds for its lanes.
+KEPT = 500_000
+
+
+class Series:
+    """The time series of one operating point, recorded in stretches: the numbers do not depend on them.
+
+    Parameters
+    ----------
+    periods, transient, every, steps, accuracy, method, workers, progress
+        As in `simulate`.
+
+    Attributes
+    ----------
+    periods, stretch, done : int
+        T that are recorded in the end, in one stretch, and by now.
+    """
+
+    def __init__(
+        self, system: System, *, periods: int | None = None, transient: int = 0, every: int = 1, steps: int | None = None,
+        accuracy: float | None = None, method: str | None = None, workers: int | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:  # fmt: skip
+        _refuse_counts(transient=(transient, 0), every=(every, 1), **({} if periods is None else {"periods": (periods, 1)}))
+        self.steps, self.doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
+        self.least = every // gcd(self.steps, every)  # T after which a sample falls on a whole one
+        if periods is None:
+            length = shown_periods(system, max(self.steps // every, 1))
+            periods = -(-length // self.least) * self.least
+        if (periods * self.steps) % every:
+            raise RangeError(f"every = {every} does not divide the {periods * self.steps} recorded steps")
+        self.system, self.periods, self.transient, self.every, self.progress = system, periods, transient, every, progress
+        self.samples = periods * self.steps // every
+        each = max(KEPT // (LANES * system.model.dimension * self.steps // every + 1), 1)
+        self.stretch = max(min(each, periods) // self.least, 1) * self.least
+        self.ensemble, self.found = _one(system, self.steps, None, method, workers)
+        self.done, self.begun = 0, False
+
+    def advance(self) -> None:
+        """Record one more stretch; before the first one, let the transient pass."""
+        e, model = self.ensemble, self.system.model
+        if not self.begun:
+            e.advance(self.transient, progress=self.progress)
+            self.x = np.full((self.samples + 1, model.dimension), np.nan)
+            self.outputs = np.full((self.samples + 1, len(model.outputs)), np.nan)
+            self._take(0, e.x.T)
+            self.begun = True
+        length = min(self.stretch, self.periods - self.done)
+        segment = e.advance(length, save_every=self.every, progress=self.progress)
+        self._take(self.done * self.steps // self.every + 1, segment.saved[:, :, 0])
+        self.done += length
+
+    def _take(self, at: int, x: Array) -> None:
+        self.x[at : at + len(x)] = x
+        self.outputs[at : at + len(x)] = outputs_of(self.system.model, self.system.vector, x.T).T
+
+    def dataset(self) -> "xr.Dataset":
+        """Dataset of what has been recorded."""
+        import xarray as xr
+
+        e, model = self.ensemble, self.system.model
+        rows = self.done * self.steps // self.every + 1
+        count = np.arange(rows) * self.every + self.transient * self.steps
+        ds = xr.Dataset(
+            {
+                "x": variable(("time", "state"), self.x[:rows], "1", "state", unit_of_each=_units(model)),
+                "outputs": variable(("time", "output"), self.outputs[:rows], "1", "output"),
+                "status": status_variable((), e.status[0]),
+                "end_time": variable((), e.end_time[0], "time", "time at which the run ended early"),
+                "start_found": variable((), int(self.found[0]), "1", "whether the default start exists"),
+            },
+            coords={
+                "time": variable("time", count * float(e.period[0]) / self.steps, "time", "model's time"),
+                "turn": variable("time", count / self.steps, "T", "time in periods T"),
+                "state": names_coordinate("state", self.system.states, "state"),
+                "output": names_coordinate("output", list(model.outputs), "output"),
+            },
+        )
+        facts = _run_facts(self.system, e, transient=self.transient, **self.doubts)
+        return with_attributes(ds, run_attributes(self.system, e, **facts))
+
+
 def simulate(
     system: System,
     *,
-    periods: int = 20,
+    periods: int | None = None,
     transient: int = 0,
     every: int = 1,
     steps: int | None = None,
@@ -61,8 +146,11 @@ def simulate(
 
     Parameters
     ----------
-    periods, transient : int
-        Common periods that are recorded, and dropped before (for an unforced model: typical times).
+    periods : int, optional
+        T that are recorded (of an unforced model: typical times). Where absent 20 turns of the slowest clock, fewer where
+        they would hold more than three million numbers (`shown_periods`).
+    transient : int
+        T dropped before.
     every : int
         Steps between recorded samples.
     steps, accuracy, method, workers
@@ -74,45 +162,20 @@ def simulate(
         ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
     """
-    import xarray as xr
-
-    steps, doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
-    ensemble, found = _one(system, steps, None, method, workers)
-    _refuse_counts(periods=(periods, 1), transient=(transient, 0), every=(every, 1))
-    common = ensemble.common_multiple
-    if (periods * common * ensemble.steps) % every:
-        raise RangeError(f"every = {every} does not divide the {periods * common * ensemble.steps} recorded steps")
-    ensemble.advance(transient * common, progress=progress)
-    begin = ensemble.x.copy()
-    segment = ensemble.advance(periods * common, save_every=every, progress=progress)
-    x = np.concatenate([begin[None, :, 0], segment.saved[:, :, 0]])
-    count = np.arange(x.shape[0]) * every + transient * common * ensemble.steps
-    model = system.model
-    values = outputs_of(model, system.vector, x.T)
-    ds = xr.Dataset(
-        {
-            "x": variable(("time", "state"), x, "1", "state", unit_of_each=_units(model)),
-            "outputs": variable(("time", "output"), values.T, "1", "output"),
-            "status": status_variable((), ensemble.status[0]),
-            "end_time": variable((), ensemble.end_time[0], "time", "time at which the run ended early"),
-            "start_found": variable((), int(found[0]), "1", "whether the default start exists"),
-        },
-        coords={
-            "time": variable("time", count * float(ensemble.period[0]) / ensemble.steps, "time", "model's time"),
-            "turn": variable("time", count / ensemble.steps, "T", "time in periods T"),
-            "state": names_coordinate("state", system.states, "state"),
-            "output": names_coordinate("output", list(model.outputs), "output"),
-        },
-    )
-    facts = _run_facts(system, ensemble, transient=transient, **doubts)
-    return with_attributes(ds, run_attributes(system, ensemble, **facts))
+    series = Series(
+        system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
+        workers=workers, progress=progress,
+    )  # fmt: skip
+    while series.done < series.periods:
+        series.advance()
+    return series.dataset()
 
 
 def section(
     system: System,
     *,
     periods: int = 500,
-    transient: int = 200,
+    transient: int | None = None,
     once_per: str = "T",
     starts: int = 1,
     steps: int | None = None,
@@ -127,10 +190,10 @@ def section(
     ----------
     periods : int
         Section points; for an unforced model, typical times in which crossings are collected.
-    transient : int
-        Common periods dropped before.
+    transient : int, optional
+        T dropped before; where absent, 200 turns of the slowest clock (`settled_periods`).
     once_per : {"T", "common"}
-        For a forced model: once per T, as the figures do, or once per common period, as dimensions need.
+        For a forced model: once per T, as the figures do, or once per common period, as dimensions need where it is short.
     starts : int
         Runs from starts that differ by 1e-6; in chaos they decorrelate, and the points of all are one sample.
 
@@ -148,15 +211,16 @@ def section(
 
     if once_per not in ("T", "common"):
         raise RangeError(f"once_per is 'T' or 'common', not {once_per!r}")
+    transient = settled_periods(system) if transient is None else transient
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))
     ensemble, _ = _one(system, steps, accuracy, method, workers, starts)
-    common = ensemble.common_multiple
-    ensemble.advance(transient * common, progress=progress)
+    ensemble.advance(transient, progress=progress)
     if transient and check_steps(ensemble, progress):
-        ensemble.advance(transient * common, progress=progress)
+        ensemble.advance(transient, progress=progress)
     data: dict[str, Any] = {}
     if system.model.forced:
-        every = common if once_per == "common" else 1
+        every = ensemble.common_multiple if once_per == "common" else 1
+        _refuse_counts(**{"T of the section": (periods * every, 1)})
         points = ensemble.advance(periods * every, save_periods=every, progress=progress).saved
         points = np.moveaxis(points, 2, 0)
     else:
@@ -204,7 +268,7 @@ def _units(model: Model) -> str:
 def _run_facts(system: System, ensemble: Ensemble, **more: Any) -> dict[str, Any]:
     return {
         "period_T": float(ensemble.period[0]),
-        "common_multiple": ensemble.common_multiple,
+        **({"common_multiple": common} if (common := ensemble.common_multiple) < 2**63 else {}),
         "stop": end_named(system.model, int(ensemble.end_stop[0])),
         **more,
     }

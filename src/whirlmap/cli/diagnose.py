@@ -193,4 +193,4 @@ def _evidence(vote: dict[str, Any]) -> str:
 
 def _line(line: dict[str, Any]) -> str:
     """Name of a line, else its frequency, and its share of the power."""
-    return f"{line['name'] or format(line['frequency'], '.5g')} ({100 * line['share']:.2g} %)"
+    return f"{line['name'] or format(line['frequency'], '.5g')} ({report.percent(line['share'])})"

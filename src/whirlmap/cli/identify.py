@@ -276,7 +276,7 @@ def _print(found: "Answer") -> None:
         judged = found.of(edition)
         names = [j.variant.name.removeprefix(f"{edition}-") for j in judged]
         rows = [
-            [c, *(f"{100 * s:.3g} ({100 * a:.2g}-{100 * b:.2g})"
+            [c, *(f"{100 * s:.3g} ({100 * a:.3g}-{100 * b:.3g})"
                   for s, a, b in (edition_share(found, edition, c), *(shares(j, c) for j in judged)))]
             for c in found.claims
         ]

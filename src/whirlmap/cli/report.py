@@ -55,6 +55,15 @@ def number(value: Any) -> str:
     return f"{float(value):.7g}"
 
 
+def percent(share: float) -> str:
+    """Write a share in two digits, and never as a power of ten from 0.01 % on: ``100 %``, ``4.1 %``, ``0.024 %``."""
+    value = 100 * float(share)
+    if not value or not math.isfinite(value):
+        return f"{value:g} %"
+    digits = max(1 - math.floor(math.log10(abs(value))), 0)
+    return f"{value:.{digits}f} %" if abs(value) >= 0.01 else f"{value:.2g} %"
+
+
 def with_error(value: Any, error: Any) -> str:
     """Write a measured number with its error."""
     if value is None:

@@ -26,16 +26,16 @@ def simulate(
     changes: options.Changes = None,
     start: options.Start = None,
     periods: Annotated[
-        int,
+        int | None,
         typer.Option(
-            "--periods", metavar="N", help="Common periods recorded (unforced models: typical times).",
-            rich_help_panel=options.COMPUTING,
+            "--periods", metavar="N", rich_help_panel=options.COMPUTING,
+            help="Periods T recorded (unforced models: typical times); 20 turns of the slowest clock where absent.",
         ),
-    ] = 20,
+    ] = None,
     transient: Annotated[
         int,
         typer.Option(
-            "--transient", metavar="N", help="Common periods dropped.", rich_help_panel=options.COMPUTING
+            "--transient", metavar="N", help="Periods T dropped.", rich_help_panel=options.COMPUTING
         ),
     ] = 0,
     every: Annotated[
@@ -55,7 +55,7 @@ def simulate(
 ) -> None:  # fmt: skip
     """Integrate one operating point of CASE and report how each state and output moves.
 
-    A common period is the shortest time after which everything that drives the system repeats. Ctrl-C keeps
+    T is the period of the fastest forcing; `whirlmap show` says how many of them a turn of each clock takes. Ctrl-C keeps
     what was recorded until then. --out NAME.csv writes time, states and outputs as a table.
     """
     from whirlmap.results.files import check_writable
@@ -66,9 +66,11 @@ def simulate(
         check_writable(table, force=force)
     destination = claim(None if table else out, "simulate", force=force)
     system = options.open_system(case, changes, start)
+    from whirlmap.analysis.record_length import shown_periods
+    from whirlmap.analysis.trajectory import SAMPLES
     from whirlmap.sweep.run import simulation_in_stretches
 
-    total = (periods + transient) * system.common_multiple
+    total = (shown_periods(system, max(SAMPLES // max(every, 1), 1)) if periods is None else periods) + transient
     with Progress("simulate", max(total, 1), quiet=quiet) as progress:
         work = simulation_in_stretches(
             system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
@@ -87,7 +89,7 @@ def simulate(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        say(f"interrupted after {work.done} of {work.total} common periods; these were kept")
+        say(f"interrupted after {work.done} of {work.total} T; these were kept")
         raise typer.Exit(130)
 
 
@@ -125,7 +127,7 @@ def _print(facts: dict[str, Any]) -> None:
 
     begin, end = facts["time"]
     typer.echo(f"{facts['case']}: {facts['samples']} samples from time {begin:.6g} to {end:.6g}")
-    typer.echo(f"period T = {facts['period']:.7g}, common period = {facts['common_period']:.7g}")
+    typer.echo(f"period T = {facts['period']:.7g}, common period = {report.number(facts['common_period'])}")
     status = Status[facts["status"]]
     if status == Status.ok:
         typer.echo("status: ok, ran to its end")

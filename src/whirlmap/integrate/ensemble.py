@@ -9,6 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
+from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -39,6 +40,12 @@ def cores() -> int:
 #: fewer steps of blocks than `SHORT` are not divided: they take less than some milliseconds, Python's part of a call 0.1.
 #: As little work in all starts no threads.
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
+
+#: Turns that are counted at most; no run reaches them.
+MOST_TURNS = 2**62
+#: Longest common period, in T, over which a trial looks; where it is longer, a trial takes one turn of the slowest harmonic,
+#: but at least `TRIAL` of them.
+LONG_TRIAL, TRIAL = 1000, 128
 
 #: Comparing an array with a member of an enumeration takes five times as long.
 OK = np.int8(Status.ok)
@@ -230,6 +237,14 @@ class Ensemble:
         """Whether a return can be seen: the forcing itself repeats within a reasonable time, or there is none."""
         return self.strobe == self.common_multiple
 
+    @property
+    def trial_periods(self) -> int:
+        """Number of T over which a trial of the steps looks: the common period, where that is not too long."""
+        if self.common_multiple <= LONG_TRIAL:
+            return self.common_multiple
+        slowest = max(ceil(1 / abs(order)) for order in self.orders if order)
+        return min(max(slowest, TRIAL), LONG_TRIAL)
+
     def limit(self, limits: Array) -> None:
         """Set the sizes beyond which states have diverged, shape (state, point)."""
         self.limits = limits
@@ -315,7 +330,7 @@ class Ensemble:
         place = np.full(self.points, -1, dtype=np.intp)
         place[members] = np.arange(members.size)
         running = self.running
-        phases = self.turns[members[running[members]]] % self.common_multiple
+        phases = self.turns[members[running[members]]] % min(self.common_multiple, MOST_TURNS)
         if phases.size and phases.min() < phases.max():
             raise RangeError("points that run together must stand at the same phase of their common period")
         tasks = [

@@ -104,12 +104,12 @@ class Group:
         block, lane = lost // LANES, lost % LANES
         failed, part = run.failed[block, 0, lane], run.reached[block, 0, lane]
         h, y = self.h[members], np.ascontiguousarray(run.y[block, :, lane].T)
-        time = (e.turns[points] * self.steps + failed + part) * h
-        outcome = self.rescue.mend(members, y, time, (1 - part) * h, run.cause[block, 0, lane])
+        step = e.turns[points] * self.steps + failed
+        outcome = self.rescue.mend(members, y, self.waves.angles(step, part), (1 - part) * h, run.cause[block, 0, lane])
         run.y[block, :, lane] = y.T
         ended = outcome.status != Status.ok
         e.status[points[ended]] = outcome.status[ended]
-        e.end_time[points[ended]] = outcome.time[ended]
+        e.end_time[points[ended]] = ((step + part) * h + outcome.time)[ended]
         e.end_stop[points[ended]] = outcome.stop[ended]
         on = ~ended
         if not on.any():

@@ -38,7 +38,7 @@ NEAR, GROWN = 1e-2, 1e5
 
 @dataclass(frozen=True)
 class Outcome:
-    """How failed points went on, each array of shape (point,)."""
+    """How failed points went on, each array of shape (point,); times are since the beginning of the step."""
 
     status: NDArray[np.int8]
     time: Array
@@ -66,9 +66,11 @@ class Rescue:
         self.singular = bool(pole_function(model)(list(np.zeros(model.dimension)), list(np.zeros(len(model.parameters)))))
 
     def mend(
-        self, members: NDArray[np.intp], y: Array, time: Array, h: Array, cause: NDArray[np.int64]
+        self, members: NDArray[np.intp], y: Array, origin: Array, h: Array, cause: NDArray[np.int64]
     ) -> Outcome:
-        """Redo the step of some points from ``y``, shape (row, point), at ``time``; ``y`` of those that go on is replaced.
+        """Redo the step of some points from ``y``, shape (row, point); ``y`` of those that go on is replaced.
+
+        ``origin`` holds the angle of each harmonic at its beginning, shape (harmonic, point), since which time counts.
 
         ``members`` holds the group's indices of the points, ``cause`` why they were lost in a step through surfaces: shorter
         steps do not help a point that sticks.
@@ -76,17 +78,17 @@ class Rescue:
         points = members.size
         status = np.zeros(points, dtype=np.int8)
         end, stop = np.full(points, np.nan), np.full(points, -1, dtype=np.int8)
-        status[cause == STICKS], end[cause == STICKS] = Status.sticks, time[cause == STICKS]
+        status[cause == STICKS], end[cause == STICKS] = Status.sticks, 0.0
         pending = status == Status.ok
         if not pending.any():
             return Outcome(status, end, stop)
         n = self.model.dimension
-        after, _ = self._march(members, y, time, h, 1)
+        after, _ = self._march(members, y, origin, h, 1)
         size = self._size(members, after[:n])
         closed = self._gaps(members, after[:n]) <= 0
         beyond = pending & np.isfinite(size) & ~closed.any(axis=0) & (size >= 1)
         if not self.singular:
-            status[beyond], end[beyond] = Status.diverged, (time + h)[beyond]
+            status[beyond], end[beyond] = Status.diverged, h[beyond]
             pending &= ~beyond
         # A step that plainly ends behind a gap which can close is an event: shorter steps would only find it again.
         reachable = self._reachable(members)
@@ -96,26 +98,26 @@ class Rescue:
             if not (trying.size and self.redo):
                 break
             parts = 2**halvings
-            again, good = self._march(members[trying], y[:, trying], time[trying], h[trying] / parts, parts)
+            again, good = self._march(members[trying], y[:, trying], origin[:, trying], h[trying] / parts, parts)
             y[:, trying[good]] = again[:, good]
             pending[trying[good]] = False
         candidates = np.flatnonzero(pending & reachable.any(axis=0) if self.redo else plainly)
         if candidates.size:
-            self._locate(members, candidates, y, time, h, status, end, stop)
+            self._locate(members, candidates, y, origin, h, status, end, stop)
         left = pending & (status == Status.ok)
         if self.singular and left.any():
-            self._approach(members, np.flatnonzero(left), y, time, h, status, end, stop)
+            self._approach(members, np.flatnonzero(left), y, origin, h, status, end, stop)
             left &= status == Status.ok
-            status[left & beyond], end[left & beyond] = Status.diverged, (time + h)[left & beyond]
+            status[left & beyond], end[left & beyond] = Status.diverged, h[left & beyond]
             left &= ~beyond
         near = self._size(members, y[:n]) > self.near
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
         status[left & ~near & (cause == CHATTERS)] = Status.chatters
-        end[left] = time[left]
+        end[left] = 0.0
         return Outcome(status, end, stop)
 
     def _locate(
-        self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, time: Array, h: Array,
+        self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, origin: Array, h: Array,
         status: NDArray[np.int8], end: Array, stop: NDArray[np.int8],
     ) -> None:  # fmt: skip
         """Bisect the end of the step between its good start and its bad end."""
@@ -123,30 +125,30 @@ class Rescue:
         here, begin, last = members[which], y[:, which], y[:, which].copy()
         for _ in range(BISECTIONS):
             middle = (low + high) / 2
-            trial, good = self._march(here, begin, time[which], h[which] * middle / TRIAL_STEPS, TRIAL_STEPS)
+            trial, good = self._march(here, begin, origin[:, which], h[which] * middle / TRIAL_STEPS, TRIAL_STEPS)
             low, high = np.where(good, middle, low), np.where(good, high, middle)
             last[:, good] = trial[:, good]
         reachable, n = self._reachable(here), self.model.dimension
         gaps = np.where(reachable, self._gaps(here, last[:n]), np.inf)
         # What a gap is small against: its own size where the step begins and, if that is a number, where it ends.
-        end_gaps = np.abs(self._gaps(here, self._march(here, begin, time[which], h[which], 1)[0][:n]))
+        end_gaps = np.abs(self._gaps(here, self._march(here, begin, origin[:, which], h[which], 1)[0][:n]))
         size_of_gaps = np.fmax(np.abs(self._gaps(here, begin[:n])), np.where(np.isfinite(end_gaps), end_gaps, 0.0))
         left = np.divide(gaps, size_of_gaps, out=np.full_like(gaps, np.inf), where=size_of_gaps > 0)
         event = left.min(axis=0, initial=np.inf) <= CLOSED
         found = which[event]
         y[:, found] = last[:, event]
-        status[found], end[found] = Status.contact, (time[which] + low * h[which])[event]
+        status[found], end[found] = Status.contact, (low * h[which])[event]
         stop[found] = left.argmin(axis=0)[event] if left.shape[0] else -1
 
     def _approach(
-        self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, time: Array, h: Array,
+        self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, origin: Array, h: Array,
         status: NDArray[np.int8], end: Array, stop: NDArray[np.int8],
     ) -> None:  # fmt: skip
         """Go on in steps that halve, and see whether a denominator vanishes where the last of them goes."""
-        here, now, at = members[which], y[:, which].copy(), time[which].copy()
+        here, now, at = members[which], y[:, which].copy(), np.zeros(which.size)
         for halving in range(1, BISECTIONS + 1):
             length = h[which] * 0.5**halving
-            trial, good = self._march(here, now, at, length, 1)
+            trial, good = self._march(here, now, origin[:, which], length, 1, at)
             now[:, good], at[good] = trial[:, good], (at + length)[good]
             if halving == BISECTIONS // 2:
                 half = self._denominators(here, now)
@@ -160,16 +162,17 @@ class Rescue:
         return np.abs(self._values(pole_function(self.model), members, y[: self.model.dimension]))
 
     def _march(
-        self, members: NDArray[np.intp], y: Array, time: Array, h: Array, steps: int
+        self, members: NDArray[np.intp], y: Array, origin: Array, h: Array, steps: int, gone: Array | None = None
     ) -> tuple[Array, NDArray[np.bool_]]:
         kernel = lane_kernel(self.model, self.method, slopes=slopes_for(self.tangents), kind="free")
         run, points = blocked(y), members.size
+        time = np.zeros(points) if gone is None else gone
+        origin = origin if len(origin) else np.zeros((1, points))
         good = np.zeros((run.shape[0], 1, LANES), dtype=np.int64)
+        inputs = kernel.inputs(self.values[:, members], self.limits[:, members]).blocks(np.arange(points))
         kernel.march(
-            blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), h=blocked(h[None]),
-            **kernel.inputs(self.values[:, members], self.limits[:, members]).blocks(np.arange(points)), steps=steps,
-            good=good,
-            work=kernel.work(),
+            blocks=run.shape[0], count=self.tangents, y=run, time=blocked(time[None]), origin=blocked(origin),
+            h=blocked(h[None]), **inputs, steps=steps, good=good, work=kernel.work(),
         )  # fmt: skip
         return unblocked(run, points), unblocked(good, points)[0] != 0
 

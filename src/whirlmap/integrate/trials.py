@@ -20,38 +20,51 @@ FEW = 8
 
 
 class Trials:
-    """Runs of points over some common periods, with any steps, from the section points of their motion."""
+    """Runs of points over some stretches, with any steps, from the section points of their motion.
+
+    A stretch is a common period of the forcing, or where that is too long as many T as show its slowest harmonic; successive
+    stretches then begin at different phases, and run one after another.
+    """
 
     def __init__(
         self, ensemble: Ensemble, members: NDArray[np.intp], sections: int, span: int,
         observe: Callable[[Ensemble, int], Array] | None, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
         self.ensemble, self.members, self.observe, self.progress = ensemble, members, observe, progress
-        self.periods, self.sections = span * ensemble.strobe, sections
+        self.stretch = ensemble.trial_periods
+        self.periods, self.sections = span * self.stretch, sections
         self.starts = ensemble.x[None, :, members]
         if sections > 1:
-            along, common = ensemble.subset(members), ensemble.strobe
-            saved = along.advance((sections - 1) * common, save_periods=common, progress=progress).saved
+            along = ensemble.subset(members)
+            saved = along.advance((sections - 1) * self.stretch, save_periods=self.stretch, progress=progress).saved
             self.starts = np.concatenate([self.starts, saved])
 
     def run(self, points: NDArray[np.intp], steps: int | Integers) -> "Trial":
         """Run some of the members, given by their place among them, with the same steps or each with its own."""
-        steps = steps if isinstance(steps, int) else np.tile(steps, self.sections)
-        e, at = self.ensemble, np.tile(self.members[points], self.sections)
-        x = np.moveaxis(self.starts[:, :, points], 0, 1).reshape(e.model.dimension, -1)
+        together = self.stretch == self.ensemble.common_multiple
+        blocks = [np.arange(self.sections)] if together else [np.array([k]) for k in range(self.sections)]
+        first, *others = [self._run(points, steps, block) for block in blocks]
+        return first.beside(others) if others else first
+
+    def _run(self, points: NDArray[np.intp], steps: int | Integers, sections: NDArray[np.intp]) -> "Trial":
+        """Run points from some of their sections, which are at the same phase of the forcing."""
+        steps = steps if isinstance(steps, int) else np.tile(steps, sections.size)
+        e, at = self.ensemble, np.tile(self.members[points], sections.size)
+        x = np.moveaxis(self.starts[sections][:, :, points], 0, 1).reshape(e.model.dimension, -1)
         # A motion that ended on the way to a section leaves none: its first one stands in for it.
-        x = np.where(np.isfinite(x), x, np.tile(self.starts[0][:, points], self.sections))
+        lost = ~np.isfinite(x)
+        x = np.where(lost, np.tile(self.starts[0][:, points], sections.size), x)
         part = Ensemble(
             e.model, e.values[:, at], x, orders=e.orders, steps=steps, method=e.method, workers=e.workers, redo=False,
             beyond=e.limits[:, at], turn=e.period[at],
         )  # fmt: skip
-        part.turns = e.turns[at]
+        part.turns = e.turns[at] + (0 if sections.size > 1 else int(sections[0]) * self.stretch)
         begin = part.turns.copy()
         seen = self.observe(part, self.periods) if self.observe else np.zeros((0, at.size))
         run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
         end = part.end_time / part.period - begin
         sizes = motion_sizes(part, run, x)
-        return Trial(steps, run.saved, sizes, part.status, end, seen, self.sections)
+        return Trial(steps, run.saved, sizes, part.status, end, seen, sections.size)
 
 
 @dataclass(frozen=True)
@@ -76,6 +89,17 @@ class Trial:
     def largest(self) -> Array:
         """Size of each point's motion, shape (state, point)."""
         return np.asarray(self.size.reshape(len(self.size), self.sections, -1).max(axis=1))
+
+    def beside(self, others: "list[Trial]") -> "Trial":
+        """The same points from later sections too."""
+        every = [self, *others]
+        rows = max(len(t.seen) for t in every)
+        seen = [np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in every]
+        steps = self.steps if isinstance(self.steps, int) else np.concatenate([np.atleast_1d(t.steps) for t in every])
+        saved, size, status, end = (
+            np.concatenate([getattr(t, n) for t in every], axis=-1) for n in ("saved", "size", "status", "end")
+        )
+        return Trial(steps, saved, size, status, end, np.concatenate(seen, axis=-1), sum(t.sections for t in every))
 
     def joined(self, other: "Trial") -> "Trial":
         """These points, and others with the same steps."""

@@ -1,18 +1,20 @@
 """``advance``: many steps of many blocks, locked to the forcing's phase. All long runs are made of it."""
 
 from dataclasses import dataclass
+from math import pi
 
 from llvmlite import ir
 
 from whirlmap.kernels.hermite import Between
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.routine import INT, INTS, LANE, Kind, Routine, Value, integer, integers, number
+from whirlmap.kernels.routine import DOUBLE, INT, INTS, LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.stepping import Sizes, Stepper
 
 #: Arguments of ``advance``, arrays of consecutive blocks: see `advance`.
 ARGUMENTS: dict[str, Kind] = {
     "blocks": "int", "count": "int", "y": "rows", "h": "rows", "p": "rows", "tables": "doubles", "offsets": "flags",
-    "waves": "doubles", "starts": "ints", "lengths": "ints", "begin": "ints", "steps": "int", "first": "flags",
+    "waves": "doubles", "starts": "ints", "lengths": "ints", "strides": "ints", "far": "ints", "begin": "ints",
+    "steps": "int", "first": "flags",
     "active": "flags", "failed": "flags", "save_every": "int", "saves": "int", "saved": "rows", "orth_every": "int",
     "events": "int", "growth": "rows", "folded": "int", "sums": "rows", "turns": "doubles", "cause": "flags",
     "reached": "rows", "tally": "rows", "pieces": "int", "work": "rows",
@@ -61,7 +63,10 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
     p                     (inputs) hoisted parameters, reciprocal limits, weights of tangent vectors
     tables, offsets       table entries, and where each lane's begin: (tables) integers
     waves, starts,        cosine and sine of each harmonic at each stage time of its cycle of ``lengths`` steps; where
-    lengths, begin        each harmonic's begin, and the step of its cycle at which the run begins: plain arrays
+    lengths, strides,     each harmonic's begin, and the step of its cycle at which the run begins: plain arrays. Of a
+    begin, far            harmonic with ``far``, whose cycle is too long for that, the table holds the turns from a step's
+                          begin to its stage times and to its end; its phase is a whole number of ``lengths``-th parts of a
+                          turn, and moves on by ``strides`` of them in a step (`Waves`)
     first, active,        (1) integers each
     failed
     save_every, saves,    state after every so many steps: (saves * states)
@@ -115,6 +120,8 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
     r.store(b.sext(b.and_(asked, b.not_(later)), INTS), on)
     inputs = {name: a[name] for name in ("p", "tables", "offsets")}
 
+    turned = r.local(DOUBLE, 2 * (len(nodes) + 1) * sizes.harmonics)  # waves of one step of far harmonics
+
     def waves_at(stage: int, c: Value, *, following: bool = False) -> None:
         node = nodes.index(float(method.c[stage]))
         for j in range(sizes.harmonics):
@@ -123,9 +130,11 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
                 step = b.add(step, integer(1))
                 step = b.select(b.icmp_signed("==", step, r.load(a["lengths"], j)), integer(0), step)
             cell = b.add(b.mul(step, integer(len(nodes))), integer(node))
-            at = b.add(r.load(a["starts"], j), b.mul(cell, integer(2)))
+            near = r.row(a["waves"], b.add(r.load(a["starts"], j), b.mul(cell, integer(2))))
+            own = r.row(turned, 2 * (j * (len(nodes) + 1) + (len(nodes) if following else node)))
+            at = b.select(b.icmp_signed("!=", r.load(a["far"], j), integer(0)), own, near)
             for part in range(2):
-                value = r.load(a["waves"], b.add(at, integer(part)))
+                value = r.load(at, part)
                 r.store(r.spread(value) if parts.through else value, c, 2 * j + part)
 
     rows = sizes.states * (2 if sizes.along else 1)
@@ -152,6 +161,11 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
         here = r.spread(n)
         running = b.or_(r.load(on), b.sext(b.icmp_signed("==", entry, here), INTS))
         with b.if_then(r.any(b.icmp_signed("!=", running, integers(0)))):  # no step where all lanes wait
+            for j in range(sizes.harmonics):
+                with b.if_then(b.icmp_signed("!=", r.load(a["far"], j), integer(0)), likely=False):
+                    steps_on = r.row(a["waves"], r.load(a["starts"], j))
+                    phase, whole = r.load(counters, j), r.load(a["lengths"], j)
+                    turn_on(r, phase, whole, steps_on, r.row(turned, 2 * j * (len(nodes) + 1)), len(nodes) + 1)
             if parts.through:
                 waves_at(0, begin)
                 r.store(running, now)
@@ -197,11 +211,26 @@ def _block(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float, 
                     with r.loop(sizes.states) as i:
                         r.store(b.select(runs, r.load(a["y"], i), r.load(place, i)), place, i)
         with r.loop(sizes.harmonics) as j:
-            following = b.add(r.load(counters, j), integer(1))
-            ends = b.icmp_signed("==", following, r.load(a["lengths"], j))
-            r.store(b.select(ends, integer(0), following), counters, j)
+            following = b.add(r.load(counters, j), r.load(a["strides"], j))
+            whole = r.load(a["lengths"], j)
+            r.store(b.select(b.icmp_signed(">=", following, whole), b.sub(following, whole), following), counters, j)
     r.done()
     return r
+
+
+def turn_on(r: Routine, phase: Value, whole: Value, by: Value, out: Value, count: int) -> None:
+    """Write cosines and sines of a phase, ``phase`` parts of ``whole`` in a turn, turned on by ``count`` known angles.
+
+    ``by`` holds the cosine and the sine of each angle. The phase is exact, so that nothing is lost however long a run is.
+    """
+    b = r.b
+    angle = b.fmul(b.fdiv(b.sitofp(phase, DOUBLE), b.sitofp(whole, DOUBLE)), DOUBLE(2 * pi))
+    c, s = (b.call(r.library(name), [angle]) for name in ("cos", "sin"))
+    with r.loop(count) as k:
+        at = b.mul(k, integer(2))
+        u, v = r.load(by, at), r.load(by, b.add(at, integer(1)))
+        r.store(b.fsub(b.fmul(c, u), b.fmul(s, v)), out, at)
+        r.store(b.fadd(b.fmul(s, u), b.fmul(c, v)), out, b.add(at, integer(1)))
 
 
 def orthonormalise(module: ir.Module, sizes: Sizes) -> Routine:

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
+from whirlmap.errors import RangeError
 from whirlmap.kernels import advancing, marching
 from whirlmap.kernels.machine import Code, Function, aligned
 from whirlmap.kernels.methods import Method
@@ -22,6 +23,8 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
+#: Rows of the longest table of a harmonic, and parts of a turn that are counted.
+LONGEST, COUNTED = 1 << 17, 1 << 62
 #: Side of a surface of a point that has been put somewhere: the kernel finds it from the state.
 UNKNOWN = 2.0
 
@@ -107,37 +110,74 @@ class Waves:
     """Cosines and sines of the harmonics at every stage time of their own cycles.
 
     A harmonic of order p/q (over the fastest one) repeats after q periods T, so its table has q times the steps per T;
-    the tables stay short whatever the common period is. Angles come from exact integers.
+    the tables stay short whatever the common period is. Where q itself is large, a table of more than `LONGEST` rows, the
+    harmonic is *far*: the kernel keeps its phase as a whole number of parts of a turn, q times the steps per T of them, and
+    the table holds what turns the phase at a step's begin on to its stage times. Angles come from exact integers, so that
+    no phase is lost however long a run is.
     """
 
+    orders: tuple[Fraction, ...]
+    steps: int
     table: Array
     starts: Integers
     lengths: Integers
+    strides: Integers
+    far: Integers
     turns: Array
 
     @classmethod
     def of(cls, orders: tuple[Fraction, ...], steps: int, nodes: tuple[float, ...]) -> "Waves":
-        """Tabulate harmonics of the given orders at ``steps`` steps per T."""
+        """Tabulate harmonics of the given orders at ``steps`` steps per T.
+
+        Raises
+        ------
+        RangeError
+            Where an order's denominator times the steps is beyond 2^62: integers of 64 bits do not count so far.
+        """
         pieces: list[Array] = []
-        starts, lengths = [], []
+        starts, lengths, strides, far = [], [], [], []
         at = 0
         for order in orders:
             length = order.denominator * steps
-            k = np.arange(length, dtype=np.int64)[:, None]
-            turn = ((k * order.numerator) % length + order.numerator * np.array(nodes)) / length
+            if length >= COUNTED:
+                raise RangeError(
+                    f"the order {order} of a harmonic has a denominator of more than {COUNTED // steps:.2g}: its phase"
+                    " cannot be counted exactly; expected a ratio of smaller integers"
+                )
+            far.append(int(length > LONGEST))
+            if far[-1]:
+                turn = order.numerator * np.array([*nodes, 1.0]) / length
+            else:
+                k = np.arange(length, dtype=np.int64)[:, None]
+                turn = ((k * order.numerator) % length + order.numerator * np.array(nodes)) / length
             pair = np.stack([np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)], axis=-1)
             starts.append(at)
             lengths.append(length)
+            strides.append(order.numerator % length if far[-1] else 1)
             pieces.append(pair.ravel())
             at += pieces[-1].size
         table = np.concatenate(pieces) if pieces else np.zeros(2)
         turns = np.array([2 * np.pi * order.numerator / (order.denominator * steps) for order in orders])
-        return cls(table, np.array(starts, dtype=np.int64), np.array(lengths, dtype=np.int64), turns)
+        begins, cycles, moves, counted = (np.array(column, dtype=np.int64) for column in (starts, lengths, strides, far))
+        return cls(orders, steps, table, begins, cycles, moves, counted, turns)
 
     def arguments(self, begin: int) -> dict[str, Any]:
         """Arguments of a locked kernel for a run that begins so many steps after phase zero."""
-        at = np.array([begin % n for n in self.lengths], dtype=np.int64)
-        return {"waves": self.table, "starts": self.starts, "lengths": self.lengths, "begin": at, "turns": self.turns}
+        begins = zip(self.orders, self.far, self.lengths.tolist(), strict=True)
+        at = [begin * (order.numerator if far else 1) % length for order, far, length in begins]
+        return {
+            "waves": self.table, "starts": self.starts, "lengths": self.lengths, "strides": self.strides, "far": self.far,
+            "begin": np.array(at, dtype=np.int64), "turns": self.turns,
+        }  # fmt: skip
+
+    def angles(self, step: Integers, part: Array) -> Array:
+        """Angle of each harmonic within its turn, a part of a step behind the beginning of a step: (harmonic, point)."""
+        wholes = [o.denominator * self.steps for o in self.orders]
+        out = np.empty((len(self.orders), step.size))
+        for row, order, whole in zip(out, self.orders, wholes, strict=True):
+            row[:] = [k * order.numerator % whole / whole for k in step.tolist()]
+            row += float(Fraction(order.numerator, whole)) * part
+        return 2 * np.pi * out
 
 
 def blocked(values: NDArray[Any]) -> NDArray[Any]:

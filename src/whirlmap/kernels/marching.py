@@ -14,8 +14,8 @@ from whirlmap.kernels.stepping import Sizes, Stepper
 
 #: Arguments of ``march`` and ``evaluate``, arrays of consecutive blocks.
 MARCH: dict[str, Kind] = {
-    "blocks": "int", "count": "int", "y": "rows", "time": "rows", "h": "rows", "p": "rows", "tables": "doubles",
-    "offsets": "flags", "steps": "int", "good": "flags", "work": "rows",
+    "blocks": "int", "count": "int", "y": "rows", "time": "rows", "origin": "rows", "h": "rows", "p": "rows",
+    "tables": "doubles", "offsets": "flags", "steps": "int", "good": "flags", "work": "rows",
 }  # fmt: skip
 EVALUATE: dict[str, Kind] = {
     "blocks": "int", "forced": "int", "y": "rows", "time": "rows", "p": "rows", "tables": "doubles", "offsets": "flags",
@@ -26,8 +26,9 @@ EVALUATE: dict[str, Kind] = {
 def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases: Routine, turns: Routine | None) -> None:
     """Write ``march``: ``steps`` steps of ``h`` from ``time``, in place; ``good`` says which lanes ended every step well.
 
-    A lane that ended one badly goes on, or stays where it crossed a surface; its numbers mean nothing. ``turns`` writes the
-    angles of the harmonics in one step, for a model with surfaces.
+    ``origin`` holds the angle of each harmonic at time zero. A lane that ended a step badly goes on, or stays where it
+    crossed a surface; its numbers mean nothing. ``turns`` writes the angles of the harmonics in one step, for a model with
+    surfaces.
     """
     one = Routine(module, "march_block", {name: kind for name, kind in MARCH.items() if name != "blocks"})
     b, a = one.b, one.at
@@ -40,13 +41,13 @@ def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases:
 
     def phases_at(stage: int, c: Value) -> None:
         one.store(one.add(one.load(a["time"]), one.mul(number(float(method.c[stage])), h)), moment)
-        one.call(phases, time=moment, p=a["p"], c=c)
+        one.call(phases, time=moment, origin=a["origin"], p=a["p"], c=c)
 
     begin, turn = one.local(LANE, 2 * sizes.harmonics), one.local(LANE, sizes.harmonics)
     part, tally, none = one.local(LANE), one.local(LANE, 2), one.local(LANE)
     with one.loop(a["steps"]):
         if parts.through and turns:
-            one.call(phases, time=a["time"], p=a["p"], c=begin)
+            one.call(phases, time=a["time"], origin=a["origin"], p=a["p"], c=begin)
             one.call(turns, h=a["h"], p=a["p"], turn=turn)
             one.call(
                 parts.through, count=a["count"], y=a["y"], h=a["h"], c=begin, turn=turn, active=a["good"], cause=flag,
@@ -65,7 +66,7 @@ def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases:
     one.done()
     r = Routine(module, "march", MARCH, public=True)
     rows = {
-        "y": sizes.rows(r.b, r.at["count"]), "time": integer(1), "h": integer(1),
+        "y": sizes.rows(r.b, r.at["count"]), "time": integer(1), "origin": integer(max(sizes.harmonics, 1)), "h": integer(1),
         "p": integer(sizes.inputs), "offsets": integer(max(sizes.tables, 1)), "good": integer(1),
     }  # fmt: skip
     with r.loop(r.at["blocks"]) as block:
@@ -85,11 +86,13 @@ def evaluate(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phas
         "jac": sizes.slots, "o": sizes.outputs,
     }  # fmt: skip
     stepper = Stepper(r, sizes, method, parts.rates, None, r.at["work"])
-    modes = r.local(LANE, sizes.surfaces)
+    modes, origin = r.local(LANE, sizes.surfaces), r.local(LANE, sizes.harmonics)
+    for j in range(sizes.harmonics):
+        r.store(number(0.0), origin, j)
     with r.loop(r.at["blocks"]) as block:
         a = {name: r.row(r.at[name], r.b.mul(block, integer(size))) for name, size in rows.items()}
         stepper.clear()
-        r.call(phases, time=a["time"], p=a["p"], c=stepper.c)
+        r.call(phases, time=a["time"], origin=origin, p=a["p"], c=stepper.c)
         with r.b.if_then(r.b.icmp_signed("==", r.at["forced"], integer(0))), r.loop(2 * sizes.harmonics) as i:
             r.store(number(0.0), stepper.c, i)
         more = {"more": a["jac"]}

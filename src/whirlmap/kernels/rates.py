@@ -181,10 +181,10 @@ class ModelRoutines:
         return r
 
     def phases(self, frequencies: Straight) -> Routine:
-        """Write ``phases``: cosine and sine of every harmonic, each lane at its own time."""
-        r = Routine(self.module, "phases", {"time": "rows", "p": "rows", "c": "rows"})
+        """Write ``phases``: cosine and sine of every harmonic, each lane at its own time since its ``origin`` of angles."""
+        r = Routine(self.module, "phases", {"time": "rows", "origin": "rows", "p": "rows", "c": "rows"})
         for i, frequency in enumerate(self._results(r, frequencies)):
-            angle = r.mul(frequency, r.load(r.at["time"]))
+            angle = r.add(r.load(r.at["origin"], i), r.mul(frequency, r.load(r.at["time"])))
             sine, cosine = self.sines.pair(r, angle)
             r.store(cosine, r.at["c"], 2 * i)
             r.store(sine, r.at["c"], 2 * i + 1)

@@ -130,7 +130,7 @@ def _uneven(
     mean = float(row @ (t - t.mean()) / (row @ row))
     if t.size > FEW and np.ptp(t - t.mean() - mean * row) < HALF * mean:  # a row more or less would show
         notices.append(
-            f"the steps of the times in {name!r} scatter by {100 * steps.std() / mean:.2g} %: the mean step "
+            f"the steps of the times in {name!r} scatter by {100 * steps.std() / mean:.3g} %: the mean step "
             f"of {mean:.6g} s"
             f" is taken, {1 / mean:.6g} Hz"
         )

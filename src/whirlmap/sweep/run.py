@@ -1,12 +1,11 @@
 """Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches, simulations in stretches.
 
 The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch
-to the next, and a stretch of a simulation starts from the end of the one before, at the same phase.
+to the next, and a stretch of a simulation goes on from the end of the one before.
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from math import gcd
 from typing import Any
 
 import numpy as np
@@ -17,7 +16,7 @@ from sympy import sympify
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import parameter_values
 from whirlmap.analysis.settling import Settling
-from whirlmap.analysis.trajectory import series_steps, simulate
+from whirlmap.analysis.trajectory import Series
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
@@ -59,7 +58,7 @@ class Work:
     dataset : xr.Dataset or None
         None where nothing was finished. Carries the attribute ``incomplete`` where something is missing.
     done, total : int
-        Points, or common periods.
+        Points, or T.
     """
 
     dataset: xr.Dataset | None
@@ -240,7 +239,7 @@ def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
 def simulation_in_stretches(
     system: System,
     *,
-    periods: int = 20,
+    periods: int | None = None,
     transient: int = 0,
     every: int = 1,
     steps: int | None = None,
@@ -253,61 +252,23 @@ def simulation_in_stretches(
 
     Parameters, and the Dataset, are those of `simulate`.
     """
-    steps, doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
-    options: dict[str, Any] = {
-        "every": every, "steps": steps, "method": method, "workers": workers, "progress": progress,
-    }  # fmt: skip
-    common = system.common_multiple
-    per = common * steps
-    if min(periods, every, per) < 1 or periods * per % every:  # simulate says what is wrong
-        return Work(simulate(system, periods=periods, transient=transient, **options), periods, periods)
-    samples = periods * per // every
-    refuse_memory("the time series", 3 * samples * (system.model.dimension + len(system.model.outputs)))
-    first = transient * per
-    least = every // gcd(per, every)
-    stretch = max(-(-periods // (STRETCHES * least)), 1) * least
-    parts: list[xr.Dataset] = []
-    done, now = 0, system
-    try:
-        while done < periods and not (parts and int(parts[-1]["status"]) != Status.ok):
-            length = min(stretch, periods - done)
-            parts.append(simulate(now, periods=length, transient=0 if parts else transient, **options))
-            done += length
-            last = parts[-1]["x"].isel(time=-1).values
-            if np.isfinite(last).all():
-                now = _from(system, last)
-            if len(parts) > 1 and int(parts[-1]["status"]) != Status.ok:  # what has diverged is told from the very start
-                whole = simulate(system, periods=periods, transient=transient, **options)
-                return Work(whole.assign_attrs(doubts), periods, periods)
-    except KeyboardInterrupt:
-        if not parts:
-            return Work(None, 0, periods)
-        ds = _joined_series(parts, first + every * np.arange(done * per // every + 1), per // common).assign_attrs(doubts)
-        ds.attrs["incomplete"] = f"interrupted after {done} of {periods} common periods"
-        return Work(ds, done, periods)
-    ds = _joined_series(parts, first + every * np.arange(samples + 1), per // common).assign_attrs(doubts)
-    return Work(ds, periods, periods)
-
-
-def _joined_series(parts: list[xr.Dataset], count: NDArray[np.int64], steps: int) -> xr.Dataset:
-    """Join stretches; each begins with the sample that the one before ended with. ``count`` are steps."""
-    first, last = parts[0], parts[-1]
-    ds: xr.Dataset = xr.concat(
-        [first, *(part.isel(time=slice(1, None)) for part in parts[1:])], dim="time", data_vars="minimal",
-        coords="minimal", compat="override", combine_attrs="override",
+    series = Series(
+        system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
+        workers=workers, progress=progress,
     )  # fmt: skip
-    if ds.sizes["time"] < count.size:  # the run ended early: what is left is NaN, as in one piece
-        ds = ds.pad(time=(0, count.size - ds.sizes["time"]), keep_attrs=True)
-    period = float(first.attrs["period_T"])
-    for name, values in (("time", count * period / steps), ("turn", count / steps)):
-        ds = ds.assign_coords({name: ("time", values, first[name].attrs)})
-    if len(parts) > 1:  # a later stretch counts time from its own start
-        before = sum(part.sizes["time"] - 1 for part in parts[:-1])
-        ds["end_time"] = last["end_time"] + float(ds["time"][before])
-        ds["end_time"].attrs = last["end_time"].attrs
-    ds["status"] = last["status"]
-    ds.attrs = {**first.attrs, **({"stop": last.attrs["stop"]} if "stop" in last.attrs else {})}
-    return ds
+    refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
+    share = max(-(-series.periods // (STRETCHES * series.least)), 1) * series.least
+    series.stretch = min(series.stretch, share)
+    try:
+        while series.done < series.periods:
+            series.advance()
+    except KeyboardInterrupt:
+        if not series.done:
+            return Work(None, 0, series.periods)
+        ds = series.dataset()
+        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T"
+        return Work(ds, series.done, series.periods)
+    return Work(series.dataset(), series.done, series.periods)
 
 
 def expected_periods(

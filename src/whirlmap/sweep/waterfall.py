@@ -8,12 +8,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from whirlmap.analysis.diagnosis import turns_per_T
 from whirlmap.analysis.points import make_ensemble, run_attributes
+from whirlmap.analysis.record_length import recorded, settled_periods, spectrum_periods, turns_per_T
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import status_variable, variable, with_attributes
+
+#: Turns of the slowest clock that pass before the record, and that it holds.
+SETTLED, SEEN = 100, 8
 
 
 def waterfall(
@@ -22,7 +25,7 @@ def waterfall(
     values: ArrayLike,
     state: str,
     *,
-    transient: int = 100,
+    transient: int | None = None,
     periods: int = 256,
     samples: int = 20,
     steps: int | None = None,
@@ -37,10 +40,12 @@ def waterfall(
     ----------
     values : array_like, shape (point,)
         Ascending.
-    transient : int
-        Common periods dropped.
+    transient : int, optional
+        T dropped; where absent, `SETTLED` turns of the slowest clock.
     periods : int
-        Least T of the record, rounded up to whole common periods so that every forced line stands on a bin.
+        Least T of the record, which holds `SEEN` turns of the slowest clock and, where they are short, whole common
+        periods (`spectrum_periods`). A forced line then stands on a bin; else it may stand between two, and shows down to
+        0.72 of its power, with the rest beside it.
     samples : int
         Samples per T; frequencies reach half of it. The record takes whole multiples of them as steps.
 
@@ -58,12 +63,11 @@ def waterfall(
     ensemble, _ = make_ensemble(
         system, {parameter: points}, steps=steps, accuracy=accuracy, method=method, workers=workers
     )  # fmt: skip
-    common = ensemble.common_multiple
-    ensemble.advance(transient * common, progress=progress)
+    ensemble.advance(settled_periods(system, SETTLED) if transient is None else transient, progress=progress)
     # the same samples in every point: whole multiples of them, at least as many as the point's own steps
     ensemble = ensemble.subset(np.arange(points.size), steps=samples * -(-ensemble.point_steps // samples))
-    saved = ensemble.advance(-(-periods // common) * common, save_periods=Fraction(1, samples), progress=progress).saved
-    series = saved[:, system.states.index(state), :]
+    length = spectrum_periods(system, periods, SEEN)
+    series = recorded(ensemble, length, Fraction(1, samples), [system.states.index(state)], progress)[:, 0]
     good = ensemble.running
     power = power_spectrum(np.where(good, series, 0.0), rate=samples, unit="T")
     declared = system.model.parameter(parameter)
