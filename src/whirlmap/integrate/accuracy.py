@@ -142,7 +142,7 @@ def choose_steps(
         raise RangeError(f"accuracy must lie between 1e-13 and 1, not {accuracy}")
     members = np.arange(ensemble.points) if members is None else members
     n = members.size
-    ladder = LADDER if ensemble.model.forced else RUNGS
+    ladder: tuple[int, ...] = LADDER if ensemble.model.forced else RUNGS
     ladder = ladder[: ladder.index(highest) + 1] if highest is not None else ladder
     known = np.zeros(n, dtype=bool) if goes_on is None else goes_on
     first = np.zeros(n, dtype=np.intp)
