@@ -123,11 +123,29 @@ def test_den_hartog_with_stops(frequency):
     np.testing.assert_allclose(e.x[:, 0], truth, atol=2e-10)
 
 
-def test_a_mass_that_never_moves_again_stays_where_it_is():
-    e, _ = run(friction(F * sign(v)), {"F": 1.8, "A": 1, "w": 0.8}, (0.2, 1.0), 24, 20)
+@pytest.mark.parametrize("start", [(0.2, 1.0), (0.0, 0.1), (0.0, 0.0)])
+@pytest.mark.parametrize("steps", [6, 24])
+def test_a_mass_that_never_moves_again_stays_where_it_is(start, steps):
+    """Sliding returns to its surface: what locating leaves of the velocity would carry the mass on for ever."""
+    e, _ = run(friction(F * sign(v)), {"F": 1.8, "A": 1, "w": 0.8}, start, steps, 20)
     x0 = e.x[0, 0]
-    e.advance(20)
-    assert e.status[0] == Status.ok and e.x[0, 0] == pytest.approx(x0, abs=1e-11) and abs(e.x[1, 0]) < 1e-12
+    e.advance(200)
+    assert e.status[0] == Status.ok and abs(e.x[0, 0] - x0) < 1e-15 and abs(e.x[1, 0]) < 1e-20
+
+
+@pytest.mark.parametrize("tangents", [0, 1])
+@pytest.mark.parametrize("steps", [6, 8, 12])
+@pytest.mark.parametrize("v0", [0.0, 1e-17, -1e-17])
+def test_a_slide_that_begins_on_the_surface_ends_within_the_step(steps, v0, tangents):
+    """v' = -sin t - F sign(v) from rest slides until sin t = F, then goes down; a rate of one side goes up and back."""
+    model = Model("down", (x, v), (F, w), {x: v, v: -sin(w * t) - F * sign(v)}, harmonics=(w,))
+    _, s = run(model, {"F": 0.1, "w": 1.0}, (0.0, v0), steps, 1, tangents=tangents, save_every=1)
+    end, leaves = 2 * np.pi / steps, np.arcsin(0.1)
+    free = end - leaves
+    expected = [
+        np.sin(end) - np.sin(leaves) - np.cos(leaves) * free + 0.05 * free**2, np.cos(end) - np.cos(leaves) + 0.1 * free
+    ]  # fmt: skip
+    np.testing.assert_allclose(s.saved[0, :, 0], expected, atol=1e-7)
 
 
 BELT = friction(F * sign(v - b * (1 + 0.3 * sin(w * t))) + v / 20, "belt", (b,))

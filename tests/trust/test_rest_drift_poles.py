@@ -72,16 +72,77 @@ def test_at_rest(name):
         assert label(found) == "at-rest"
 
 
-def test_stuck_by_dry_friction():
-    """|A| < F: wherever it stops between -(F - A) and F - A, it stays."""
-    system = whirlmap.load(STUCK, A=0.4, k=1.0, w=0.9, start={"x": 3.0})
-    ds = asked(diagram, system, lyapunov=512)
-    if isinstance(ds, Refused):
-        assert ds.names_the_jump
-        ds = diagram(system)
-    assert label(ds, 0) in ("at-rest", "sticks")
-    if label(ds, 0) == "at-rest":
-        assert -0.6 <= float(ds["mean"].sel(quantity="x")[0]) <= 0.6
+@pytest.mark.parametrize(("values", "start"), [
+    (dict(A=0.4, k=1.0, w=0.9), (3.0, 0.0)), (dict(A=1, k=1.8, w=0.8), (0.0, 0.1)), (dict(A=1, k=1.8, w=0.5), (0.0, 0.0)),
+    (dict(A=1e-9, k=1.8e-9, w=2.3), (0.0, 1e-10)), (dict(A=0, k=1.8, w=0.8), (0.0, 0.0)),
+])  # fmt: skip
+def test_stuck_by_dry_friction(values, start):
+    """|A| < F: wherever it stops between -(F - A) and F - A, it stays, near x = 0 too, where rounding of x is small."""
+    system = whirlmap.load(STUCK, start=dict(zip("xv", start, strict=True)), **values)
+    room = values["k"] - values["A"]
+    for ds in (diagram(system), diagram(system, lyapunov=512)):
+        assert label(ds, 0) == "at-rest" and float(ds["growth_rate"][0]) == 0.0
+        assert -room <= float(ds["mean"].sel(quantity="x")[0]) <= room
+    if values["A"]:
+        assert label(whirlmap.diagnose(system)) == "at-rest"
+
+
+X1, X2, V1, V2 = (State(n, "1", n) for n in ("x1", "x2", "v1", "v2"))
+BESIDE = Model(
+    name="stuck_beside", states=(X1, X2, V1, V2), parameters=(A, c, k, r, w), harmonics=(w,), swing=(X1,),
+    equations={X1: V1, X2: V2, V1: A * cos(w * t) - c * V1 - X1 - r * (X1 - X2), V2: r * (X1 - X2) - X2 - k * sign(V2)},
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("start", [(0.0, 0.0, 0.1, 0.0), (0.0, 0.3, 0.1, 0.1)])
+def test_a_body_that_sticks_in_a_machine_that_moves(start):
+    """The other one swings about it, as the linear oscillator that it is: 1T, with the multiplier 1 of the one held."""
+    values = dict(A=1.0, c=0.2, k=3.0, r=0.3, w=1.1)
+    system = whirlmap.load(BESIDE, start=dict(zip(("x1", "x2", "v1", "v2"), start, strict=True)), **values)
+    ds = diagram(system)
+    assert label(ds, 0) == "1T"
+    range_of = (ds["maximum"] - ds["minimum"]).sel(quantity=["x1", "x2"]).values[0]
+    exact = 2 / abs(1 + values["r"] - values["w"] ** 2 + 1j * values["c"] * values["w"])
+    assert range_of[0] == pytest.approx(exact, rel=1e-5) and range_of[1] < 1e-15
+    found = whirlmap.diagnose(system)
+    assert label(found) == "1T" and '"vote": "neutral"' in found.attrs["indicators"]
+
+
+ONE = free("one_state", {x: -k * (x - a)}, a, k, section=x + 9, typical=1.0)
+CHAIN = free("chain", {x: -k * x + 1, y: k * (x - y), z: k * (y - z) / 2}, k, section=z - 99)
+FOUR = free("four", {x: k * (y - x), y: 2 * k * (z - y), z: 3 * k * (q - z), q: k * (a - q) / 2}, a, k, section=x + 9)
+
+NODES = {  # name -> model, values, start of x, rate
+    **{f"one-{k:g}-{a:g}-{start:g}": (ONE, dict(k=k, a=a), start, -k)
+       for k, a, start in [(1, 2, 5), (1, 2, -3), (1, 0, 1), (1, 2, 2), (100, 2, 5), (100, 2, 2), (0.01, 2, 5),
+                           (1e-3, 1e3, 1001), (1e-4, 2, 5), (1e-4, 1e3, 1001), (1e-6, 0, 1)]},
+    "two": (SPRING, dict(a=2, c=8, k=1), 5, -4 + 15**0.5),
+    "two-slow": (SPRING, dict(a=2, c=1e3, k=1), 5, -500 + 249999**0.5),
+    "two-equal": (SPRING, dict(a=2, c=2, k=1), 5, -1.0),
+    "three": (CHAIN, dict(k=0.3), 3, -0.15),
+    "three-slow": (CHAIN, dict(k=3e-4), 1.0, -1.5e-4),
+    "four": (FOUR, dict(a=3, k=1), 3, -0.5),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", NODES)
+def test_a_node_is_approached_without_a_crossing(name):
+    """At rest with the largest eigenvalue, however slow or fast that is beside the typical time."""
+    model, values, start, rate = NODES[name]
+    system = whirlmap.load(model, start={"x": start}, **values)
+    for ds in (diagram(system), diagram(system, lyapunov=256)):
+        assert label(ds, 0) == "at-rest"
+        assert float(ds["growth_rate"][0]) == pytest.approx(rate, rel=1e-6)
+
+
+GHOST = free("ghost", {x: a + x**2}, a, section=x + 99)
+LAZY = free("lazy", {x: a + 0 * y, y: -c * y}, a, c, section=x + 9)
+
+
+def test_what_slows_down_only_for_a_while_does_not_rest():
+    """x' = a + x^2 creeps through x = 0, near which it has no equilibrium; x' = a never stops."""
+    assert label(diagram(whirlmap.load(GHOST, a=1e-4, start={"x": -1.0})), 0) == "diverged"
+    assert label(diagram(whirlmap.load(LAZY, a=1e-3, c=0.1)), 0) == "drifting"
 
 
 # --- drift ---------------------------------------------------------------------------------------------------------

@@ -66,7 +66,7 @@ CYCLES = {
     "lorenz-260": Known("lorenz", dict(s=10.0, b=8 / 3, r=260.0), (1.0, 1.0, 1.0), 0.451023258561, 2,
                         scipy=dict(time=150, near=1e-7)),
 }  # fmt: skip
-STIFF = {"van-der-pol-20", "fitzhugh-nagumo-stiff", "brusselator-stiff", "oregonator", "slaved-stiff", "rayleigh-10"}
+STIFF = {"van-der-pol-20", "fitzhugh-nagumo-stiff", "oregonator", "slaved-stiff", "rayleigh-10"}
 
 
 def loaded(name):
@@ -113,7 +113,8 @@ def test_diagnosis(name):
 def test_period_and_extremes(name):
     """Crossings of the section, as far apart as the truth's; extremes of the first state."""
     known, system = CYCLES[name], loaded(name)
-    found = whirlmap.section(system, periods=120, transient=400)
+    given = {"steps": 2048} if name == "brusselator-stiff" else {}  # what begins far from a fast turn says nothing of it
+    found = whirlmap.section(system, periods=120, transient=400, **given)
     times = found["crossing_time"].values[0]
     times = times[np.isfinite(times)]
     assert times[-1] - times[-1 - known.returns] == pytest.approx(known.period, rel=2e-6)

@@ -211,7 +211,7 @@ class Trials:
         self._passed = []
         largest = largest_multipliers(self.ensemble, points, multiple)
         stable = largest < 1
-        left = change * largest / np.where(stable, 1 - largest, 1.0)
+        left = change * np.where(stable, largest, 0.0) / np.where(stable, 1 - largest, 1.0)
         bad = ~stable | (left > self.tolerance[0]) | (self._leading[points] > (1 + FOLLOWS) * largest)
         self._take_back(points[bad], before[:, bad])
         return points[bad]

@@ -38,6 +38,9 @@ LONGEST_ORBIT = 128
 #: Distance from its start at which an orbit ends, over the accuracy of its steps, and distance from 1 of the multiplier of
 #: an unforced orbit's time direction, up to which its multipliers count.
 CLOSES, TRIVIAL = 100.0, 1e-3
+#: Distance of a multiplier from 1 that counts as none where a body is held by friction: over the distance by which the orbit
+#: fails to close, and at least.
+CLOSED, HELD = 10.0, 1e-9
 #: Section points of one run whose recurrence is counted.
 RECURRENT = 1500
 #: Share of the power outside of lines below which a spectrum is one of lines, and above which it is broadband.
@@ -197,8 +200,13 @@ def multipliers(system: System, part: Ensemble, multiple: int, period: int, data
     trivial, moduli = int(found["trivial"]), found["log_modulus"]
     others = np.delete(moduli, trivial) if trivial >= 0 else moduli
     largest = float(np.exp(others[0])) if others.size else 0.0
+    vote = "stable" if found["stable"] else "unstable"
+    if part.sliding[0] and vote == "unstable":
+        # A body that dry friction holds stays wherever it is put: that multiplier is 1, as well as the orbit closes.
+        held = np.abs(np.exp(moduli + 1j * found["argument"]) - 1) <= max(CLOSED * closure, HELD)
+        vote = "neutral" if (moduli[~held] < 0).all() else vote
     return {
-        "vote": "stable" if found["stable"] else "unstable", "largest": largest,
+        "vote": vote, "largest": largest,
         "smallest_log10": number(others[-1] / np.log(10)) if others.size else None,
         "trivial_error": number(found["trivial_error"]), "closure": number(found["closure"]),
     }  # fmt: skip

@@ -70,6 +70,25 @@ def resting_places(
     return x, there
 
 
+def carried(ensemble: Ensemble, points: Points) -> Array:
+    """How far the rates beside a place carry each state in a common period, shape (state, points).
+
+    What keeps a motion where it is, dry friction or a stop, holds against this. It is the rates there times the time, and
+    what that does to the rates, so that it counts for a position too, whose own rate is zero.
+    """
+    values, x = ensemble.values[:, points], ensemble.x[:, points]
+    period = ensemble.common_multiple * ensemble.period[points]
+    out = np.zeros_like(x)
+    for form, members in variants(ensemble.model, values):
+        evaluate, local = Evaluator.of(form, values[:, members], jacobian=True), np.arange(members.size)
+        for phase in np.arange(PHASES) / PHASES:
+            rates, jacobian = evaluate(phase * period[members], x[:, members], local)
+            once = np.abs(rates) * period[members]
+            then = np.einsum("ijk,jk->ik", np.abs(jacobian), once) * period[members]
+            out[:, members] = np.maximum(out[:, members], once + then)
+    return out
+
+
 def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
     """Rate at which small motions about equilibria change, per unit of time (negative: they die away).
 
@@ -82,12 +101,40 @@ def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
     -------
     array, shape (points,)
         Infinite where the equilibrium repels.
+
+    Notes
+    -----
+    Where the Jacobian does not change with time it is the largest real part of its eigenvalues; else it comes from the
+    largest multiplier over a common period, which is no more accurate than the steps.
     """
-    at = Ensemble(
-        ensemble.model, ensemble.values[:, points], x, orders=ensemble.orders, steps=ensemble.point_steps[points],
-        method=ensemble.method, workers=ensemble.workers, turn=ensemble.period[points], beyond=ensemble.limits[:, points],
-    )  # fmt: skip
-    largest = largest_multipliers(at, np.arange(points.size), np.ones(points.size, dtype=np.int64))
-    with np.errstate(divide="ignore"):
-        growth = np.log(np.maximum(largest, np.finfo(float).tiny))
-    return np.asarray(np.where(growth <= NEUTRAL, growth / (at.strobe * at.period), np.inf))
+    time = ensemble.strobe * ensemble.period[points]
+    growth = _largest_real_part(ensemble, points, x) * time
+    moving = np.flatnonzero(np.isnan(growth))
+    if moving.size:
+        here = points[moving]
+        at = Ensemble(
+            ensemble.model, ensemble.values[:, here], x[:, moving], orders=ensemble.orders, steps=ensemble.point_steps[here],
+            method=ensemble.method, workers=ensemble.workers, turn=ensemble.period[here], beyond=ensemble.limits[:, here],
+        )  # fmt: skip
+        largest = largest_multipliers(at, np.arange(here.size), np.ones(here.size, dtype=np.int64))
+        with np.errstate(divide="ignore"):
+            growth[moving] = np.log(np.maximum(largest, np.finfo(float).tiny))
+    return np.asarray(np.where(growth <= NEUTRAL, growth / time, np.inf))
+
+
+def _largest_real_part(ensemble: Ensemble, points: Points, x: Array) -> Array:
+    """Largest real part of the Jacobian's eigenvalues at some states; NaN where the Jacobian changes with time.
+
+    No steps are taken, so that it is right where small motions die away faster than the steps can follow.
+    """
+    values, out = ensemble.values[:, points], np.full(points.size, np.nan)
+    period = ensemble.common_multiple * ensemble.period[points]
+    phases = PHASES if ensemble.model.forced else 1
+    for form, members in variants(ensemble.model, values):
+        evaluate, local = Evaluator.of(form, values[:, members], jacobian=True), np.arange(members.size)
+        whole = np.stack([evaluate(k / phases * period[members], x[:, members], local)[1] for k in range(phases)])
+        steady = (np.ptp(whole, axis=0) <= ROUNDING * np.abs(whole).max(axis=0)).all(axis=(0, 1))
+        if steady.any():
+            matrices = whole[0][:, :, steady].transpose(2, 0, 1)
+            out[members[steady]] = np.linalg.eigvals(matrices).real.max(axis=1)
+    return out

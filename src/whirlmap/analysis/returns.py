@@ -16,11 +16,12 @@ from numpy.typing import NDArray
 from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T
 from whirlmap.analysis.record_extremes import empty_extremes, extremes_of_record
-from whirlmap.analysis.rest import ROUNDING, rate_of_rest, resting_places
+from whirlmap.analysis.rest import ROUNDING, carried, rate_of_rest, resting_places
 from whirlmap.analysis.settling import Settled, Settling
 from whirlmap.analysis.settling_accurately import settle_accurately
 from whirlmap.analysis.thinning import narrowest_gap, thinning_power, turning
 from whirlmap.analysis.trend import trend
+from whirlmap.analysis.unbounded import approach_to_rest
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -131,7 +132,7 @@ def record(
     multiple = np.where(ensemble.running, settled.multiple, 0)
     period, extremes = multiple.copy(), empty_extremes(ensemble)
     ensemble.crossings[:], ensemble.grazings[:] = 0, 0  # of the record alone
-    drift = np.zeros((ensemble.model.dimension, ensemble.points))
+    drift, nears = np.zeros((ensemble.model.dimension, ensemble.points)), np.full(ensemble.points, np.nan)
     shape = (periods // common, *drift.shape) if ensemble.model.stops else (0, 0, 0)
     whole = np.full(shape, np.nan)  # once per common period
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
@@ -145,6 +146,10 @@ def record(
             extremes[name][:, members] = values
         multiple[members] = np.where(ensemble.running[members], multiple[members], 0)
         drift[:, members] = np.where(multiple[members] == 0, trend(saved[common - 1 :: common], cyclic).drift, 0.0)
+        open_ = np.flatnonzero((multiple[members] == 0) & ensemble.running[members] & (not forced))
+        if open_.size:
+            at = members[open_]
+            nears[at] = approach_to_rest(ensemble, at, saved[:, :, open_], settled.moved[:, at], cyclic)
         if forced:
             period[members] = _periods_in_T(
                 saved, multiple[members], settled.scale[:, members], common, settling, cyclic
@@ -154,6 +159,8 @@ def record(
         thinning[p] = _thins(ensemble, int(p), whole[:, :, p], int(settled.waited[p]), start[:, p])
         turn[p] = turning(whole[:, :, p], cyclic) if np.isfinite(thinning[p]) else np.nan
     growth = _rest(ensemble, settled, extremes, settling.tolerance)
+    growth = np.where(np.isnan(growth), nears, growth)
+    drift[:, ~np.isnan(growth)] = 0.0  # rounding of what rests may add up
     rests, repels = growth < np.inf, np.isposinf(growth)
     beyond = ensemble.status == Status.diverged
     time = common * ensemble.period
@@ -181,22 +188,25 @@ def _thins(ensemble: Ensemble, point: int, section: Array, waited: int, start: A
 def _rest(ensemble: Ensemble, settled: Settled, extremes: dict[str, Array], tolerance: float) -> Array:
     """Rate at which motion dies away in points at rest; NaN in others, infinite where the place repels.
 
-    Zero where dry friction holds a motion: it slides on the surface of its velocity, and there no state moves by more than
-    rounding in a whole record. Beside it it would be held as well.
+    Zero where dry friction holds a motion: it slides on the surface of its velocity, and in a whole record no state moves by
+    more than rounding of how far it has moved, of where it is, or of how far it would be carried if it were let go. Beside
+    that place it would be held as well.
     """
     growth = np.full(ensemble.points, np.nan)
     states = slice(ensemble.model.dimension)
     ranges = (extremes["maximum"] - extremes["minimum"])[states]
     with np.errstate(invalid="ignore"):
         still = ranges <= tolerance * settled.moved + ROUNDING * np.abs(extremes["mean"][states])
-    points = np.flatnonzero(still.all(axis=0) & ensemble.running)
+    slides = np.flatnonzero(ensemble.sliding & ensemble.running)
+    if slides.size:
+        reach = np.fmax(carried(ensemble, slides), np.fmax(settled.moved, np.abs(extremes["mean"][states]))[:, slides])
+        growth[slides[(ranges[:, slides] <= ROUNDING * reach).all(axis=0)]] = 0.0
+    points = np.flatnonzero(still.all(axis=0) & ensemble.running & np.isnan(growth))
     if points.size:
         x, there = resting_places(ensemble, points, ranges[:, points], settled.moved[:, points])
         points, x = points[there], x[:, there]
     if points.size:
         growth[points] = rate_of_rest(ensemble, points, x)
-    held = (ranges <= ROUNDING * np.fmax(settled.moved, np.abs(extremes["mean"][states]))).all(axis=0)
-    growth[held & ensemble.sliding & ensemble.running & np.isnan(growth)] = 0.0
     return growth
 
 

@@ -56,7 +56,9 @@ def steps_of_settled(
     if there.size:
         here = members[there]
         last = np.full(here.size, LADDER[-2])
-        tried = choose_steps(ensemble, ensemble.accuracy, members=here, least=last, progress=progress)
+        tried = choose_steps(
+            ensemble, ensemble.accuracy, members=here, least=last, highest=CONFIRMED, progress=progress
+        )
         ensemble.step_error[here] = tried.error
     return steps, first
 

@@ -18,7 +18,7 @@ Array = NDArray[np.float64]
 
 #: Errors of the largest exponent at which its run stops: relative, and in units of 2 pi/T.
 ENOUGH = (0.02, 0.002)
-#: Error of every exponent over the largest one, at least: rounding.
+#: Error of every exponent over the largest one, or over 2 pi/T, at least: rounding.
 ROUNDING = 1e-13
 #: T in the first stretch of its run; the run doubles until the error is small enough.
 FIRST_STRETCH = 512
@@ -161,7 +161,7 @@ def exponents_to_error(
             break
         stretch = min(done, most - done)
     divergence, spread = swarm_divergence(ensemble, good, multiple)
-    error = np.maximum(np.maximum(error, floor), ROUNDING * np.abs(value).max(initial=0.0))
+    error = np.maximum(np.maximum(error, floor), ROUNDING * np.abs(value).max(initial=rate))
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
     value, error = value[order], missed(value[order], error[order], divergence, spread, ensemble.model.dimension)
     if multiple and not ensemble.model.forced:

@@ -59,8 +59,9 @@ def learn_turns(
         if known.size and ensemble.accuracy is not None:
             least = np.where(wrong[np.isfinite(turn)], LADDER[0], ensemble.point_steps[known])
             rungs = choose_steps(
-                ensemble, ensemble.accuracy, members=known, least=least, span=OPEN, observe=turns_of, progress=progress
-            )
+                ensemble, ensemble.accuracy, members=known, least=least, span=OPEN, observe=turns_of,
+                goes_on=wrong[np.isfinite(turn)], progress=progress,
+            )  # back at the start of what has been run
             part = ensemble.subset(known, steps=rungs.steps)
             part.step_error[:], part.step_verdict[:] = rungs.error, rungs.verdict
             ensemble.absorb(part, known)

@@ -57,7 +57,7 @@ class Trends:
         first = section[: max(len(section) // PARTS, 1)]
         low, high = first.min(axis=0), first.max(axis=0)
         with np.errstate(divide="ignore", invalid="ignore"):
-            reach = (high - low) / -np.expm1(-np.abs(seen.growth) * len(first))
+            reach = (high - low) / -np.expm1(-np.abs(seen.growth) * max(len(first) - 1, 1))
         return cls(seen.growth / time, seen.drift / time, (low + high) / 2, reach, exponent, error)
 
 
@@ -68,6 +68,51 @@ class Endless:
     regime: NDArray[np.int8]
     growth: Array
     drift: Array
+
+
+def approach_to_rest(
+    ensemble: Ensemble, points: Points, record: Array, moved: Array, cyclic: Mapping[int, float] | None
+) -> Array:
+    """Rate at which unforced motions, read once per typical time, approach an equilibrium from one side; NaN in others.
+
+    A node need not be crossed by any section, and a slow one is not reached in any record.
+
+    Parameters
+    ----------
+    record : array, shape (time, state, points)
+        States once per typical time, the last of them where the points are.
+    moved : array, shape (state, points)
+        Range of each state since the start.
+
+    Returns
+    -------
+    array, shape (points,)
+        Largest real part of the eigenvalues there, per unit of time.
+
+    Notes
+    -----
+    The record's amplitude must fall at that rate (`label_trends`). Where it has hardly changed, it moves at a constant
+    speed, which must be the rate times the way that is left.
+    """
+    period, unknown = ensemble.period[points], np.full(points.size, np.nan)
+    trends = Trends.of(ensemble.model, period, record, period, unknown, unknown, cyclic)
+    drift = trends.drift.copy()
+    trends.drift[:] = 0.0
+    trends.growth[trends.growth > 0] = np.nan  # whether it grows for ever its section says
+    rate = label_trends(ensemble, points, trends, moved).growth
+    moves = np.flatnonzero(drift.any(axis=0))
+    if moves.size:
+        way = moved[:, moves]
+        x, there = resting_places(ensemble, points[moves], way, way, np.full_like(way, np.inf))
+        moves, x = moves[there], x[:, there]
+    if moves.size:
+        slow, speed = rate_of_rest(ensemble, points[moves], x), drift[:, moves]
+        left = x - ensemble.x[:, points[moves]]
+        with np.errstate(invalid="ignore"):
+            agrees = (np.abs(speed + slow * left) <= AGREE * np.abs(speed)) | (speed == 0)
+        rests = (slow < 0) & agrees.all(axis=0)
+        rate[moves[rests]] = slow[rests]
+    return rate
 
 
 def label_trends(ensemble: Ensemble, points: Points, trends: Trends, moved: Array) -> Endless:
@@ -95,7 +140,7 @@ def label_trends(ensemble: Ensemble, points: Points, trends: Trends, moved: Arra
         apart = np.abs(trends.growth - trends.exponent) > AGREE * np.abs(trends.growth) + 3 * trends.error
         falls, rises = np.flatnonzero(trends.growth < 0), np.flatnonzero((trends.growth > 0) & ~apart)
     if falls.size:
-        reach = moved[:, falls] + trends.reach[:, falls]
+        reach = moved[:, falls] + (1 + AGREE) * trends.reach[:, falls]
         x, there = resting_places(ensemble, points[falls], moved[:, falls], moved[:, falls], reach)
         falls, x = falls[there], x[:, there]
     if falls.size:

@@ -21,6 +21,9 @@ Integers = NDArray[np.int64]
 
 #: Steps per T that are tried.
 LADDER = (6, 8, 10, 12, 16, 20, 24, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024)
+#: More of them for models without forcing: a relaxation cycle passes its fast turn in a small part of T.
+BEYOND = (1536, 2048, 3072, 4096, 6144, 8192)
+RUNGS = LADDER + BEYOND
 
 #: A divergence is believed where all rungs up to so many times more steps find it.
 DIVERGES = 4
@@ -94,6 +97,8 @@ def choose_steps(
     sections: int = 1,
     span: int = 1,
     observe: Callable[[Ensemble, int], Array] | None = None,
+    goes_on: NDArray[np.bool_] | None = None,
+    highest: int | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Rungs:
     """Find the rung of every point from its present state; the ensemble is not moved.
@@ -116,6 +121,10 @@ def choose_steps(
         ``observe(ensemble, periods)`` runs points on and gives numbers of their motion, shape (number, point), whose
         differences count as well: times over T at which a section is crossed, for a motion that stands still between fast
         turns shows its errors there. NaN where there are no more of them.
+    goes_on : array of bool, optional
+        Members whose motion is known to go on, for it has been run there with more steps: no divergence of them is believed.
+    highest : int, optional
+        Highest rung; that of `LADDER` where absent, of an unforced model that of `BEYOND`.
 
     Notes
     -----
@@ -133,46 +142,49 @@ def choose_steps(
         raise RangeError(f"accuracy must lie between 1e-13 and 1, not {accuracy}")
     members = np.arange(ensemble.points) if members is None else members
     n = members.size
+    ladder: tuple[int, ...] = LADDER if ensemble.model.forced else RUNGS
+    ladder = ladder[: ladder.index(highest) + 1] if highest is not None else ladder
+    known = np.zeros(n, dtype=bool) if goes_on is None else goes_on
     first = np.zeros(n, dtype=np.intp)
     if least is not None:
-        first = np.searchsorted(LADDER[:-1], least).clip(max=len(LADDER) - 2)
-    steps = np.array(LADDER, dtype=np.int64)[first]
+        first = np.searchsorted(ladder[:-1], least).clip(max=len(ladder) - 2)
+    steps = np.array(ladder, dtype=np.int64)[first]
     error, verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
     since = np.full(n, np.inf)  # steps from which on all rungs diverge alike
     begun, size = np.full(n, np.nan), np.full((ensemble.model.dimension, n), np.nan)
     running = ensemble.running[members]
     verdict[running] = Verdict.stiff
-    history, kinked = np.full((len(LADDER), n), np.nan), np.zeros(n, dtype=bool)
+    history, kinked = np.full((len(ladder), n), np.nan), np.zeros(n, dtype=bool)
     trials = Trials(ensemble, members, sections, span, observe, progress)
     if least is not None:  # most points meet it with the steps that they have: all of these in two runs
         at = np.flatnonzero(running)
-        own, finer = (trials.run(at, np.array(LADDER)[first[at] + k]) for k in (0, 1))
+        own, finer = (trials.run(at, np.array(ladder)[first[at] + k]) for k in (0, 1))
         found, away = own.difference(finer)
         met = ~away & (found <= accuracy)
         error[at[met]] = begun[at[met]] = found[met]
         verdict[at[met]], size[:, at[met]] = Verdict.met, finer.largest()[:, met]
         running[at[met]] = False
     left, before = np.zeros(0, dtype=np.intp), None
-    for i, rung in enumerate(LADDER[1:]):
+    for i, rung in enumerate(ladder[1:]):
         entering = np.flatnonzero(running & (first == i))
         if entering.size:
-            new = trials.run(entering, LADDER[i])
+            new = trials.run(entering, ladder[i])
             left, before = np.concatenate([left, entering]), new if before is None else before.joined(new)
         if not left.size or before is None:
             continue
         now = trials.run(left, rung)
         found, away = before.difference(now)
         # A method that is unstable diverges at about the same time with any steps, up to those with which it is not.
-        since[left] = np.where(away, np.minimum(since[left], LADDER[i]), np.inf)
-        found[away & (LADDER[i] < DIVERGES * since[left])] = np.inf
+        since[left] = np.where(away, np.minimum(since[left], ladder[i]), np.inf)
+        found[away & (known[left] | (ladder[i] < DIVERGES * since[left]))] = np.inf
         history[i, left] = error[left] = found
         begun[left], size[:, left] = np.where(first[left] == i, found, begun[left]), now.largest()
-        steps[left] = LADDER[i]
+        steps[left] = ladder[i]
         good = found <= accuracy
         kinked[left] |= _stalled(history[:, left], i)
-        stalled = kinked[left] & ~good & (LADDER[i] >= KINKED)
+        stalled = kinked[left] & ~good & (ladder[i] >= KINKED)
         verdict[left[good]], verdict[left[stalled]] = Verdict.met, Verdict.nonsmooth
-        if rung == LADDER[-1]:
+        if rung == ladder[-1]:
             rough = ~good & _stalled(history[:, left], i, SLOW)
             verdict[left[rough]] = Verdict.nonsmooth
         stay = ~good & ~stalled
@@ -183,8 +195,8 @@ def choose_steps(
 
 def _stalled(history: Array, i: int, least: float = STALLED) -> NDArray[np.bool_]:
     """Whether the error has fallen by less than that since a rung at most half as high."""
-    half = max((j for j in range(i) if 2 * LADDER[j] <= LADDER[i]), default=None)
-    if half is None or LADDER[i] < BELIEVED:
+    half = max((j for j in range(i) if 2 * RUNGS[j] <= RUNGS[i]), default=None)
+    if half is None or RUNGS[i] < BELIEVED:
         return np.zeros(history.shape[1], dtype=bool)
     slow: NDArray[np.bool_] = history[half] < least * history[i]
     return slow & np.isfinite(history[i])

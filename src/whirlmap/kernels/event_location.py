@@ -25,7 +25,7 @@ from llvmlite import ir
 
 from whirlmap.kernels.hermite import hermite, lowest_point
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.routine import INTS, LANE, Kind, Routine, Value, integer, integers, number
+from whirlmap.kernels.routine import INTS, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.saltation import CHATTERS, LIMITS, MOST, Surfaces, SurfaceStep
 from whirlmap.kernels.stepping import Sizes
 
@@ -104,32 +104,6 @@ class _Locator(SurfaceStep):
 
     # --- parts -------------------------------------------------------------------------------------------------
 
-    def _first_sides(self) -> None:
-        """Take the sides of lanes that do not know them yet from where they stand, or on a surface from where they go."""
-        r, b, a = self.r, self.r.b, self.r.at
-        unknown = [r.less(number(1.5), r.load(self.modes, k)) for k in range(self.sizes.surfaces)]
-        asked = unknown[0]
-        for mask in unknown[1:]:
-            asked = b.or_(asked, mask)
-        with b.if_then(r.any(asked), likely=False):
-            found, on = r.local(LANE, self.sizes.surfaces), b.fcmp_ordered("!=", number(0.0), number(0.0))
-            r.call(self.of.sides, y=a["y"], c=a["c"], p=a["p"], modes=found)
-            for k, mask in enumerate(unknown):
-                here = r.load(found, k)
-                zero = b.and_(mask, b.fcmp_ordered("==", here, number(0.0)))
-                on = b.or_(on, zero)
-                r.store(b.select(mask, b.select(zero, number(1.0), here), r.load(self.modes, k)), self.modes, k)
-            with b.if_then(r.any(on), likely=False):
-                self._moves(a["y"], a["c"], self.f0)
-                r.call(
-                    self.of.guards, y=a["y"], c=a["c"], p=a["p"], modes=self.modes, v=self.f0, clock=self.clock,
-                    g=self.g0, rate=self.d0,
-                )  # fmt: skip
-                for k, mask in enumerate(unknown):
-                    zero = b.and_(mask, b.fcmp_ordered("==", r.load(found, k), number(0.0)))
-                    away = b.and_(zero, r.less(r.load(self.d0, k), number(0.0)))
-                    r.store(b.select(away, number(-1.0), r.load(self.modes, k)), self.modes, k)
-
     def _trial(self, trial: Value) -> None:
         """Write one trial: a step of every pending lane to where its crossing may be, or to the end, and what follows."""
         r, b, a = self.r, self.r.b, self.r.at
@@ -168,6 +142,8 @@ class _Locator(SurfaceStep):
         plain = b.and_(alive, b.not_(b.or_(sought, dips)))
         taken = b.or_(plain, found)
         with b.if_then(r.any(taken)):
+            if any(self.jumps):
+                self._return(x)
             self._take(x, taken, h)
             r.store(b.select(taken, to, r.load(self.done)), self.done)
             rest = r.div(r.sub(number(1.0), to), self._pieces())
@@ -189,7 +165,7 @@ class _Locator(SurfaceStep):
         """The lowest guard at the end of the step: its value, rate, index, and value and rate at the begin.
 
         A guard is the surface's value times its side, or while a lane slides how strongly the weaker side holds it, which
-        has no rate.
+        has no rate. A surface that a slide stays on is not crossed: which side of it rounding shows means nothing.
         """
         r, b = self.r, self.r.b
         lowest, slope, before, slope_before = number(float("inf")), number(0.0), number(0.0), number(0.0)
@@ -203,6 +179,9 @@ class _Locator(SurfaceStep):
                 one, other = r.load(self.pull), r.load(self.pull, 1)
                 held = b.select(r.less(one, other), one, other)
                 value = b.select(self._slides(k), held, value)
+            for j, stays in enumerate(self.of.holds):
+                if self.jumps[j] and k in stays:
+                    value = b.select(self._slides(j), number(float("inf")), value)
             less = r.less(value, lowest)
             lowest, slope = b.select(less, value, lowest), b.select(less, rate, slope)
             before, slope_before = b.select(less, first, before), b.select(less, first_rate, slope_before)

@@ -1,4 +1,4 @@
-"""Changes of side at a crossing: sliding, and the saltation of tangent vectors where rates jump."""
+"""Sides of the surfaces where a run begins, and their change at a crossing: sliding, and saltation where rates jump."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -28,6 +28,8 @@ class Surfaces:
     jumps, flat, first : sequence of bool
         Of each surface: whether the rates jump there, whether its gradient is constant, and whether its own rate is what
         jumps (`surfaces.Sided.held`).
+    holds : sequence of sequence of int
+        Other surfaces that a motion which slides on each stays on.
     motion, tangent : Routine
         Rates, those of sliding lanes too (`sliding`); the product of the Jacobian with a vector, where there is one.
     guards, held, sides : Routine
@@ -43,6 +45,7 @@ class Surfaces:
     jumps: Sequence[bool]
     flat: Sequence[bool]
     first: Sequence[bool]
+    holds: Sequence[Sequence[int]]
     motion: Routine
     tangent: Routine | None
     guards: Routine
@@ -83,13 +86,14 @@ class SurfaceStep:
         self.done, self.to, self.low, self.high, self.at_low, self.at_high = (r.local(LANE) for _ in range(6))
         self.crossed, self.dips, self.most = r.local(LANE), r.local(LANE), r.local(LANE)
         self.pending, self.seeking, self.fresh, self.flag = (r.local(INTS) for _ in range(4))
+        self.shift = r.local(LANE, n)
         self.spare = r.local(LANE, max(sizes.slots, n))  # derivatives that nobody asks for
         vectors = surfaces.tangent is not None or sizes.along
         self.count = r.at["count"] if vectors else integer(0)
         self.modes = r.row(r.at["y"], r.b.mul(r.b.add(self.count, integer(1)), integer(n)))
         self.inputs = {name: r.at[name] for name in ("p", "tables", "offsets")} | {"modes": self.modes}
         if any(self.jumps):
-            self.inputs["pull"] = self.pull
+            self.inputs |= {"pull": self.pull, "shift": self.shift}
 
     def _moves(self, y: Value, c: Value, out: Value) -> None:
         """Write the rates at a state; they replace neither slopes nor Jacobians of the stages."""
@@ -104,6 +108,73 @@ class SurfaceStep:
     def _slides(self, k: int) -> Value:
         """Lanes that slide on a surface."""
         return self.r.b.fcmp_ordered("==", self.r.load(self.modes, k), number(0.0))
+
+    def _first_sides(self) -> None:
+        """Take the sides of lanes that do not know them yet from where they stand, or on a surface from where they go."""
+        r, b, a = self.r, self.r.b, self.r.at
+        unknown = [r.less(number(1.5), r.load(self.modes, k)) for k in range(self.sizes.surfaces)]
+        asked = unknown[0]
+        for mask in unknown[1:]:
+            asked = b.or_(asked, mask)
+        with b.if_then(r.any(asked), likely=False):
+            found, on = r.local(LANE, self.sizes.surfaces), b.fcmp_ordered("!=", number(0.0), number(0.0))
+            r.call(self.of.sides, y=a["y"], c=a["c"], p=a["p"], modes=found)
+            for k, mask in enumerate(unknown):
+                here = r.load(found, k)
+                zero = b.and_(mask, b.fcmp_ordered("==", here, number(0.0)))
+                on = b.or_(on, zero)
+                r.store(b.select(mask, b.select(zero, number(1.0), here), r.load(self.modes, k)), self.modes, k)
+            with b.if_then(r.any(on), likely=False):
+                held = r.local(LANE, self.sizes.surfaces)
+                self._rates_here(self.g0, self.d0)
+                for k, mask in enumerate(unknown):
+                    zero = b.and_(mask, b.fcmp_ordered("==", r.load(found, k), number(0.0)))
+                    away = b.and_(zero, r.less(r.load(self.d0, k), number(0.0)))
+                    r.store(b.select(away, number(1.0), number(0.0)), held, k)
+                    r.store(b.select(away, number(-1.0), r.load(self.modes, k)), self.modes, k)
+                if any(self.jumps):
+                    self._begin_on_it(held)
+
+    def _rates_here(self, g: Value, rate: Value) -> None:
+        """Write rates at the begin of the step, and value and rate of each surface there."""
+        r, a = self.r, self.r.at
+        self._moves(a["y"], a["c"], self.f1)
+        r.call(
+            self.of.guards, y=a["y"], c=a["c"], p=a["p"], modes=self.modes, v=self.f1, clock=self.clock, g=g, rate=rate
+        )
+
+    def _begin_on_it(self, back: Value) -> None:
+        """Cross at once where a lane begins on a surface and both sides point at it.
+
+        Its rates on one side would bring it to the other, and may bring it back before the step ends, where nothing of
+        that is seen. ``back`` is one where those of the positive side point at the surface.
+        """
+        r, b = self.r, self.r.b
+        self._rates_here(self.g1, self.d1)
+        self.stepper.replace(self.c1, r.at["c"], 2 * self.sizes.harmonics, None)
+        which, slope = integers(-1), number(0.0)
+        for k in reversed(range(self.sizes.surfaces)):  # the first of them is left
+            r.store(number(0.0), self.change, k)  # none of them is grazing
+            if self.jumps[k]:
+                rate = r.load(self.d1, k)
+                held = b.and_(r.less(number(0.0), r.load(back, k)), r.less(number(0.0), rate))
+                which, slope = b.select(held, integers(k), which), b.select(held, rate, slope)
+        found = b.and_(b.icmp_signed(">=", which, integers(0)), b.icmp_signed("!=", r.load(self.pending), integers(0)))
+        with b.if_then(r.any(found)):
+            self._cross(found, which, slope)
+
+    def _return(self, x: Value) -> None:
+        """Put lanes that slide back on their surface: what rounding and locating leave would be kept for good.
+
+        A mass that sticks would creep on at that speed for ever.
+        """
+        r, b = self.r, self.r.b
+        slides = b.fcmp_ordered("!=", number(0.0), number(0.0))
+        for k, jump in enumerate(self.jumps):
+            slides = b.or_(slides, self._slides(k)) if jump else slides
+        with b.if_then(r.any(slides), likely=False), r.loop(self.sizes.states) as i:
+            moved = r.add(r.load(x, i), r.load(self.shift, i))
+            r.store(b.select(slides, moved, r.load(x, i)), x, i)
 
     def _cross(self, found: Value, which: Value, slope: Value) -> None:
         """Change sides at a crossing."""

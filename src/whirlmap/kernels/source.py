@@ -173,7 +173,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, e
             module, sizes, method,
             Surfaces(
                 found.jumps, found.flat, [one == other for one, other in zip(found.held, found.surfaces, strict=True)],
-                motion, of_tangent, of_guards, of_held, of_sides, of_end, harmonics, between, same_side,
+                found.holds, motion, of_tangent, of_guards, of_held, of_sides, of_end, harmonics, between, same_side,
             ),
         )  # fmt: skip
     parts = Parts(of_rates, of_tangent, of_outputs, of_end, between, through, same_side)

@@ -65,6 +65,14 @@ class Sided:
     flat: list[bool] = field(default_factory=list)
     held: list[Expr] = field(default_factory=list)
 
+    @property
+    def holds(self) -> list[list[int]]:
+        """Other surfaces that a motion which slides on a surface stays on: dry friction of the mass on that stop."""
+        return [
+            [j for j, g in enumerate(self.surfaces) if j != k and 0 in ((g - held).expand(), (g + held).expand())]
+            for k, held in enumerate(self.held)
+        ]
+
 
 @lru_cache(maxsize=64)
 def sided(model: Model) -> Sided:

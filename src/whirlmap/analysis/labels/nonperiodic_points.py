@@ -37,6 +37,8 @@ USUAL = 1024
 TRENDS = 64
 #: Section points, once per common period, that are kept of a point that contracts, and longest return that is looked for.
 KEPT, LONGEST_RETURN = 512, 200
+#: Section points from which n of a locked motion is not sought in longer records: that takes as long as all else.
+SOUGHT = 4096
 
 
 @dataclass(frozen=True)
@@ -260,6 +262,8 @@ class _Judge:
                 scale = scales(run.model, run.period[these[locked]], np.ptp(points, axis=0), np.abs(points).max(axis=0))
                 n, _ = locked_multiple(points, run.orders, scale=scale, cyclic=self.cyclic)
                 found.multiple[at[locked]] = n
+                open_ = at[locked[(n == 0) & (rows < SOUGHT) & (not final)]]  # more of it may say
+                found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
 
     def _near_returns(self, run: Ensemble, stopped: Points) -> None:
         """Return that the section of each point comes nearest to, and its last section points once per common period."""
