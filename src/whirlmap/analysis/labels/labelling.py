@@ -188,6 +188,7 @@ class _Points:
             starts=e.x[:, points], steps=self._steps(points), method=e.method.name, tangents=1, workers=e.workers,
             turn=e.period[points],
         )  # fmt: skip
+        tangent.turns[:] = e.turns[points]
         judged = judge_open_points(
             tangent, self.longest, self.cyclic, self.progress, contraction_ends=contraction_ends
         )

@@ -258,7 +258,7 @@ class _Judge:
             found.closes[at] = seen.closes
             locked = np.flatnonzero(judged["regime"] == Regime.locked)
             if locked.size:
-                points = strobed[:, :, locked]
+                points = strobed[rows // 4 :, :, locked]
                 scale = scales(run.model, run.period[these[locked]], np.ptp(points, axis=0), np.abs(points).max(axis=0))
                 n, _ = locked_multiple(points, run.orders, scale=scale, cyclic=self.cyclic)
                 found.multiple[at[locked]] = n
