@@ -150,7 +150,7 @@ def test_traces_made_together_gather_as_one_after_the_other(case, options):
     for together in (1, 16):
         search = Search(system, labelling, starts, None)
         search.together = together
-        found.append((search.run(), search.traces))
+        found.append((search.run(), search.known.traces))
     (one, traces), (many, traced) = found
     np.testing.assert_array_equal(one.of, many.of)
     np.testing.assert_array_equal(np.stack(one.representative), np.stack(many.representative))

@@ -30,7 +30,7 @@ from whirlmap.sweep.starts import default_box, draw_starts, repeated
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
 
-#: Starts, the first ones, whose steps per T are chosen by the accuracy, settled; all take the most that one of them needs.
+#: Starts whose steps per T are chosen by the accuracy, settled; all take the most that one of them needs.
 PILOT = 64
 #: Section points of each attractor that the Dataset keeps.
 KEPT = 512
@@ -89,19 +89,24 @@ def attractors(
 
     Notes
     -----
-    1. All starts settle as one batch. Those that return are on the same orbit where their states at phase zero agree with
-       a point of it to `whirlmap.analysis.attractors.SAME_POINT` of the range; angles are compared modulo their period.
-    2. Of those that do not return, `LANES` and then twice as many each time are labelled (`label_points`). Those that come
-       out chaotic or quasi-periodic are traced over 2048 common periods (`attractor_search.TRACE`), and the others are on
-       the same attractor where 32 of their section points (`RECORD`) lie on the trace (`on_set`). What is left is labelled
-       in turn, to the last start.
+    1. All starts settle as one batch. Those that return are on the same orbit where a point of it is theirs, at a phase of
+       the forcing that is the same: orbits are closed by Newton's method (`whirlmap.analysis.labels.closed_orbit`), and
+       compared to ten tolerances of settling. Angles are compared modulo their period. The phases are those of the common
+       period, or of what is left of it where a harmonic has no amplitude (`whirlmap.sweep.repeat`).
+    2. Those that do not return belong to a known orbit where they flow into it. Of the others, `LANES` and then twice as
+       many each time are labelled (`label_points`). Those that come out chaotic or quasi-periodic are traced over 2048
+       common periods (`attractor_search.TRACE`), and the others are on the same attractor where 32 of their section points
+       (`RECORD`) lie on the trace (`on_set`). What has no label then runs on while it approaches a known orbit, and is
+       traced. Sets are one where their distributions do not differ beyond chance (`whirlmap.analysis.labels.distribution`);
+       two that do are traced over four times as many points, and must differ again.
     3. The label of every attractor comes from one more run with all indicators. A start that ends in contact or diverges,
        or whose label is undecided, has no attractor, and is counted as such.
 
     The error of a share is that of a binomial share after Laplace, sqrt(p (1 - p) / (n + 3)) with p = (k + 1) / (n + 2):
     it is not zero where all starts agree. An attractor of share p is missed by n starts with probability (1 - p)^n.
     An orbit that is unstable, or whose basin is thinner than the starts, is not seen; a chaotic transient longer
-    than settling and exponent's run is taken for an attractor. Orbits closer than the tolerances named are one.
+    than settling and exponent's run is taken for an attractor. Orbits closer than ten tolerances of settling are one (those
+    that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
     """
     settling = settling or Settling()
     if not LEAST <= lyapunov <= 10_000_000:
@@ -138,7 +143,8 @@ def _one_step(
     """
     if labelling.steps is not None or not system.model.forced:
         return labelling, None
-    some = starts[:, :PILOT]
+    order = np.lexsort(starts)  # the same starts, whatever order they come in, and from all parts of a grid
+    some = starts[:, order[np.linspace(0, order.size - 1, min(PILOT, order.size)).astype(int)]]
     ensemble, _ = make_ensemble(
         system, repeated(system, some.shape[1]), starts=some, accuracy=labelling.accuracy, method=labelling.method,
         workers=labelling.workers,
