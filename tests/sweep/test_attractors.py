@@ -7,12 +7,12 @@ from dead_zone import DeadZone
 from scipy.integrate import solve_ivp
 
 import whirlmap
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.attractor_search import Search
 from whirlmap.sweep.attractors import attractors
 from whirlmap.sweep.basins import basins
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.starts import default_box, draw_starts
 
 BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
@@ -150,7 +150,7 @@ def test_traces_made_together_gather_as_one_after_the_other(case, options):
     for together in (1, 16):
         search = Search(system, labelling, starts, None)
         search.together = together
-        found.append((search.run(), search.traces))
+        found.append((search.run(), search.known.traces))
     (one, traces), (many, traced) = found
     np.testing.assert_array_equal(one.of, many.of)
     np.testing.assert_array_equal(np.stack(one.representative), np.stack(many.representative))

@@ -8,8 +8,9 @@ from scipy.integrate import solve_ivp
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
+from whirlmap.sweep.arriving import arriving
 from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.following import motions_met, unseen
+from whirlmap.sweep.following import joined, motions_met, unseen
 from whirlmap.sweep.improve import improve
 from whirlmap.sweep.judging import Judge, Verdict, verdicts
 from whirlmap.sweep.machines import judge_machines, safe_probability
@@ -95,11 +96,14 @@ def test_drawn_machines_run_up_and_down_too(system):
     np.testing.assert_array_equal(chance["probability_of"].sel(why="coexisting").values, alone == Verdict.coexisting)
 
 
-def motions(place, regime, status, low, high):
+def motions(place, regime, status, low, high, end=None):
     over = ("point", "quantity")
+    n = len(place)
     return xr.Dataset({
         "place": ("point", place), "regime": ("point", regime), "status": ("point", status),
         "minimum": (over, np.transpose([low, low])), "maximum": (over, np.transpose([high, high])),
+        "end_state": (("point", "state"), np.zeros((n, 2)) if end is None else end),
+        "steps": ("point", np.full(n, 32)), "period_common": ("point", np.ones(n, dtype=np.int64)),
     })  # fmt: skip
 
 
@@ -112,8 +116,41 @@ def test_motions_are_told_apart_at_each_place(system):
         [0, 0, 0, 0, 0, 1, 1],
         [-1.001, -2.0, -2.001, -3.0, -1.0, np.nan, np.nan], [1.001, 2.0, 2.001, 3.0, 1.0, np.nan, np.nan],
     )  # fmt: skip
-    assert unseen(system, found, met).tolist() == [1, 4, 5]
-    assert unseen(system, found).tolist() == [0, 1, 3, 4, 5]
+    speeds = {"s": np.array([1.0, 1.2])}
+    assert unseen(Judge(system), speeds, found, met).tolist() == [1, 4, 5]
+    assert unseen(Judge(system), speeds, found).tolist() == [0, 1, 3, 4, 5]
+
+
+def test_orbits_with_equal_extremes_are_told_apart():
+    """x'' + 0.3 x' - x + x^3 = 0.2 cos(s t): the orbit in the one well is the other's mirror, half a period later."""
+    x, v, s = State("x", "1", "displacement"), State("v", "1", "velocity"), Parameter("s", "1", "speed", above=0)
+    rates = {x: v, v: cos(s * t) / 5 - 3 * v / 10 + x - x**3}
+    wells = System(Model("wells", (x, v), (s,), rates, harmonics=(s,), swing=(x,)), {"s": 1.2})
+    judge, at = Judge(wells), {"s": np.full(3, 1.2)}
+    found = judge(at, np.ones(3), starts=np.array([[1.0, 1.1, -1.0], [0.0, 0.1, 0.0]]))
+    found = found.assign_coords(place=("point", np.zeros(3, dtype=np.int64)))
+    for name, k in (("minimum", -1), ("maximum", 1)):
+        found[name] = found[name] * 0 + k  # as though the extremes said nothing
+    assert unseen(judge, {"s": np.array([1.2])}, found).tolist() == [0, 2]
+
+
+def test_a_motion_that_has_not_settled_is_the_one_into_which_it_flows(system):
+    """At s = 1.4 a small and a large motion coexist. What is left of the approach to one is none of its own."""
+    judge, at = Judge(system), {"s": np.array([1.4])}
+    whole = motions_met(Judge(system), {"s": np.array([1.2, 1.3, 1.4])}, np.ones(3), 3)
+    both = whole.isel(point=np.flatnonzero(whole["place"].values == 2))
+    assert both.sizes["point"] == 2 and (both["regime"] == Regime.periodic).all()
+    unsettled = both.isel(point=[0, 1]).copy(deep=True)
+    unsettled["regime"][:] = Regime.quasi_periodic
+    unsettled["end_state"] = unsettled["end_state"] * 1.05
+    small = joined(both.isel(point=[0]), unsettled).assign_coords(place=("point", np.zeros(3, dtype=np.int64)))
+    assert arriving(judge, at, small, np.ones(3, dtype=bool)).tolist() == [False, True, False]
+    assert not arriving(judge, at, small, np.zeros(3, dtype=bool)).any()  # compared before
+    all_four = joined(both, unsettled).assign_coords(place=("point", np.zeros(4, dtype=np.int64)))
+    assert arriving(judge, at, all_four, np.ones(4, dtype=bool)).tolist() == [False, False, True, True]
+    elsewhere = all_four.assign_coords(place=("point", np.array([0, 0, 1, 1])))
+    speeds = {"s": np.array([1.4, 1.4])}
+    assert not arriving(judge, speeds, elsewhere, np.ones(4, dtype=bool)).any()
 
 
 def test_the_best_designs_run_up_and_down():

@@ -16,8 +16,10 @@ Array = NDArray[np.float64]
 BATCH = 1024
 
 
-def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: NDArray[np.int64]) -> Array:
-    """Largest modulus of the multipliers over one return of some points that lie on periodic orbits.
+def monodromies(
+    ensemble: Ensemble, points: NDArray[np.intp], multiple: NDArray[np.int64], x: Array | None = None
+) -> tuple[Array, Array]:
+    """Where one return takes some points, and its derivative there.
 
     Parameters
     ----------
@@ -26,23 +28,50 @@ def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: 
     points : array of int
     multiple : array of int, shape like ``points``
         Return of each, in common periods.
+    x : array, shape (state, len(points)), optional
+        Where the returns begin; the present states where absent.
+
+    Returns
+    -------
+    end : array, shape (state, len(points))
+    matrix : array, shape (len(points), state, state)
+        Both NaN where the motion ends before its return, or sticks to a surface.
+    """
+    n = ensemble.model.dimension
+    x = ensemble.x[:, points] if x is None else x
+    end, matrix = np.full((n, points.size), np.nan), np.full((points.size, n, n), np.nan)
+    for m in np.unique(multiple):
+        at = np.flatnonzero(multiple == m)
+        for these in np.array_split(at, -(-at.size // BATCH)):
+            e = Ensemble(
+                ensemble.model, ensemble.values[:, points[these]], x[:, these], orders=ensemble.orders,
+                steps=ensemble.point_steps[points[these]], method=ensemble.method, tangents=n, workers=ensemble.workers,
+                orthonormal=False, turn=ensemble.period[points[these]],
+            )  # fmt: skip
+            e.advance(int(m) * e.strobe)
+            end[:, these[e.running]] = e.x[:, e.running]
+            matrix[these[e.running]] = e.vectors[:, :, e.running].transpose(2, 1, 0)
+    return end, matrix
+
+
+def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: NDArray[np.int64]) -> Array:
+    """Largest modulus of the multipliers over one return of some points that lie on periodic orbits.
+
+    Parameters as of `monodromies`.
 
     Returns
     -------
     array, shape like ``points``
         Infinite where the orbit ends before its return, or sticks to a surface.
     """
-    n = ensemble.model.dimension
-    largest = np.full(points.size, np.inf)
-    for m in np.unique(multiple):
-        at = np.flatnonzero(multiple == m)
-        for these in np.array_split(at, -(-at.size // BATCH)):
-            e = Ensemble(
-                ensemble.model, ensemble.values[:, points[these]], ensemble.x[:, points[these]], orders=ensemble.orders,
-                steps=ensemble.point_steps[points[these]], method=ensemble.method, tangents=n, workers=ensemble.workers,
-                orthonormal=False, turn=ensemble.period[points[these]],
-            )  # fmt: skip
-            e.advance(int(m) * e.strobe)
-            columns = e.vectors[:, :, e.running].transpose(2, 1, 0)
-            largest[these[e.running]] = np.abs(np.linalg.eigvals(columns)).max(axis=1)
+    _, matrix = monodromies(ensemble, points, multiple)
+    return spectral_radius(matrix)
+
+
+def spectral_radius(matrix: Array) -> Array:
+    """Largest modulus of the eigenvalues of matrices (..., n, n); infinite where one is not finite."""
+    known = np.isfinite(matrix).all(axis=(-2, -1))
+    largest = np.full(known.shape, np.inf)
+    if known.any():
+        largest[known] = np.abs(np.linalg.eigvals(matrix[known])).max(axis=-1)
     return largest

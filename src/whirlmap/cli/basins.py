@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from whirlmap.cli import options, pictures, report
-from whirlmap.cli.attractors import Lyapunov, say_attractors, summary
+from whirlmap.cli.attractors import say_attractors, summary
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import RangeError

@@ -161,8 +161,8 @@ def map(  # noqa: A001 (the command's name)
     quantity = _quantity(system, plot)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
-    from whirlmap.analysis.settling import Settling
     from whirlmap.analysis.labels.labelling import Labelling
+    from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)

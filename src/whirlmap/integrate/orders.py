@@ -18,12 +18,9 @@ from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
-from whirlmap.integrate.system import System, frequencies, nearest_order
+from whirlmap.integrate.system import LONGEST, System, frequencies, nearest_order
 
 Array = NDArray[np.float64]
-
-#: Longest common period, in T, that returns are counted in. A longer one is none that a motion is seen to return after.
-LONGEST = 128
 
 
 def common_multiple(orders: Sequence[Fraction]) -> int:

@@ -21,6 +21,8 @@ from whirlmap.kernels.reference import reference_rates
 Array = NDArray[np.float64]
 
 
+#: Longest common period, in T, that returns are counted in. A longer one is none that a motion is seen to return after.
+LONGEST = 128
 #: Largest denominator of an order that counts as a ratio of integers, and of one that stands for any other number.
 SIMPLE, FINEST = 10_000, 10**12
 
@@ -141,6 +143,11 @@ class System:
     def common_multiple(self) -> int:
         """Number of T in the common period of all harmonics; beyond any time where the orders have none."""
         return lcm(*(order.denominator for order in self.orders)) if self.orders else 1
+
+    @property
+    def strobe(self) -> int:
+        """Number of T between section points that show returns: the common period, or one T where that is too long."""
+        return self.common_multiple if self.common_multiple <= LONGEST else 1
 
     @property
     def common_period(self) -> float:

@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.measured import Measured, joined
 from whirlmap.analysis.points import run_attributes
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
@@ -17,7 +19,6 @@ from whirlmap.results.schema import names_coordinate, variable, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.hysteresis import with_hysteresis
-from whirlmap.analysis.labels.measured import Measured, joined
 from whirlmap.sweep.point_variables import (
     common_multiple_variable,
     doubts,
@@ -26,7 +27,6 @@ from whirlmap.sweep.point_variables import (
     section_variable,
     shared_common_multiple,
 )
-from whirlmap.analysis.labels.labelling import Labelling
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]

@@ -17,12 +17,12 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
 from whirlmap.kernels.root_choice import RootChoice, using
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.points import cyclic_states
 from whirlmap.integrate.scales import scales
-from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import Status
+from whirlmap.sweep.arriving import arriving, same_orbits
 from whirlmap.sweep.judging import Judge, Verdict, verdict_variable
 
 Array = NDArray[np.float64]
@@ -54,8 +54,9 @@ def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length
 
     Notes
     -----
-    Motions that do not return count as one at each speed: only the first is carried on. There are as many rounds as speeds
-    at most, which take the last motion from one end of the range to the other.
+    Motions that do not return count as one at each speed: only the first is carried on. One that has not settled and flows
+    into a periodic motion met there is none of its own (`whirlmap.sweep.arriving`), unless a cold start came to it.
+    There are as many rounds as speeds at most, which take the last motion from one end of the range to the other.
     """
     met = new = cold_motions(judge, values, limits)
     for _ in range(length - 1):
@@ -63,8 +64,11 @@ def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length
         if not place.size:
             break
         found = carried(judge, {name: v[place] for name, v in values.items()}, limits[place], new, source, place)
-        new = found.isel(point=unseen(judge.system, found, met))
-        met = joined(met, new)
+        both = joined(met, found.isel(point=unseen(judge, values, found, met)))
+        fresh = np.arange(both.sizes["point"]) >= met.sizes["point"]
+        stays = ~arriving(judge, values, both, fresh)
+        stays[: limits.size] = True  # a cold start is a verdict of its own
+        met, new = both.isel(point=np.flatnonzero(stays)), both.isel(point=np.flatnonzero(stays & fresh))
     return met
 
 
@@ -90,9 +94,12 @@ def _neighbours(motions: xr.Dataset, length: int) -> tuple[Places, Places]:
     return np.concatenate([running[up], running[down]]), np.concatenate([at[up] + 1, at[down] - 1])
 
 
-def unseen(system: System, found: xr.Dataset, met: xr.Dataset | None = None) -> Places:
-    """Indices of motions that differ from all that were met at their place, and from those found there before them."""
-    marks = _Marks(system, [found] if met is None else [met, found])
+def unseen(judge: Judge, values: Mapping[str, Array], found: xr.Dataset, met: xr.Dataset | None = None) -> Places:
+    """Indices of motions that differ from all that were met at their place, and from those found there before them.
+
+    ``values`` are those of the places.
+    """
+    marks = _Marks(judge, values, [found] if met is None else [met, found])
     first = 0 if met is None else met.sizes["point"]
     known, fresh = np.arange(first), []
     left = first + np.arange(found.sizes["point"])
@@ -106,9 +113,15 @@ def unseen(system: System, found: xr.Dataset, met: xr.Dataset | None = None) -> 
 
 
 class _Marks:
-    """What motions are told apart by: how they ended, whether they return, and their extremes."""
+    """What motions are told apart by: how they ended, whether they return, their extremes, and where these agree orbits.
 
-    def __init__(self, system: System, parts: list[xr.Dataset]) -> None:
+    Extremes say that two motions differ, at no cost; that they are one is said by their orbits (`same_orbits`).
+    """
+
+    def __init__(self, judge: Judge, values: Mapping[str, Array], parts: list[xr.Dataset]) -> None:
+        system = judge.system
+        self.judge, self.values = judge, values
+
         def column(name: str) -> NDArray:
             return np.concatenate([part[name].values for part in parts])
 
@@ -117,6 +130,10 @@ class _Marks:
         self.model, self.period, self.steady = system.model, system.period, steady
         self.place, status = column("place"), column("status")
         self.kind = np.where(status != Status.ok, 2 + status, column("regime") != Regime.periodic)
+        self.motions = xr.Dataset({  # what their orbits are asked for
+            name: (("point", "state")[: values.ndim], values)
+            for name, values in ((n, column(n)) for n in ("place", "end_state", "steps", "period_common"))
+        })  # fmt: skip
         self.low, self.high = column("minimum")[:, steady], column("maximum")[:, steady]
 
     def among(self, these: Places, known: Places) -> NDArray[np.bool_]:
@@ -135,7 +152,11 @@ class _Marks:
         scale = scales(self.model, np.full(a.size, self.period), extent.T, size.T, share=LEAST, rows=self.steady).T
         apart = np.maximum(np.abs(self.high[a] - self.high[b]), np.abs(self.low[a] - self.low[b]))
         alike = (self.kind[a] != 0) | (apart <= SAME * scale).all(axis=1)
-        return np.asarray((self.kind[a] == self.kind[b]) & alike)
+        same = np.asarray((self.kind[a] == self.kind[b]) & alike)
+        asked = np.flatnonzero(same & (self.kind[a] == 0))
+        if asked.size:
+            same[asked] = same_orbits(self.judge, self.values, self.motions, b[asked], a[asked])
+        return same
 
 
 def outcome(met: xr.Dataset, places: int) -> xr.Dataset:

@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.attractors import on_set
+from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.points import cyclic_states
 from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System

@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.stored import OnChunk, run_sweep
 from whirlmap.sweep.tolerances import Tolerance

@@ -7,6 +7,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.measured import Measured
+from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.returns import first_drift
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
@@ -16,8 +18,6 @@ from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable
 from whirlmap.results.status import flags
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
-from whirlmap.analysis.labels.measured import Measured
-from whirlmap.analysis.labels.regime import Rule
 
 Array = NDArray[np.float64]
 

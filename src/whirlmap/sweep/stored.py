@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import run_attributes
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.integrate.ensemble import cores
@@ -22,7 +23,6 @@ from whirlmap.sweep.executors import Job, Outcome, connected, in_dask, in_thread
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.manifest import claim, manifest_of, refuse_other, stored_roots
 from whirlmap.sweep.point_variables import kept_states, points_dataset, shared_common_multiple
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.sweep.refine import COARSE
 from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points
 from whirlmap.sweep.store import EVALUATION, Evaluation, clear_trials, create, exists, half_made, remove

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.sweep.arriving import arriving
 from whirlmap.sweep.following import carried, cold_motions, joined, outcome, unseen
 from whirlmap.sweep.judging import SPEED, Judge, Verdict
 
@@ -50,13 +51,17 @@ def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, fol
         found = cold_motions(judge, {SPEED: trial}, np.full(trial.size, limit))
         for motions in known if follow else ():
             found = joined(found, _carried_into(judge, trial, motions, limit))
+        if follow:
+            flows = arriving(judge, {SPEED: trial}, found, np.ones(found.sizes["point"], dtype=bool))
+            flows[: trial.size] = False  # a cold start is a verdict of its own
+            found = found.isel(point=np.flatnonzero(~flows))
         result = outcome(found, trial.size)["verdict"].values.reshape(-1, PARTS)
         unsafe = result != Verdict.safe
         first = np.where(unsafe.any(axis=1), unsafe.argmax(axis=1), PARTS)
         why = np.where(first < PARTS, result[every, np.minimum(first, PARTS - 1)], why)
         ends = np.stack([whole[every, first], whole[every, first + 1]])
         if follow:
-            found = found.isel(point=unseen(judge.system, found))
+            found = found.isel(point=unseen(judge, {SPEED: trial}, found))
             known = [
                 joined(_among(old, np.flatnonzero(stays)), _at(found, np.where(stays, -1, every * PARTS + new)))
                 for old, stays, new in ((known[0], first == 0, first - 1), (known[1], first == PARTS, first))

@@ -131,7 +131,7 @@ class _Points:
 
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
         """Settle, judge, close, settle on."""
-        e, found, how = self.ensemble, self.found, self.how
+        e, found = self.ensemble, self.found
         self.returns = self._settle(e, self._brief())
         known = self.returns.regime != Regime.undecided
         found.regime[:], found.confidence[:] = self.returns.regime, np.where(known, 1.0, 0.0)
