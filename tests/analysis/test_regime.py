@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, henon, logistic
 
-from whirlmap.analysis.labels.regime import Evidence, Vote, decide, regime
+from whirlmap.analysis.labels.regime import decide, regime
 from whirlmap.analysis.labels.section_evidence import SectionEvidence, section_evidence, windings_of
+from whirlmap.analysis.labels.votes import Evidence, Vote
 from whirlmap.analysis.winding import Winding
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status

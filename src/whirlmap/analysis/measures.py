@@ -11,8 +11,9 @@ from numpy.typing import NDArray
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.dimension import STATUS, correlation_dimension
 from whirlmap.analysis.floquet import STEPS, floquet_multipliers
-from whirlmap.analysis.labels.regime import INDICATORS, Vote, regime
+from whirlmap.analysis.labels.regime import regime
 from whirlmap.analysis.labels.section_coordinates import moving_coordinates
+from whirlmap.analysis.labels.votes import INDICATORS, Vote
 from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.record_length import recorded, spectrum_periods
 from whirlmap.analysis.recurrence import recurrence

@@ -115,7 +115,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
 
 
 def _vote(vote: Any) -> str:
-    from whirlmap.analysis.labels.regime import Vote
+    from whirlmap.analysis.labels.votes import Vote
 
     return Vote(int(vote)).name
 

@@ -17,6 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.winding import weighted_average
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales
 
@@ -26,8 +27,9 @@ Points = NDArray[np.intp]
 
 #: Rounds of Newton's method at most, and scaled residual with which it has converged: what rounding leaves of a round.
 ROUNDS, CLOSED = 12, 1e-9
-#: Largest step of Newton's method, over the sizes of the states: what asks for more is no orbit near by.
-FARTHEST = 2.0
+#: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
+#: to it, but what asks for more has lost it.
+FARTHEST = 1e3
 #: Errors of the multiplier that the circle must be away, and part of the circle within which they are measured.
 SURE, NEAR = 3.0, 0.02
 #: Part of the rate of the largest multiplier at which a motion must have come nearer to its orbit.
@@ -195,12 +197,13 @@ def _comes_near(
     away = records - place[(np.arange(rows) - rows + 1) % m]
     for k, period in cyclic.items():
         away[:, k] -= period * np.rint(away[:, k] / period)
-    far = np.ascontiguousarray(np.abs(away / scale).max(axis=1).T)
+    far = np.abs(away / scale).max(axis=1)
     length = rows // PARTS
-    first, last = (np.sqrt((part**2).mean(axis=1)) for part in (far[:, :length], far[:, -length:]))
+    # A weighted average tells a slow fall from what a window cuts off the turns of a spiral.
+    first, last = (weighted_average(part**2) for part in (far[:length], far[-length:]))
     with np.errstate(divide="ignore", invalid="ignore"):
-        nearer = np.log(last / first) <= FOLLOWS * rate * (rows - length)
-    return np.asarray(nearer | (far[:, -length:].max(axis=1) <= BESIDE))
+        nearer = np.log(last / first) / 2 <= FOLLOWS * rate * (rows - length)
+    return np.asarray(nearer | (far[-length:].max(axis=0) <= BESIDE))
 
 
 def _smallest(path: Array, scale: Array, tolerance: float) -> Integers:

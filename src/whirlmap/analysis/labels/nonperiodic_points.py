@@ -13,9 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.locked import locked_multiple
-from whirlmap.analysis.labels.regime import ROUGH, SURE, TURNED, UNKNOWN, Evidence, Rule, contracts, decide
+from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
 from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, windings_of
 from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
+from whirlmap.analysis.labels.votes import ROUGH, SURE, Evidence, contracts
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
@@ -36,9 +37,11 @@ USUAL = 1024
 #: Points whose trends are computed together: what that takes on the way is several times their section points.
 TRENDS = 64
 #: Section points, once per common period, that are kept of a point that contracts, and longest return that is looked for.
-KEPT, LONGEST_RETURN = 512, 200
+KEPT, LONGEST_RETURN = 4096, 200
 #: Section points from which n of a locked motion is not sought in longer records: that takes as long as all else.
-SOUGHT = 4096
+SOUGHT = 2048
+#: Part of a start that may be left where n of a locked motion is sought.
+LEFT = 1e-8
 
 
 @dataclass(frozen=True)
@@ -258,12 +261,21 @@ class _Judge:
             found.closes[at] = seen.closes
             locked = np.flatnonzero(judged["regime"] == Regime.locked)
             if locked.size:
-                points = strobed[rows // 4 :, :, locked]
-                scale = scales(run.model, run.period[these[locked]], np.ptp(points, axis=0), np.abs(points).max(axis=0))
-                n, _ = locked_multiple(points, run.orders, scale=scale, cyclic=self.cyclic)
-                found.multiple[at[locked]] = n
-                open_ = at[locked[(n == 0) & (rows < SOUGHT) & (not final)]]  # more of it may say
-                found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
+                self._locked(run, at[locked], strobed[:, :, locked], value[locked] * duration[locked], final=final)
+
+    def _locked(self, run: Ensemble, at: Points, section: Array, grown: Array, *, final: bool) -> None:
+        """Find n of locked points, from where nothing is left of their starts on; more of their run may be needed for it."""
+        found, rows = self.found, len(section)
+        begin = np.maximum(np.ceil(rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT))).astype(np.int64), rows // 4)
+        n = np.zeros(at.size, dtype=np.int64)
+        for first in np.unique(begin[rows - begin >= LEAST]):
+            those = np.flatnonzero(begin == first)
+            points = section[first:, :, those]
+            scale = scales(run.model, run.period[:1].repeat(those.size), np.ptp(points, axis=0), np.abs(points).max(axis=0))
+            n[those] = locked_multiple(points, run.orders, scale=scale, cyclic=self.cyclic)[0]
+        found.multiple[at] = n
+        open_ = at[(n == 0) & (rows - begin < SOUGHT) & (not final)]
+        found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
 
     def _near_returns(self, run: Ensemble, stopped: Points) -> None:
         """Return that the section of each point comes nearest to, and its last section points once per common period."""
