@@ -15,6 +15,8 @@ from whirlmap.analysis.settled_steps import LOST, steps_of_settled, wider_tolera
 from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.analysis.settling_unforced import settle_unforced, trends_beyond
 from whirlmap.analysis.settling_without_returns import settle_without_returns
+from whirlmap.analysis.turn_times import OPEN
+from whirlmap.integrate.accuracy import Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -84,9 +86,24 @@ def settle_accurately(
                 settled.forget(here)
                 part = restarted(ensemble, here, start, began, steps[which])
             settle_on(part, here)
+    _take_fewer_steps(ensemble, np.flatnonzero((settled.multiple == 0) & ensemble.running))
     # What steps are so wrong about has no return that could be believed.
     settled.multiple[ensemble.step_error > LOST] = 0
     return settled
+
+
+def _take_fewer_steps(ensemble: Ensemble, members: NDArray[np.intp]) -> None:
+    """Give points that go on without a return the steps that their motion asks for: their starts may have asked for more."""
+    members = members[ensemble.step_verdict[members] == Verdict.met]
+    if not (members.size and ensemble.model.forced):
+        return
+    assert ensemble.accuracy is not None
+    now = choose_steps(ensemble, ensemble.accuracy, members=members, sections=OPEN)
+    fewer = (now.verdict == Verdict.met) & (now.steps < ensemble.point_steps[members])
+    if fewer.any():
+        here = members[fewer]
+        ensemble.absorb(ensemble.subset(here, steps=now.steps[fewer]), here)
+        ensemble.step_error[here] = now.error[fewer]
 
 
 def _settle_forced(

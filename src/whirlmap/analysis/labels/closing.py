@@ -29,7 +29,7 @@ Points = NDArray[np.intp]
 ROUNDS, CLOSED = 12, 1e-9
 #: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
 #: to it, but what asks for more has lost it.
-FARTHEST = 1e3
+FARTHEST = 1e6
 #: Errors of the multiplier that the circle must be away, and part of the circle within which they are measured.
 SURE, NEAR = 3.0, 0.02
 #: Part of the rate of the largest multiplier at which a motion must have come nearer to its orbit.
@@ -154,11 +154,11 @@ def _newton_step(went: _Round) -> Array:
     step = np.full(went.change.shape, np.inf)
     good = np.flatnonzero(went.running & np.isfinite(went.jacobian).all(axis=(1, 2)))
     if good.size:
-        # In sizes of the states, so that units do not matter; the inverse of what is singular is taken where there is one.
-        size = went.scale[:, good].T
+        size = went.scale[:, good].T  # in sizes of the states, so that units do not matter
         matrix = np.eye(len(step)) - went.jacobian[good] * size[:, None, :] / size[:, :, None]
-        change = (went.change[:, good].T / size)[:, :, None]
-        step[:, good] = (np.linalg.pinv(matrix) @ change)[:, :, 0].T * size.T
+        regular = np.linalg.slogdet(matrix).sign != 0
+        good, size = good[regular], size[regular]
+        step[:, good] = np.linalg.solve(matrix[regular], (went.change[:, good].T / size)[:, :, None])[:, :, 0].T * size.T
     return step
 
 

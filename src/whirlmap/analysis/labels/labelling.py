@@ -26,10 +26,8 @@ from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values
 from whirlmap.analysis.returns import Returns, record, settle_and_record
 from whirlmap.analysis.settling import Settled, Settling
-from whirlmap.analysis.turn_times import OPEN
 from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
@@ -185,7 +183,7 @@ class _Points:
         e, found = self.ensemble, self.found
         tangent, _ = make_ensemble(
             self.system, {name: np.asarray(v, dtype=float)[points] for name, v in self.values.items()},
-            starts=e.x[:, points], steps=self._steps(points), method=e.method.name, tangents=1, workers=e.workers,
+            starts=e.x[:, points], steps=e.point_steps[points], method=e.method.name, tangents=1, workers=e.workers,
             turn=e.period[points],
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
@@ -201,16 +199,6 @@ class _Points:
             on = np.flatnonzero(~ends)
             e.put(points[on], judged.x[:, on])
             e.turns[points[on]] += judged.periods[on]
-
-    def _steps(self, points: Points) -> Integers:
-        """Steps that the motion asks for now: its start may have asked for more."""
-        e = self.ensemble
-        steps = e.point_steps[points].copy()
-        at = np.flatnonzero(e.step_verdict[points] == Verdict.met)
-        if e.accuracy is not None and e.model.forced and at.size:
-            now = choose_steps(e, e.accuracy, members=points[at], sections=OPEN)
-            steps[at] = np.where(now.verdict == Verdict.met, np.minimum(steps[at], now.steps), steps[at])
-        return steps
 
     def _label_trends(self, points: Points) -> None:
         """Label open points that die away, grow or drift for ever."""
@@ -229,11 +217,11 @@ class _Points:
         """Find the orbits of points that contract, or all but return, and record them."""
         e, found = self.ensemble, self.found
         vectors = e.strobe * e.model.dimension
-        for tried in ("first", "nearest"):
+        for tried in ("nearest", "first"):
             contracts = self._left(points) & (found.shrinks | found.closes | (found.growth < 0))[points]
             nearly = (found.regime[points] == Regime.quasi_periodic) & (found.nearness[points] < NEARLY)
             multiple = found.nearest[points] if tried == "nearest" else np.ones(points.size, dtype=np.int64)
-            which = contracts if tried == "first" else (contracts | nearly) & (multiple > 1)
+            which = contracts | nearly if tried == "nearest" else contracts & (found.nearest[points] > 1)
             which &= e.running[points] & (multiple > 0) & (multiple * vectors <= WORTH)
             here = points[which]
             if not here.size:

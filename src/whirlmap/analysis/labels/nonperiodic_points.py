@@ -16,7 +16,7 @@ from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
 from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, windings_of
 from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
-from whirlmap.analysis.labels.votes import ROUGH, SURE, Evidence, contracts
+from whirlmap.analysis.labels.votes import LONG, SLOWLY, SURE, Evidence, contracts
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
@@ -244,7 +244,7 @@ class _Judge:
             # What tells chaos takes as long as all else: it is asked where a label can come of it.
             asked = (value > SURE * error) | final
             seen = evidence_of(watched, common=common, asked=asked)
-            doubted = (seen.digits >= ROUGH) & (seen.digits < SMOOTH) & ~asked
+            doubted = (seen.digits >= SLOWLY) & (seen.digits < SMOOTH) & ~asked & (rows >= LONG)
             if doubted.any():
                 seen = evidence_of(watched, common=common, asked=asked | doubted)
             strobed = np.stack([self.strobed[left[k]] for k in these], axis=2)

@@ -43,8 +43,8 @@ class SectionEvidence:
     rough : array
         The same of the whole record, relative to what is left without the cycle that the motion hops around.
     uneven : array
-        How much the extents of the first and the last third of the record differ, over the extent; the largest of the
-        observables.
+        How much the extents of the first and the last third of the record, or of its last half, differ, over the extent; the
+        largest of the observables.
     closes : array of bool
         Whether the section comes near to a return, and nearer in the last third of the record than in the first.
     points : int
@@ -103,9 +103,7 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
         x = watched[at]
         before[at] = _digits(x[:, :, -(rows // 4) :])
         digits[at] = np.maximum(_digits(x), _digits(x[:, :, -(rows // 2) :]))
-        extents = [np.ptp(x[:, :, k], axis=2) for k in (slice(rows // 3), slice(-(rows // 3), None))]
-        with np.errstate(divide="ignore", invalid="ignore"):
-            uneven[at] = (np.abs(extents[0] - extents[1]) / np.maximum(*extents)).max(axis=1)
+        uneven[at] = np.minimum(_uneven(x), _uneven(x[:, :, -(rows // 2) :]))
         strobed = x[:, :, (rows - 1) % common :: common]
         closes[at] = _closes(strobed) if strobed.shape[2] >= LEAST_RETURNS else False
         unsure = digits[at] < SMOOTH if asked is None else (digits[at] < SMOOTH) & asked[at]
@@ -128,6 +126,14 @@ def _zero_one(left: Array, stride: int, angles: int) -> tuple[Array, Array]:
     slow = (status.reshape(each) == STATUS.index("oversampled")).any(axis=1)
     median = [np.where(slow, np.nan, np.median(k.reshape(each), axis=1)) for k in (middle, lower)]
     return median[0], median[1]
+
+
+def _uneven(x: Array) -> Array:
+    """How much the extents of first and last third differ, the largest of the observables, shape (point, observable, time)."""
+    third = x.shape[2] // 3
+    first, last = (np.ptp(x[:, :, part], axis=2) for part in (slice(third), slice(-third, None)))
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((np.abs(first - last) / np.maximum(first, last)).max(axis=1))
 
 
 def _digits(left: Array) -> Array:

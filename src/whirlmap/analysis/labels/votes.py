@@ -42,7 +42,7 @@ ROUGH, SLOWLY = 2.5, 3.0
 #: in all, and that many section points, they need no longer run.
 GAINS, CONVERGES, LONG = 1.0, 4.5, 1000
 #: Largest difference of the extents of the first and last third of a motion that has settled.
-UNEVEN = 0.05
+UNEVEN = 0.02
 #: Error of a rotation number below which it is one, and above which there is none.
 TURNS, WANDERING = 2e-5, 1e-4
 #: Errors of a rotation number, and largest denominator, within which a ratio may be hops between bands.
@@ -156,9 +156,11 @@ def _birkhoff(e: Evidence) -> NDArray[np.int64]:
         even = (s.digits >= ROUGH) & ~(s.uneven > UNEVEN)
         gains = s.digits >= s.digits_before + GAINS
         torus = (s.digits >= SMOOTH) | ((error <= 10.0**-SMOOTH) & ~hops & ~locked)
-        torus |= (s.points >= LONG) & (s.digits >= CONVERGES) & gains
+        turns = (error < TURNS) & ~hops
+        bounded = (s.growth < BOUNDED[0]) & (s.growth_low < BOUNDED[1])
+        torus |= (s.points >= LONG) & gains & ((s.digits >= CONVERGES) | ((s.digits >= SLOWLY) & turns & bounded))
         if e.final:
-            torus |= ((error < TURNS) & ~hops) | (gains & (s.digits >= SLOWLY))
+            torus |= turns | (gains & (s.digits >= SLOWLY))
         torus &= even & ~(locked & (error <= KNOWN)) & ~s.closes
         rough = (s.rough < ROUGH) & ~((error < WANDERING) & ~hops) & ~gains
     return np.where(torus, Vote.torus, np.where(rough, Vote.chaotic, Vote.none))
