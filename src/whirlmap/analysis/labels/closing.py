@@ -26,7 +26,7 @@ Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 
 #: Rounds of Newton's method at most, and scaled residual with which it has converged: what rounding leaves of a round.
-ROUNDS, CLOSED = 12, 1e-9
+ROUNDS, CLOSED = 8, 1e-9
 #: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
 #: to it, but what asks for more has lost it.
 FARTHEST = 1e6

@@ -30,6 +30,7 @@ from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import order_groups
+from whirlmap.integrate.scales import scales
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 
@@ -188,7 +189,8 @@ class _Points:
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
         judged = judge_open_points(
-            tangent, self.longest, self.cyclic, self.progress, contraction_ends=contraction_ends
+            tangent, self.longest, self.cyclic, self.progress, tolerance=self.how.settling.tolerance,
+            contraction_ends=contraction_ends,
         )
         ends = ~tangent.running  # one that reaches contact only now has no time of contact: it stays undecided
         judged.regime[ends], judged.confidence[ends], judged.rule[ends] = Regime.undecided, 0.0, Rule.none
@@ -231,13 +233,30 @@ class _Points:
             good = np.flatnonzero(orbits.multiple)
             if not good.size:
                 continue
-            closed, part = here[good], e.subset(here[good])
-            part.put(np.arange(good.size), orbits.x[:, good])
-            settled = Settled.none(part)
-            settled.multiple[:], settled.distance[:] = orbits.multiple[good], orbits.distance[good]
-            settled.scale[:] = orbits.scale[:, good]
-            self._take(part, closed, record(part, settled, self.how.settling, kept=self.kept, cyclic=self.cyclic))
-            found.rule[closed[~self._left(closed)]] = Rule.closed_orbit
+            self._record(
+                here[good], orbits.x[:, good], orbits.multiple[good], orbits.distance[good], orbits.scale[:, good],
+                Rule.closed_orbit,
+            )  # fmt: skip
+
+        long = found.nearest * vectors > WORTH
+        back = self._open(points, found.returned & long)
+        if back.size:
+            self._record(back, e.x[:, back], found.nearest[back], found.nearness[back], None, Rule.returns)
+
+    def _record(
+        self, points: Points, x: Array, multiple: Integers, distance: Array, scale: Array | None, rule: Rule
+    ) -> None:
+        """Record points on orbits that return after so many common periods."""
+        part = self.ensemble.subset(points)
+        part.put(np.arange(points.size), x)
+        settled = Settled.none(part)
+        settled.multiple[:], settled.distance[:] = multiple, distance
+        if scale is None:
+            low, high = (self.returns.extremes[name][: len(x), points] for name in ("minimum", "maximum"))
+            scale = scales(part.model, part.period, high - low, np.maximum(np.abs(low), np.abs(high)))
+        settled.scale[:] = scale
+        self._take(part, points, record(part, settled, self.how.settling, kept=self.kept, cyclic=self.cyclic))
+        self.found.rule[points[~self._left(points)]] = rule
 
     def _settle_on(self, points: Points) -> None:
         """Settle points on whose motion contracts but has not returned, for the time that this takes at most.

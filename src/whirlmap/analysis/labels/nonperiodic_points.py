@@ -18,6 +18,7 @@ from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, win
 from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
 from whirlmap.analysis.labels.votes import LONG, SLOWLY, SURE, Evidence, contracts
 from whirlmap.analysis.lyapunov import mean_and_error
+from whirlmap.analysis.return_search import ROUNDING
 from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.analysis.unbounded import Trends
@@ -76,6 +77,8 @@ class OpenPoints:
         Return in common periods that the section comes nearest to, 0 where none was looked for.
     nearness : array
         Its scaled distance, by the last section point.
+    returned : array of bool
+        Whether the end of the run returns after so many, to the tolerance.
     multiple : array of int
         n of a locked motion.
     paths : dict of array, shape (time, state)
@@ -98,6 +101,7 @@ class OpenPoints:
     x: Array
     nearest: NDArray[np.int64]
     nearness: Array
+    returned: NDArray[np.bool_]
     multiple: NDArray[np.int64]
     paths: dict[int, Array] = field(default_factory=dict)
 
@@ -110,7 +114,7 @@ class OpenPoints:
         return cls(
             np.full(points, Regime.undecided, dtype=np.int8), np.full(points, Rule.none, dtype=np.int8), np.zeros(points),
             unknown[0], unknown[1], unknown[2], whole[0], np.zeros(points, dtype=bool), np.zeros(points, dtype=bool), unknown[3], zero, zero.copy(),
-            zero.copy(), x.copy(), whole[1], unknown[4], whole[2],
+            zero.copy(), x.copy(), whole[1], unknown[4], np.zeros(points, dtype=bool), whole[2],
         )  # fmt: skip
 
     def take(self, other: "OpenPoints", points: Points) -> None:
@@ -127,6 +131,7 @@ def judge_open_points(
     cyclic: Mapping[int, float] | None,
     progress: Callable[[int], None] | None = None,
     *,
+    tolerance: float,
     contraction_ends: bool = False,
 ) -> OpenPoints:
     """Measure and judge points that have settled but do not return.
@@ -137,6 +142,8 @@ def judge_open_points(
         At the settled states, at phase zero, with one tangent vector; its ``status`` is taken forward in place.
     most : int
         T (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
+    tolerance : float
+        Of a return.
     contraction_ends : bool
         Whether points that can return stop, undecided, once their tangent vectors have shrunk for sure.
     """
@@ -145,7 +152,7 @@ def judge_open_points(
     together = int(np.clip(HELD // (USUAL * (OBSERVABLES + states // tangent.strobe)), 16, TOGETHER))
     for first in range(0, n, together):
         members = np.arange(first, min(first + together, n))
-        _Judge(tangent, members, most, dict(cyclic or {}), found, progress).run(contraction_ends and tangent.returns)
+        _Judge(tangent, members, most, dict(cyclic or {}), tolerance, found, progress).run(contraction_ends and tangent.returns)
     return found
 
 
@@ -153,9 +160,10 @@ class _Judge:
     """Some of the points, on the way to their verdicts."""
 
     def __init__(
-        self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], found: OpenPoints,
-        progress: Callable[[int], None] | None,
+        self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], tolerance: float,
+        found: OpenPoints, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
+        self.tolerance = tolerance
         self.tangent, self.members, self.cyclic, self.found, self.progress = tangent, members, cyclic, found, progress
         cycle = tangent.strobe
         self.first = -(-min(LEAST, most) // cycle) * cycle  # whole common periods, so that all stops are at phase zero
@@ -288,10 +296,30 @@ class _Judge:
             size = scales(
                 run.model, self.tangent.period[[at]], (high - low)[:, None], np.maximum(np.abs(low), np.abs(high))[:, None]
             )[:, 0]  # fmt: skip
-            away = path[-1] - path[-2 : -2 - most : -1]
-            for k, period in self.cyclic.items():
-                away[:, k] -= period * np.rint(away[:, k] / period)
+            away = self._around(path[-1] - path[-2 : -2 - most : -1])
             distance = np.abs(away / size).max(axis=1)
-            nearest = int(distance.argmin())
-            self.found.nearest[at], self.found.nearness[at] = nearest + 1, distance[nearest]
+            nearest = int(distance.argmin()) + 1
+            for m in np.flatnonzero(distance <= self.tolerance) + 1:
+                if self._to_limit(path, int(m), size) <= self.tolerance:
+                    nearest, self.found.returned[at] = int(m), True
+                    break
+            self.found.nearest[at], self.found.nearness[at] = nearest, distance[nearest - 1]
             self.found.paths[int(at)] = path[-KEPT:]
+
+    def _to_limit(self, path: Array, m: int, size: Array) -> float:
+        """Largest scaled distance of the last m section points from the limit of their approach (`return_search.to_limit`)."""
+        if len(path) < 3 * m:
+            return np.inf
+        late, early = (
+            float(np.abs(self._around(path[k - m : k] - path[k - 2 * m : k - m]) / size).max())
+            for k in (len(path), len(path) - m)
+        )  # fmt: skip
+        if late <= ROUNDING:
+            return late
+        return late + late * late / (early - late) if late < early else np.inf
+
+    def _around(self, away: Array) -> Array:
+        """Differences, the shorter way round for angles."""
+        for k, period in self.cyclic.items():
+            away[:, k] -= period * np.rint(away[:, k] / period)
+        return away

@@ -147,7 +147,7 @@ def decide(evidence: Evidence) -> Findings:
     that a number within ten errors of a ratio with a denominator up to 32 does not speak for a torus. A section that turns
     slowly (oversampled) gives the 0-1 test no say.
 
-    A torus needs averages that converge: six digits, or a rotation number known to six; or four and a half that have grown by
+    A torus needs averages that converge: six digits, or a rotation number known to six; or four that have grown by
     one since a quarter of the record. After the longest run fewer digits are enough where they have grown so: digits that
     stand still are chaos, digits that fall a transient. The extents of the first and last third must agree. No rotation number
     may be a ratio with a denominator up to 200 within its error, where that is small enough to say so, and no near return of

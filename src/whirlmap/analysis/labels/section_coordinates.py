@@ -41,8 +41,14 @@ class Watch:
 
     def __call__(self, section: Array, points: NDArray[np.intp]) -> Array:
         """Observables of some of the points, shape (point, OBSERVABLES, time), from section (time, state, points)."""
-        columns, weights = _columns(section, self.cyclic), self.weights[points]
-        return np.stack([_combined(columns, weights[:, :, k]) for k in range(OBSERVABLES)], axis=1)
+        weights, out = self.weights[points], np.zeros((points.size, OBSERVABLES, section.shape[0]))
+        at = 0
+        for k in range(section.shape[1]):  # a matrix product would round by how many points there are
+            for column in _column(section[:, k].T, (self.cyclic or {}).get(k)):
+                for o in range(OBSERVABLES):
+                    out[:, o] += weights[:, at, o, None] * column
+                at += 1
+        return out
 
 
 def _weights(section: Array, cyclic: Mapping[int, float] | None) -> Array:
@@ -64,15 +70,16 @@ def _weights(section: Array, cyclic: Mapping[int, float] | None) -> Array:
 
 def _columns(section: Array, cyclic: Mapping[int, float] | None) -> Array:
     """Coordinates of section points, shape (point, coordinate, time): states, angles as their cosine and sine."""
-    columns: list[Array] = []
-    for k in range(section.shape[1]):
-        column = section[:, k].T
-        if cyclic and k in cyclic:
-            angle = 2 * np.pi * column / cyclic[k]
-            columns += [np.cos(angle), np.sin(angle)]
-        else:
-            columns.append(column)
+    columns = [c for k in range(section.shape[1]) for c in _column(section[:, k].T, (cyclic or {}).get(k))]
     return np.stack(columns, axis=1)
+
+
+def _column(values: Array, period: float | None) -> list[Array]:
+    """A state as coordinates; an angle as its cosine and sine."""
+    if period is None:
+        return [np.ascontiguousarray(values)]
+    angle = 2 * np.pi * values / period
+    return [np.cos(angle), np.sin(angle)]
 
 
 def _combined(columns: Array, weights: Array) -> Array:

@@ -23,6 +23,8 @@ SMOOTH = 6.0
 LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
 #: Last section points by which a return is near, at most.
 LAST = 64
+#: Points that the 0-1 test sees at most: its time grows with their square.
+MOST = 1024
 #: Rounds of a cycle that a record holds at least where the mean of each of its phases is taken off.
 ROUNDS = 8
 
@@ -121,7 +123,7 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
 def _zero_one(left: Array, stride: int, angles: int) -> tuple[Array, Array]:
     """K of the 0-1 test, and its lower quartile, of observables, shape (point, observable, time)."""
     each = left.shape[:2]
-    strided = left[:, :, (left.shape[2] - 1) % stride :: stride]
+    strided = left[:, :, (left.shape[2] - 1) % stride :: stride][:, :, -MOST:]
     (lower, middle, _), status, _ = growth_rates(strided.reshape(-1, strided.shape[-1]).T, angles)
     slow = (status.reshape(each) == STATUS.index("oversampled")).any(axis=1)
     median = [np.where(slow, np.nan, np.median(k.reshape(each), axis=1)) for k in (middle, lower)]

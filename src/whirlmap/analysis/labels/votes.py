@@ -40,7 +40,7 @@ WANDERS, BOUNDED = (0.9, 0.5), (0.3, 0.2)
 ROUGH, SLOWLY = 2.5, 3.0
 #: Digits that the average over a record has more than that over its last quarter, at least, where it converges; with as many
 #: in all, and that many section points, they need no longer run.
-GAINS, CONVERGES, LONG = 1.0, 4.5, 1000
+GAINS, CONVERGES, LONG = 1.0, 4.0, 1000
 #: Largest difference of the extents of the first and last third of a motion that has settled.
 UNEVEN = 0.02
 #: Error of a rotation number below which it is one, and above which there is none.
