@@ -1,17 +1,19 @@
 """Asks whirlmap for the labels of the blind points, one process each, and holds them against the truth.
 
-    PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagram|diagnose] [--limit 120] [--out FILE] [NAME ...]
+    PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagnose] [--limit 120] [--out FILE] [NAME ...]
 """
 
 import argparse
 import multiprocessing
 import resource
 import time
+from pathlib import Path
 
-import whirlmap
 from asking import Refused, asked, diagram, label, load
 from blind_models import MODELS
 from blind_points import POINTS
+
+import whirlmap
 
 #: Labels by which it is said that nothing is known.
 OPEN = ("undecided", "not-settled", "not-steady", "unresolved")
@@ -72,12 +74,11 @@ def main():
         name, seconds = ask(point, options.by, options.limit)
         rows.append((judged(point, name), f"{point.name:24s} {point.truth:15s} {seconds:7.1f} s  {name[:110]}"))
         print(f"{rows[-1][0]:6s} {rows[-1][1]}", flush=True)
-    text = [f"{sum(kind == k for k, _ in rows)} {kind}" for kind in ("right", "open", "wrong") for _ in (0,)]
+    text = [f"{sum(kind == k for k, _ in rows)} {kind}" for kind in ("right", "open", "wrong")]
     lines = [", ".join(text), *(f"{k:6s} {row}" for wanted in ("wrong", "open") for k, row in rows if k == wanted)]
     print("\n".join(lines))
     if options.out:
-        with open(options.out, "w") as file:
-            file.write("\n".join([lines[0], *(f"{k:6s} {row}" for k, row in rows)]) + "\n")
+        Path(options.out).write_text("\n".join([lines[0], *(f"{k:6s} {row}" for k, row in rows)]) + "\n")
 
 
 if __name__ == "__main__":

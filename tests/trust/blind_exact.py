@@ -81,7 +81,7 @@ def fold_threshold(mu, b, F, w0, inside, outside):
 def hopf(mu, b, F, w0, w, margin):
     """An equilibrium of the turning frame attracts: 1T. None does: its cycle is a torus in the frame at rest."""
     T = 2 * np.pi / w
-    R, trace, determinant = equilibria(mu, b, F, w0, w)
+    _, trace, determinant = equilibria(mu, b, F, w0, w)
     eigenvalues = [np.roots([1, -s, d]).real.max() for s, d in zip(trace, determinant, strict=True)]
     if min(eigenvalues) < 0:
         return Known("periodic", 1, margin, -float(min(eigenvalues)) * T, "turning frame: equilibrium attracts")
@@ -92,9 +92,10 @@ def hopf(mu, b, F, w0, w, margin):
 
 
 def cycle(mu, b, F, w0, w, step=0.05, settle=2_000_000, kept=200_000):
-    """Frequency of the turning frame's cycle about its equilibrium, and the rate at which it attracts (minus the divergence).
+    """Frequency of the turning frame's cycle about its equilibrium, and the rate at which it attracts.
 
-    Runge-Kutta of order 8 with fixed steps; weighted averages (C-infinity at both ends) of the angle's advance.
+    Runge-Kutta of order 8 with fixed steps; weighted averages (C-infinity at both ends) of the angle's advance and of the
+    divergence, whose negative is the rate.
     """
     R = equilibria(mu, b, F, w0, w)[0]
     assert len(R) == 1
@@ -103,7 +104,7 @@ def cycle(mu, b, F, w0, w, step=0.05, settle=2_000_000, kept=200_000):
     s = (np.arange(kept - 1) + 0.5) / (kept - 1)
     weight = np.exp(-1 / (s * (1 - s)))
     weight /= weight.sum()
-    # About the equilibrium, or where the cycle does not go around it (it always does in the plane) about nothing else.
+    # In the plane a cycle goes round an equilibrium, and there is only one.
     advance = np.angle((at[1:] - middle) / (at[:-1] - middle))
     divergence = 2 * mu - 4 * np.abs(at[1:]) ** 2
     return float(abs(weight @ advance)) / step, -float(weight @ divergence)

@@ -12,7 +12,8 @@ from whirlmap.equations import Model, Parameter, State, cos, sin, states, t
 x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
 y = State("y", "1", "displacement")
 vx, vy = states("vx vy", "1", "velocity")
-P = {n: Parameter(n, "1", n) for n in "c mu k h q2 q3 s D A w1 B w2 C w3 E w4 b a w0 F eps w p q".split()}
+NAMES = "c mu k h q2 q3 s D A w1 B w2 C w3 E w4 b a w0 F eps w q"
+P = {n: Parameter(n, "1", n) for n in NAMES.split()}
 
 
 def _of(names):
@@ -20,7 +21,7 @@ def _of(names):
 
 
 def _oscillator(name, names, force, harmonics, cyclic=None):
-    c, mu, k, h, q2, q3, s, D = (P[n] if n in names.split() else 0 for n in "c mu k h q2 q3 s D".split())
+    c, mu, k, h, q2, q3, s, D = (P[n] if n in names.split() else 0 for n in NAMES.split()[:8])
     w1 = P["w1"]
     at = State("x", "1", "angle", cyclic=cyclic) if cyclic else x
     acceleration = (

@@ -1,8 +1,8 @@
 """Eighty operating points for the blind test of labels: the table of `blind_truths`.
 
-`Point.regime` and `n` are the truth, ``known`` says how it was found, ``margin`` how far the nearest threshold is (relative to
-the parameter that the threshold is one of), where there is one. ``locked`` with n: no frequency but those of the forcing and
-their n-th parts, where the forcing has no common period below 128 T.
+`Point.regime` and `n` are the truth, ``known`` says how it was found, ``margin`` how far the nearest threshold is (relative
+to the parameter that the threshold is one of), where there is one. ``locked`` with n: no frequency but those of the forcing
+and their n-th parts, where the forcing has no common period below 128 T.
 """
 
 from dataclasses import dataclass, field
@@ -58,8 +58,8 @@ for name, values in {
     "soft-node": dict(c=0.3, k=3e-5, b=0.5, A=1, w=1.2),
 }.items():
     add(f"linear-{name}", "linear", "1T", EXACT, Z3, **values)
-for name, c, A, w1 in (("1e-2", 3e-3, 0.05, 2.6), ("1e-3", 3e-4, 0.08, 2.3), ("1e-4", 3e-5, 0.06, 2.9), ("1e-5", 4e-6, 0.05, 2.7)):
-    add(f"duffing-slow-{name}", "duffing", "1T", NEWTON, (0.02, 0.0), A=A, c=c, k=1, q2=0.2, q3=0.5, D=0, w1=w1)
+for c, A, w1 in ((3e-3, 0.05, 2.6), (3e-4, 0.08, 2.3), (3e-5, 0.06, 2.9), (4e-6, 0.05, 2.7)):
+    add(f"duffing-slow-{c:.0e}", "duffing", "1T", NEWTON, (0.02, 0.0), A=A, c=c, k=1, q2=0.2, q3=0.5, D=0, w1=w1)
 
 # 2. Near folds: exact ones of the forced Hopf oscillator; inside it is 1T, outside its beat is long.
 for name, fixed, inside, outside, margins in (
@@ -135,7 +135,8 @@ for name, truth, known, values in (
     add(f"tones-{name}", "two_tones", truth, known, (0.5, 0.1), **{**dict(c=0, mu=0, h=0, q3=0), **values})
 
 # 7. Locking at high periods: van der Pol's oscillator.
-for w1, n in ((3.38, 27), (3.415, 17), (3.52, 12), (3.59, 13), (4.29, 51), (4.675, 17), (5.515, 10), (5.97, 11), (7.055, 13)):
+TONGUES = {3.38: 27, 3.415: 17, 3.52: 12, 3.59: 13, 4.29: 51, 4.675: 17, 5.515: 10, 5.97: 11, 7.055: 13}
+for w1, n in TONGUES.items():
     add(f"tongue-{n}T-{w1}", "van_der_pol", f"{n}T", NEWTON, (1.0, 0.0), A=5, mu=5, k=1, w1=w1)
 
 # 8. Weak chaos and chaos in bands.
