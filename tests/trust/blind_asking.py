@@ -1,6 +1,6 @@
 """Asks whirlmap for the labels of the blind points, one process each, and holds them against the truth.
 
-    PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagnose] [--limit 120] [--out FILE] [NAME ...]
+    PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagnose] [--limit 120] [--seed 1] [--out FILE] [NAME ...]
 """
 
 import argparse
@@ -10,6 +10,7 @@ import time
 from pathlib import Path
 
 from asking import Refused, asked, diagram, label, load
+from blind_fresh import drawn
 from blind_models import MODELS
 from blind_points import POINTS
 
@@ -65,10 +66,11 @@ def main():
     parser.add_argument("--by", choices=["diagram", "diagnose"], default="diagram")
     parser.add_argument("--limit", type=int, default=120)
     parser.add_argument("--out")
+    parser.add_argument("--seed", type=int, help="points of `blind_fresh` instead")
     parser.add_argument("names", nargs="*", help="beginnings of names")
     options = parser.parse_args()
     rows = []
-    for point in POINTS:
+    for point in POINTS if options.seed is None else drawn(options.seed):
         if options.names and not point.name.startswith(tuple(options.names)):
             continue
         name, seconds = ask(point, options.by, options.limit)
