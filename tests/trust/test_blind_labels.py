@@ -21,7 +21,7 @@ from truth_numbers import kept
 BY_NAME = {point.name: point for point in POINTS}
 OSCILLATORS = ("duffing", "pendulum", "van_der_pol", "tones", "two_tones")
 #: One cheap point of each kind.
-QUICK = ("linear-focus-1e-3", "fold-b+1e-04", "fold-b-3e-02", "flip-1e-03", "flip+1e-03", "hopf-b", "hopf-d", "rotor-0.199",
+QUICK = ("linear-node-1e-3", "fold-b+1e-04", "fold-b-3e-02", "flip-1e-03", "flip+1e-03", "hopf-b", "hopf-d", "rotor-0.199",
          "rotor-0.201", "tongue-11T-5.97")  # fmt: skip
 
 
