@@ -1,6 +1,6 @@
 """Asks whirlmap for the labels of the blind points, one process each, and holds them against the truth.
 
-    PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagnose] [--limit 120] [--seed 1] [NAME ...]
+PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagnose] [--limit 120] [--seed 1] [NAME ...]
 """
 
 import argparse
