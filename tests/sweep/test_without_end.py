@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from sympy import Abs, sin, sqrt, tan
 
-from whirlmap.analysis.diagnosis import diagnose, verdict_json
+from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis_json import verdict_json
 from whirlmap.equations import Model, Parameter, Section, State, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.kernels.poles import poles

@@ -63,9 +63,7 @@ def mean_and_error(rates: Array, cycle: int = 1) -> tuple[Array, Array]:
     time direction of an unforced cycle, which blocks in step with the cycle do not show. For a random record it is 0.4
     standard errors.
     """
-    if rates.shape[0] >= BLOCKS * cycle:
-        whole = rates.shape[0] // cycle
-        rates = rates[: whole * cycle].reshape(whole, cycle, *rates.shape[1:]).mean(axis=1)
+    rates = _over_cycles(rates, cycle)
     n = rates.shape[0] // BLOCKS
     if n == 0:
         raise RangeError(f"an error needs at least {BLOCKS} periods, not {rates.shape[0]}")
@@ -75,18 +73,26 @@ def mean_and_error(rates: Array, cycle: int = 1) -> tuple[Array, Array]:
     return series.mean(axis=-1), np.maximum(blocks.std(axis=-1, ddof=1) / np.sqrt(BLOCKS), _swing(series))
 
 
+def _over_cycles(rates: Array, cycle: int) -> Array:
+    """Means over whole cycles, where the record holds enough of them."""
+    whole = rates.shape[0] // cycle
+    if whole < BLOCKS:
+        return rates
+    return np.asarray(rates[: whole * cycle].reshape(whole, cycle, *rates.shape[1:]).mean(axis=1))
+
+
 def _swing(series: Array) -> Array:
     """A third of the range of the accumulated deviation from the mean along the last axis, over its length."""
     off = np.cumsum(series - series.mean(axis=-1, keepdims=True), axis=-1)
     return np.asarray((np.fmax(off.max(axis=-1), 0.0) - np.fmin(off.min(axis=-1), 0.0)) / (3 * series.shape[-1]))
 
 
-def in_phase(rates: Array) -> Array:
+def in_phase(rates: Array, cycle: int = 1) -> Array:
     """Error, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
 
     Runs of one cycle are no independent ones, and the mean over them is no better than each.
     """
-    return _swing(np.ascontiguousarray(rates.mean(axis=2).T))
+    return _swing(np.ascontiguousarray(_over_cycles(rates, cycle).mean(axis=2).T))
 
 
 def lyapunov_spectrum(

@@ -155,13 +155,13 @@ class Labelled:
         return out
 
 
-def least_exponent(periods: int, common_period: float) -> float:
-    """Smallest exponent that counts as growth, measured over so many common periods.
+def least_exponent(periods: int, period: float) -> float:
+    """Smallest exponent that counts as growth, measured over so many periods T.
 
-    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.labels.regime`. That also keeps out motion that grows
-    without bound: where neither the transient nor this run met the bound, it has grown by less.
+    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.labels.votes`. That also keeps out motion that
+    grows without bound: where neither the transient nor this run met the bound, it has grown by less.
     """
-    return (math.log(periods) + BREATHING) / (periods * common_period)
+    return (math.log(periods) + BREATHING) / (periods * period)
 
 
 def positive(exponent: Array, error: Array, least: float) -> Mask:
