@@ -16,7 +16,7 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.orders import order_groups
-from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
+from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes, unit_sizes
 from whirlmap.integrate.system import System, periods
 from whirlmap.integrate.turns import choose_unforced_steps
 from whirlmap.kernels.formulas import HoistedFunction
@@ -147,12 +147,17 @@ def make_ensemble(
     usual = ACCURACY if forced else UNFORCED_ACCURACY
     wanted = (usual if accuracy is None else accuracy) if steps is None else None
     options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted, "turn": turn}
+    sizes = None
+    if tangents:  # with what the rates say of a state that is zero by chance
+        period = periods(system.model, values)
+        sizes = unit_sizes(system.model, period, first_sizes(system.model, values, x))
     if wanted is None:
-        return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
+        return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, sizes=sizes, **options), found
     choose = choose_steps if forced else choose_unforced_steps
     rungs = choose(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
     least = TANGENT_STEPS if tangents else 1
     cyclic = np.array([s.cyclic is not None for s in system.model.states])[:, None]
+    options["sizes"] = sizes
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
     if system.model.bound is None:  # of a start at rest the motion itself says what is large

@@ -192,7 +192,7 @@ class _Points:
             tangent, self.longest, self.cyclic, self.progress, tolerance=self.how.settling.tolerance,
             contraction_ends=contraction_ends,
         )
-        ends = ~tangent.running  # one that reaches contact only now has no time of contact: it stays undecided
+        ends = ~tangent.running
         judged.regime[ends], judged.confidence[ends], judged.rule[ends] = Regime.undecided, 0.0, Rule.none
         judged.shrinks[ends] = False
         found.take(judged, points)
@@ -201,6 +201,9 @@ class _Points:
             on = np.flatnonzero(~ends)
             e.put(points[on], judged.x[:, on])
             e.turns[points[on]] += judged.periods[on]
+        if ends.any():  # such an end is believed once it is confirmed with finer steps, without a tangent vector
+            periods = judged.periods[ends] + tangent.strobe
+            self._settle_longer(points[ends], -(-2 * periods // tangent.strobe))
 
     def _label_trends(self, points: Points) -> None:
         """Label open points that die away, grow or drift for ever."""
@@ -267,10 +270,13 @@ class _Points:
         needed = np.log(FORGOTTEN) / (self.found.exponent[points] * (e.strobe * e.period)[points])
         most = max(PATIENCE * self.longest // e.strobe, how.settling.longest)
         extra = np.minimum(2 ** np.ceil(np.log2(np.maximum(needed, 1))), most).astype(np.int64)
-        part = e.subset(points)
         # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
-        longest = extra + extra // 4 + how.settling.longest - how.settling.transient
-        self._take(part, points, self._settle(part, longest))
+        self._settle_longer(points, extra + extra // 4)
+
+    def _settle_longer(self, points: Points, transient: Integers) -> None:
+        """Settle points on for so many common periods more."""
+        part, settling = self.ensemble.subset(points), self.how.settling
+        self._take(part, points, self._settle(part, transient + settling.longest - settling.transient))
 
     def _take(self, part: Ensemble, points: Points, again: Returns) -> None:
         """Take over points that have settled after all; those that have not stay as they were known."""

@@ -179,7 +179,8 @@ def decide(evidence: Evidence) -> Findings:
     if not evidence.returns:
         with np.errstate(invalid="ignore"):
             forgotten = evidence.exponent * evidence.duration <= np.log(FORGOTTEN)
-        decided(~returned & stable & quiet & (forgotten | torus[3]), Regime.locked, np.where(forgotten, Rule.forgotten, slowly))
+        why = np.where(forgotten, Rule.forgotten, slowly).astype(np.int8)
+        decided(~returned & stable & (forgotten | (quiet & torus[3])), Regime.locked, why)
     known = np.select(
         [returned | (chaotic.any(axis=0) & against_chaos), stable, neutral & quiet & torus[2:].any(axis=0)],
         [Rule.disagreement, Rule.contracts, Rule.regular], Rule.none,

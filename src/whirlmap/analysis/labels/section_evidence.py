@@ -21,6 +21,8 @@ SMOOTH = 6.0
 #: Longest return that is looked for, fewest section points for that, distance over the spread of a near one, and how much
 #: nearer it comes where it closes.
 LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
+#: Distance of a return that is one already.
+RETURNED = 1e-6
 #: Last section points by which a return is near, at most.
 LAST = 64
 #: Points that the 0-1 test sees at most: its time grows with their square.
@@ -48,7 +50,7 @@ class SectionEvidence:
         How much the extents of the first and the last third of the record, or of its last half, differ, over the extent; the
         largest of the observables.
     closes : array of bool
-        Whether the section comes near to a return, and nearer in the last third of the record than in the first.
+        Whether the section comes near to a return, and nearer in the last third of the record than in the first; or returns.
     points : int
         Section points judged.
     """
@@ -159,7 +161,7 @@ def _closes(strobed: Array) -> NDArray[np.bool_]:
         away = ((strobed[at, :, q:] - strobed[at, :, :-q]) ** 2).sum(axis=1)
         third = away.shape[1] // 3
         out[at] = away[:, -third:].mean(axis=1) < CLOSER**2 * away[:, :third].mean(axis=1)
-    return out
+    return out | (near.min(axis=0) < RETURNED)
 
 
 def _stride(rows: int, common: int) -> int:
