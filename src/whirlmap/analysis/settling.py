@@ -17,7 +17,7 @@ Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -142,6 +142,10 @@ class Settled:
             *none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_), zero, np.full(n, np.nan), zero.copy(),
             np.full(n, np.nan), np.full(n, np.nan),
         )  # fmt: skip
+
+    def of(self, points: NDArray[np.intp]) -> "Settled":
+        """How some of the points settled."""
+        return Settled(*(getattr(self, one.name)[..., points] for one in fields(self)))
 
     def forget(self, points: NDArray[np.intp]) -> None:
         """Forget how far points moved that begin anew: with too few steps that was not their motion."""

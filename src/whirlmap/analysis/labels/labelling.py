@@ -4,7 +4,8 @@
 2. Points that do not return run with a tangent vector until the rule knows what they are (`nonperiodic_points`).
 3. What contracts is on its way to an orbit. Newton's method finds it (`closing`); where it does not, the point settles on
    for the time that its exponent says, and is judged once more. What still is not known then is called not settled.
-4. A torus whose section all but returns is tried as an orbit, too: high locking looks like that.
+4. A torus whose section all but returns is tried as an orbit, too: high locking looks like that. Chaos is followed on for a
+   while: one that is a transient returns at last, or ends.
 5. Motion that grows, drifts or dies away steadily is labelled as such (`unbounded`).
 
 The numbers of a point depend on its own parameters and start alone: not on the points computed with it, their number or
@@ -26,6 +27,7 @@ from whirlmap.analysis.lyapunov import BLOCKS
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values
 from whirlmap.analysis.returns import Returns, record, settle_and_record
 from whirlmap.analysis.settling import Settled, Settling
+from whirlmap.analysis.settling_accurately import settle_accurately
 from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
@@ -41,6 +43,8 @@ Progress = Callable[[int], None]
 
 #: T after which a point that has not returned is handed over to a tangent vector, but so many common periods at least.
 BRIEF, FEWEST = 512, 100
+#: T that chaos is followed on without a tangent vector, but `FEWEST` common periods at least.
+FOLLOWED = 2048
 #: T, and common periods, over which the exponent of a point that does not return is measured at most, the longer of both.
 LONGEST, LONGEST_COMMON = 16384, 1024
 #: A motion that contracts is given the time to forget its start until it is given up, but no more than so many times the
@@ -150,6 +154,7 @@ class _Points:
                 if e.model.forced and e.returns:
                     self._close(again)
             found.regime[self._open(open_points, found.shrinks)] = Regime.not_settled
+            self._follow(open_points[(found.regime[open_points] == Regime.chaotic) & e.running[open_points]])
         thins = np.isfinite(self.returns.thinning)
         found.winding[:] = np.where(thins, self.returns.turning, found.winding)
         period = np.where(found.regime == Regime.locked, found.multiple, self.returns.period)
@@ -272,6 +277,21 @@ class _Points:
         extra = np.minimum(2 ** np.ceil(np.log2(np.maximum(needed, 1))), most).astype(np.int64)
         # Steps chosen anew move the orbit by their error, from which it settles in a part of this time.
         self._settle_longer(points, extra + extra // 4)
+
+    def _follow(self, points: Points) -> None:
+        """See whether chaos goes on: one that is a transient returns at last, or ends."""
+        if not (points.size and self.ensemble.model.forced):
+            return
+        part, start = self.ensemble.subset(points), self.ensemble.x[:, points]
+        longest = np.full(points.size, max(FOLLOWED // part.strobe, FEWEST))
+        settled = settle_accurately(part, self.how.settling, longest, self.cyclic, self.progress)
+        over = np.flatnonzero((settled.multiple > 0) | ~part.running)
+        if over.size:
+            ended = part.subset(over)
+            found = record(
+                ended, settled.of(over), self.how.settling, start=start[:, over], kept=self.kept, cyclic=self.cyclic
+            )
+            self._take(ended, points[over], found)
 
     def _settle_longer(self, points: Points, transient: Integers) -> None:
         """Settle points on for so many common periods more."""

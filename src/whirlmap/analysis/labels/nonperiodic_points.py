@@ -2,8 +2,8 @@
 
 A run with one tangent vector gives both, once per T. It goes on in stretches that double, until the rule (`regime`) has a
 label and the error of the exponent is small enough, or to the longest length. A point whose tangent vector shrinks for sure
-is on its way to an orbit, for which it needs no tangent vector, and stops. Every point is judged anew at the end of every
-stretch by its whole record: a label that an early stretch gave does not stay. A point's numbers depend on its own run alone.
+is on its way to an orbit, for which it needs no tangent vector, and stops. A point is judged by its whole record where it
+stops. Its numbers depend on its own run alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -193,15 +193,18 @@ class _Judge:
             found.periods[at] = done
             late = (self.rates[done // 2 : done, left].sum(axis=0)) * run.period
             found.shrinks[at] = contracts(found.exponent[at], found.error[at], done * run.period, late)
-            self._vote(run, np.flatnonzero(run.running), left, done, late)
+            target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1] * 2 * np.pi / run.period)
+            sure = found.error[at] <= target
+            # One with a label is judged anew when it stops: a label that an early stretch gave does not stay by itself.
+            due = (found.regime[at] == Regime.undecided) | sure | (done >= self.most)
+            self._vote(run, np.flatnonzero(run.running & due), left, done, late)
             # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
             changes = (found.regime[at] == Regime.quasi_periodic) & np.isfinite(found.growth[at])
             found.regime[at[changes]], found.confidence[at[changes]] = Regime.undecided, 0.0
-            target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1] * 2 * np.pi / run.period)
             open_ = found.regime[at] == Regime.undecided
             if contraction_ends:
                 open_ &= ~(found.shrinks[at] | found.closes[at])
-            stay = run.running & (open_ | ((found.error[at] > target) & (found.regime[at] != Regime.locked)))
+            stay = run.running & (open_ | (~sure & (found.regime[at] != Regime.locked)))
             stretch = min(done, self.most - done)
             if not stretch:
                 stay[:] = False
