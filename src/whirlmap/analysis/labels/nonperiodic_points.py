@@ -15,8 +15,8 @@ from numpy.typing import NDArray
 from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
 from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, windings_of
-from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
-from whirlmap.analysis.labels.votes import LONG, SLOWLY, SURE, Evidence, contracts
+from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
+from whirlmap.analysis.labels.votes import SURE, Evidence, contracts
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.return_search import ROUNDING
 from whirlmap.analysis.tangent_accuracy import tuned
@@ -252,12 +252,7 @@ class _Judge:
             at, duration = self.members[left[these]], done * run.period[these]
             value, error = found.exponent[at], found.error[at]
             watched = np.stack([self.watched[left[k]] for k in these])
-            # What tells chaos takes as long as all else: it is asked where a label can come of it.
-            asked = (value > SURE * error) | final
-            seen = evidence_of(watched, common=common, asked=asked)
-            doubted = (seen.digits >= SLOWLY) & (seen.digits < SMOOTH) & ~asked & (rows >= LONG)
-            if doubted.any():
-                seen = evidence_of(watched, common=common, asked=asked | doubted)
+            seen = evidence_of(watched, common=common, grows=value > SURE * error, final=final)
             strobed = np.stack([self.strobed[left[k]] for k in these], axis=2)
             turned = run.returns and len(strobed) >= TURNED
             winding = windings_of(strobed, self.cyclic) if turned else [UNKNOWN] * these.size

@@ -16,8 +16,8 @@ Array = NDArray[np.float64]
 REST = 1e-5
 #: Fewer section points say nothing.
 LEAST = 256
-#: Digits of Birkhoff averages above which a motion is smooth.
-SMOOTH = 6.0
+#: Digits of Birkhoff averages above which a motion is smooth, and from which it may be, in so many section points.
+SMOOTH, SLOWLY, LONG = 6.0, 3.0, 1000
 #: Longest return that is looked for, fewest section points for that, distance over the spread of a near one, and how much
 #: nearer it comes where it closes.
 LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
@@ -75,7 +75,9 @@ class SectionEvidence:
         return SectionEvidence(**full, closes=closes, points=self.points)
 
 
-def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | None = None, angles: int = 40) -> SectionEvidence:
+def evidence_of(
+    watched: Array, *, common: int = 1, grows: NDArray[np.bool_] | None = None, final: bool = True, angles: int = 40
+) -> SectionEvidence:
     """0-1 test and weighted Birkhoff averages of many operating points.
 
     Parameters
@@ -85,8 +87,11 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
         of fewer than `LEAST` points, are not judged.
     common : int
         Number of T after which the forcing repeats.
-    asked : array of bool, shape (point,), optional
-        Of which the 0-1 test and ``rough`` are asked; of all where absent.
+    grows : array of bool, shape (point,), optional
+        Whose tangent vectors grow for sure: no return is looked for; all may where absent.
+    final : bool
+        Where not, what tells chaos (the 0-1 test and ``rough``), which takes as long as all else, is asked only where a label
+        can come of it: of points that grow, and of long records with averages that converge slowly.
     angles : int
         Of the 0-1 test.
 
@@ -109,8 +114,11 @@ def evidence_of(watched: Array, *, common: int = 1, asked: NDArray[np.bool_] | N
         digits[at] = np.maximum(_digits(x), _digits(x[:, :, -(rows // 2) :]))
         uneven[at] = np.minimum(_uneven(x), _uneven(x[:, :, -(rows // 2) :]))
         strobed = x[:, :, (rows - 1) % common :: common]
-        closes[at] = _closes(strobed) if strobed.shape[2] >= LEAST_RETURNS else False
-        unsure = digits[at] < SMOOTH if asked is None else (digits[at] < SMOOTH) & asked[at]
+        rests = np.ones(at.size, dtype=bool) if grows is None else ~grows[at]
+        if strobed.shape[2] >= LEAST_RETURNS and rests.any():
+            closes[at[rests]] = _closes(strobed[rests])
+        asked = final | ~rests | ((digits[at] >= SLOWLY) & (rows >= LONG))
+        unsure = (digits[at] < SMOOTH) & asked
         at, x = at[unsure], x[unsure]
         left = _without_cycles(x.reshape(-1, rows), common).reshape(x.shape)
         # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.

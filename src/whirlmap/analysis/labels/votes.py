@@ -6,7 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, SectionEvidence
+from whirlmap.analysis.labels.section_evidence import LEAST, LONG, SLOWLY, SMOOTH, SectionEvidence
 from whirlmap.analysis.winding import Winding
 
 Array = NDArray[np.float64]
@@ -36,11 +36,11 @@ GOES_ON = 0.25
 PLAIN, STEADY = 10.0, (0.35, 0.65)
 #: K of the 0-1 test above and below which it has a say (medians and the quartile on the side of doubt).
 WANDERS, BOUNDED = (0.9, 0.5), (0.3, 0.2)
-#: Digits of Birkhoff averages below which motion may be chaotic, and from which it may be a torus after the longest run.
-ROUGH, SLOWLY = 2.5, 3.0
-#: Digits that the average over a record has more than that over its last quarter, at least, where it converges; with as many
-#: in all, and that many section points, they need no longer run.
-GAINS, CONVERGES, LONG = 1.0, 4.0, 1000
+#: Digits of Birkhoff averages below which motion may be chaotic, and is no torus.
+ROUGH = 2.5
+#: Digits that the average over a record has more than that over its last quarter, at least, where it converges; and digits in
+#: all that are then enough before the longest run.
+GAINS, CONVERGES = 1.0, 4.0
 #: Largest difference of the extents of the first and last third of a motion that has settled.
 UNEVEN = 0.02
 #: Error of a rotation number below which it is one, and above which there is none.
