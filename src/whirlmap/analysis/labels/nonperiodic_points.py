@@ -13,12 +13,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.locked import locked_multiple
+from whirlmap.analysis.labels.near_return import near_return
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
-from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch, windings_of
+from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, windings_of
 from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
+from whirlmap.analysis.labels.section_record import SectionRecord
 from whirlmap.analysis.labels.votes import SURE, Evidence, contracts
 from whirlmap.analysis.lyapunov import mean_and_error
-from whirlmap.analysis.return_search import ROUNDING
 from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.analysis.unbounded import Trends
@@ -37,12 +38,14 @@ TOGETHER, HELD = 512, 2**23
 USUAL = 1024
 #: Points whose trends are computed together: what that takes on the way is several times their section points.
 TRENDS = 64
-#: Section points, once per common period, that are kept of a point that contracts, and longest return that is looked for.
-KEPT, LONGEST_RETURN = 4096, 200
+#: Section points, once per common period, that are kept of a point that contracts.
+KEPT = 4096
 #: Section points from which n of a locked motion is not sought in longer records: that takes as long as all else.
 SOUGHT = 2048
 #: Part of a start that may be left where n of a locked motion is sought.
-LEFT = 1e-8
+LEFT = 1e-7
+#: T between the section points that show trends where the forcing has no common period.
+SPARSE = 16
 
 
 @dataclass(frozen=True)
@@ -170,10 +173,8 @@ class _Judge:
         self.most = max(most // cycle * cycle, self.first)
         self.align = -(-max(self.first // 10, 5) // cycle) * cycle
         self.rates = np.full((self.most, members.size), np.nan)
-        states = tangent.model.dimension
-        self.strobed: list[Array] = [np.zeros((0, states)) for _ in members]  # once per common period
-        self.watched: list[Array] = [np.zeros((OBSERVABLES, 0)) for _ in members]  # once per T
-        self.watch: Watch | None = None
+        self.every = cycle if tangent.returns else SPARSE
+        self.record = SectionRecord(members.size, tangent.model.dimension, self.every, cyclic)
 
     def run(self, contraction_ends: bool) -> None:
         """Run the points to their verdicts."""
@@ -183,7 +184,7 @@ class _Judge:
             local, section = run_with_section(run, stretch, align=0 if done else self.align, progress=self.progress)
             self.rates[done : done + stretch, left] = local[:, 0]
             done += stretch
-            self._keep(left, section)
+            self.record.keep(left, section)
             at = self.members[left]
             self.tangent.status[at], self.tangent.end_time[at] = run.status, run.end_time
             found.x[:, at] = run.x
@@ -215,47 +216,36 @@ class _Judge:
     def _trends(self, left: Points, done: int) -> None:
         """Trends of the sections so far, once per common period."""
         tangent, at = self.tangent, self.members[left]
-        sections = [self.strobed[point] for point in left]
+        sections = [self.record.strobed[point] for point in left]
         count = np.array([len(s) for s in sections], dtype=np.int64)
         for rows in np.unique(count[count > 0]):  # forced: all that still run have the same
             same = np.flatnonzero(count == rows)
             for these in np.array_split(same, -(-same.size // TRENDS)):
                 points = at[these]
-                time = tangent.strobe * tangent.period[points]
+                period, end = tangent.period[points], tangent.end_time[points]
+                time = self.every * period
                 if not tangent.model.forced:  # crossings come as often as they come: the rate is per unit of time on the mean
-                    end = tangent.end_time[points]
-                    ran = np.where(np.isfinite(end), end - self.align * tangent.period[points], done * tangent.period[points])
-                    time = ran / rows
+                    time = np.where(np.isfinite(end), end - self.align * period, done * period) / rows
                 unknown = np.full(points.size, np.nan)
                 section = np.stack([sections[k] for k in these], axis=2)
                 seen = Trends.of(tangent.model, tangent.period[points], section, time, unknown, unknown, self.cyclic)
                 for name in ("growth", "drift", "centre", "reach"):
                     getattr(self.found, name)[..., points] = getattr(seen, name)
 
-    def _keep(self, left: Points, section: Array) -> None:
-        """Keep what the indicators see of a stretch's section; unforced points have as many crossings as they have."""
-        if self.watch is None:
-            self.watch = Watch(np.where(np.isfinite(section), section, section[:1]), self.cyclic)
-        watched, cycle = self.watch(section, left), self.tangent.strobe
-        for k, point in enumerate(left):
-            seen = np.isfinite(section[:, 0, k])
-            self.watched[point] = np.concatenate([self.watched[point], watched[k][:, seen]], axis=1)
-            self.strobed[point] = np.concatenate([self.strobed[point], section[cycle - 1 :: cycle, :, k][seen[cycle - 1 :: cycle]]])
-
     def _vote(self, run: Ensemble, lanes: Points, left: Points, done: int, late: Array) -> None:
         """Judge points, each from as many section points as it has itself."""
         found, final = self.found, done >= self.most
         common = run.common_multiple
-        count = np.array([self.watched[left[k]].shape[1] for k in lanes], dtype=np.int64)
+        count = np.array([self.record.watched[left[k]].shape[1] for k in lanes], dtype=np.int64)
         for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
             these = lanes[count == rows]
             at, duration = self.members[left[these]], done * run.period[these]
             value, error = found.exponent[at], found.error[at]
-            watched = np.stack([self.watched[left[k]] for k in these])
+            watched = np.stack([self.record.watched[left[k]] for k in these])
             seen = evidence_of(watched, common=common, grows=value > SURE * error, final=final)
-            strobed = np.stack([self.strobed[left[k]] for k in these], axis=2)
-            turned = run.returns and len(strobed) >= TURNED
-            winding = windings_of(strobed, self.cyclic) if turned else [UNKNOWN] * these.size
+            winding = [UNKNOWN] * these.size
+            if run.returns and rows // self.every >= TURNED:
+                winding = windings_of(np.stack([self.record.strobed[left[k]] for k in these], axis=2), self.cyclic)
             judged = decide(
                 Evidence(
                     run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,
@@ -267,18 +257,21 @@ class _Judge:
             found.closes[at] = seen.closes
             locked = np.flatnonzero(judged["regime"] == Regime.locked)
             if locked.size:
-                self._locked(run, at[locked], strobed[:, :, locked], value[locked] * duration[locked], final=final)
+                self._locked(run, at[locked], watched[locked], value[locked] * duration[locked], final=final)
 
-    def _locked(self, run: Ensemble, at: Points, section: Array, grown: Array, *, final: bool) -> None:
+    def _locked(self, run: Ensemble, at: Points, watched: Array, grown: Array, *, final: bool) -> None:
         """Find n of locked points, from where nothing is left of their starts on; more of their run may be needed for it."""
-        found, rows = self.found, len(section)
-        begin = np.maximum(np.ceil(rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT))).astype(np.int64), rows // 4)
+        found, rows = self.found, watched.shape[2]
+        needed = np.ceil(rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT)))
+        begins = np.array([rows // 4, rows // 2, 3 * rows // 4])  # few, for what begins together is fitted together
+        begin = begins[np.searchsorted(begins, needed).clip(max=2)]
+        orders = tuple(abs(order) for order in run.orders if order)
         n = np.zeros(at.size, dtype=np.int64)
-        for first in np.unique(begin[rows - begin >= LEAST]):
-            those = np.flatnonzero(begin == first)
-            points = section[first:, :, those]
-            scale = scales(run.model, run.period[:1].repeat(those.size), np.ptp(points, axis=0), np.abs(points).max(axis=0))
-            n[those] = locked_multiple(points, run.orders, scale=scale, cyclic=self.cyclic)[0]
+        for first in np.unique(begin):
+            those = np.flatnonzero((begin == first) & (needed <= first))
+            points = np.moveaxis(watched[those][:, :, first:], 0, 2).swapaxes(0, 1)
+            if those.size and len(points) >= LEAST:
+                n[those] = locked_multiple(points, orders, scale=np.ptp(points, axis=0))[0]
         found.multiple[at] = n
         open_ = at[(n == 0) & (rows - begin < SOUGHT) & (not final)]
         found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
@@ -286,38 +279,9 @@ class _Judge:
     def _near_returns(self, run: Ensemble, stopped: Points) -> None:
         """Return that the section of each point comes nearest to, and its last section points once per common period."""
         for point in stopped:
-            at, path = self.members[point], self.strobed[int(point)]
-            most = min(LONGEST_RETURN, len(path) - 1)
-            if most < 1:
-                continue
-            low, high = path.min(axis=0), path.max(axis=0)
-            size = scales(
-                run.model, self.tangent.period[[at]], (high - low)[:, None], np.maximum(np.abs(low), np.abs(high))[:, None]
-            )[:, 0]  # fmt: skip
-            away = self._around(path[-1] - path[-2 : -2 - most : -1])
-            distance = np.abs(away / size).max(axis=1)
-            nearest = int(distance.argmin()) + 1
-            for m in np.flatnonzero(distance <= self.tolerance) + 1:
-                if self._to_limit(path, int(m), size) <= self.tolerance:
-                    nearest, self.found.returned[at] = int(m), True
-                    break
-            self.found.nearest[at], self.found.nearness[at] = nearest, distance[nearest - 1]
+            at, path = self.members[point], self.record.strobed[int(point)]
+            low, high = path.min(axis=0)[:, None], path.max(axis=0)[:, None]
+            size = scales(run.model, self.tangent.period[[at]], high - low, np.maximum(np.abs(low), np.abs(high)))[:, 0]
+            near = near_return(path, size, self.cyclic, self.tolerance)
+            self.found.nearest[at], self.found.nearness[at], self.found.returned[at] = near
             self.found.paths[int(at)] = path[-KEPT:]
-
-    def _to_limit(self, path: Array, m: int, size: Array) -> float:
-        """Largest scaled distance of the last m section points from the limit of their approach (`return_search.to_limit`)."""
-        if len(path) < 3 * m:
-            return np.inf
-        late, early = (
-            float(np.abs(self._around(path[k - m : k] - path[k - 2 * m : k - m]) / size).max())
-            for k in (len(path), len(path) - m)
-        )  # fmt: skip
-        if late <= ROUNDING:
-            return late
-        return late + late * late / (early - late) if late < early else np.inf
-
-    def _around(self, away: Array) -> Array:
-        """Differences, the shorter way round for angles."""
-        for k, period in self.cyclic.items():
-            away[:, k] -= period * np.rint(away[:, k] / period)
-        return away
