@@ -273,7 +273,7 @@ class _Judge:
             if those.size and len(points) >= LEAST:
                 n[those] = locked_multiple(points, orders, scale=np.ptp(points, axis=0))[0]
         found.multiple[at] = n
-        open_ = at[(n == 0) & (rows - begin < SOUGHT) & (not final)]
+        open_ = at[(n == 0) & ((rows - begin < SOUGHT) | (needed > begin)) & (not final)]
         found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
 
     def _near_returns(self, run: Ensemble, stopped: Points) -> None:

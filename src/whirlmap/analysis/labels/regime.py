@@ -22,7 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.labels.section_coordinates import Watch, windings_of
 from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
-from whirlmap.analysis.labels.votes import INDICATORS, Evidence, Vote, grows_plainly, sure_of_zero, votes_of
+from whirlmap.analysis.labels.votes import INDICATORS, Evidence, Vote, grows_plainly, rests, sure_of_zero, votes_of
 from whirlmap.analysis.winding import Winding
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
@@ -174,8 +174,11 @@ def decide(evidence: Evidence) -> Findings:
         ~returned & chaotic[1] & (chaotic.sum(axis=0) >= 2) & ~against_chaos, Regime.chaotic, Rule.exponent_and_section
     )
     decided(~returned & grows_plainly(evidence) & ~against_chaos & (label == 0), Regime.chaotic, Rule.exponent_alone)
-    decided(~returned & neutral & torus[3] & quiet, Regime.quasi_periodic, slowly)
-    decided(~returned & neutral & sure_of_zero(evidence) & (label == 0), Regime.quasi_periodic, Rule.exponent_alone)
+    # Where no return can be seen all regular motion has averages that converge: the exponent alone tells torus from locked.
+    zero = neutral & (evidence.returns | sure_of_zero(evidence))
+    decided(~returned & zero & torus[3] & quiet, Regime.quasi_periodic, slowly)
+    sure = neutral & sure_of_zero(evidence) & rests(evidence)
+    decided(~returned & sure & (label == 0), Regime.quasi_periodic, Rule.exponent_alone)
     if not evidence.returns:
         with np.errstate(invalid="ignore"):
             forgotten = evidence.exponent * evidence.duration <= np.log(FORGOTTEN)

@@ -117,15 +117,21 @@ def contracts(exponent: Array, error: Array, duration: Array, late_growth: Array
 
 
 def sure_of_zero(e: Evidence) -> NDArray[np.bool_]:
-    """Whether the exponent alone says torus: after the longest run its error leaves no room for more than shear.
+    """Whether the exponent is zero for sure: its error leaves no room for more than shear."""
+    with np.errstate(invalid="ignore"):
+        most = (np.abs(e.exponent) + SURE * e.exponent_error) * e.duration
+        return np.asarray(most <= np.log(np.maximum(e.section.points, LEAST)) + BREATHING)
 
-    The 0-1 test takes slow beats of many frequencies for chaos, and averages over them converge slowly.
+
+def rests(e: Evidence) -> NDArray[np.bool_]:
+    """Whether averages and extents stand still after the longest run.
+
+    With an exponent that is zero for sure that says torus: the 0-1 test takes slow beats of many frequencies for chaos, and
+    averages over them converge slowly.
     """
     s = e.section
     with np.errstate(invalid="ignore"):
-        most = (np.abs(e.exponent) + SURE * e.exponent_error) * e.duration
-        room = most <= np.log(np.maximum(s.points, LEAST)) + BREATHING
-        return np.asarray(e.final & room & (s.digits >= ROUGH) & ~(s.uneven > UNEVEN) & ~s.closes)
+        return np.asarray(e.final & (s.digits >= ROUGH) & ~(s.uneven > UNEVEN) & ~s.closes)
 
 
 def grows_plainly(e: Evidence) -> NDArray[np.bool_]:
