@@ -111,12 +111,8 @@ def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
     growth = _largest_real_part(ensemble, points, x) * time
     moving = np.flatnonzero(np.isnan(growth))
     if moving.size:
-        here = points[moving]
-        at = Ensemble(
-            ensemble.model, ensemble.values[:, here], x[:, moving], orders=ensemble.orders, steps=ensemble.point_steps[here],
-            method=ensemble.method, workers=ensemble.workers, turn=ensemble.period[here], beyond=ensemble.limits[:, here],
-        )  # fmt: skip
-        largest = largest_multipliers(at, np.arange(here.size), np.ones(here.size, dtype=np.int64))
+        once = np.ones(moving.size, dtype=np.int64)
+        largest = largest_multipliers(ensemble, points[moving], once, x[:, moving])
         with np.errstate(divide="ignore"):
             growth[moving] = np.log(np.maximum(largest, np.finfo(float).tiny))
     return np.asarray(np.where(growth <= NEUTRAL, growth / time, np.inf))

@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.arrivals import arrivals
-from whirlmap.analysis.labels.closed_orbit import SAME_POINT, STEPS, ClosedOrbit, closed_orbits
+from whirlmap.analysis.labels.closed_orbit import FAR, SAME_POINT, ClosedOrbit, closed_orbits
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values
 from whirlmap.analysis.settling import Settling
 from whirlmap.integrate.ensemble import Ensemble
@@ -142,5 +142,5 @@ def _closed(
     settling = judge.options.get("settling") or Settling()
     return closed_orbits(
         ensemble, motions["period_common"].values[at].astype(np.int64), every=every or ensemble.strobe,
-        tolerance=settling.tolerance, cyclic=cyclic_states(judge.system), steps=STEPS if newton else 0,
+        tolerance=settling.tolerance, cyclic=cyclic_states(judge.system), far=FAR if newton else None,
     )  # fmt: skip
