@@ -24,7 +24,7 @@ def said(point, by="diagram"):
     """What whirlmap calls the point: as `Point.truth`, or why it does not."""
     system = load(MODELS[point.system], point.values, point.start)
     if by == "diagram":
-        ds, at = asked(diagram, system, lyapunov=1024), (0,)
+        ds, at = asked(diagram, system, lyapunov=None), (0,)
     else:
         ds, at = asked(whirlmap.diagnose, system), ()
     if isinstance(ds, Refused):

@@ -30,6 +30,8 @@ Cyclic = Mapping[int, float] | None
 
 #: Rounds of Newton's method at most, and scaled residual with which it has converged: what rounding leaves of a round.
 ROUNDS, CLOSED = 8, 1e-9
+#: The same over the magnitude of a state.
+ROUNDED = 1e-13
 #: Scaled last step of motions that approach slowly: at a multiplier of 1 - 1e-5 it is a hundred thousand residuals.
 STILL = CLOSED**0.5
 #: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
@@ -136,7 +138,10 @@ def newton(
         step = _step(change, went)
         with np.errstate(invalid="ignore"):
             residual, size = (np.abs(a / went.scale).max(axis=0) for a in (change, step))
-        done = (residual <= CLOSED) & (size <= still)
+            # A state with little ripple on a large mean closes to the rounding of its mean.
+            exact = (np.abs(change) <= np.maximum(CLOSED * went.scale, ROUNDED * np.abs(x[:, left]))).all(axis=0)
+            rests = (np.abs(step) <= np.maximum(still * went.scale, ROUNDED / CLOSED * still * np.abs(x[:, left]))).all(axis=0)
+        done = exact & rests
         here, goes = left[done], size <= FARTHEST
         x[:, left[goes]] += step[:, goes]
         distance[here] = residual[done]

@@ -44,7 +44,7 @@ Progress = Callable[[int], None]
 #: T after which a point that has not returned is handed over to a tangent vector, but so many common periods at least.
 BRIEF, FEWEST = 512, 100
 #: T that chaos is followed on without a tangent vector, but `FEWEST` common periods at least.
-FOLLOWED = 2048
+FOLLOWED = 4096
 #: T, and common periods, over which the exponent of a point that does not return is measured at most, the longer of both.
 LONGEST, LONGEST_COMMON = 16384, 1024
 #: A motion that contracts is given the time to forget its start until it is given up, but no more than so many times the
@@ -194,7 +194,7 @@ class _Points:
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
         judged = judge_open_points(
-            tangent, self.longest, self.cyclic, self.progress, tolerance=self.how.settling.tolerance,
+            tangent, self.longest, self.cyclic, self.progress, ranges=self._ranges(points), tolerance=self.how.settling.tolerance,
             contraction_ends=contraction_ends,
         )
         ends = ~tangent.running
@@ -202,7 +202,7 @@ class _Points:
         judged.shrinks[ends] = False
         found.take(judged, points)
         self._label_trends(points)
-        if e.model.forced and e.returns:
+        if e.returns:
             on = np.flatnonzero(~ends)
             e.put(points[on], judged.x[:, on])
             e.turns[points[on]] += judged.periods[on]
@@ -210,12 +210,16 @@ class _Points:
             periods = judged.periods[ends] + tangent.strobe
             self._settle_longer(points[ends], -(-2 * periods // tangent.strobe))
 
+    def _ranges(self, points: Points) -> Array:
+        """How far each state moves over the record, shape (state, points)."""
+        extremes = self.returns.extremes
+        return np.asarray((extremes["maximum"] - extremes["minimum"])[: self.ensemble.model.dimension, points])
+
     def _label_trends(self, points: Points) -> None:
         """Label open points that die away, grow or drift for ever."""
         e, found, returns = self.ensemble, self.found, self.returns
         parts = (found.growth, found.drift, found.centre, found.reach, found.exponent, found.error)
-        ranges = (returns.extremes["maximum"] - returns.extremes["minimum"])[: e.model.dimension, points]
-        endless = label_trends(e, points, Trends(*(a[..., points] for a in parts)), ranges)
+        endless = label_trends(e, points, Trends(*(a[..., points] for a in parts)), self._ranges(points))
         known = endless.regime != Regime.undecided
         at = points[known]
         growth, drift = returns.growth.copy(), returns.drift.copy()
@@ -280,12 +284,12 @@ class _Points:
 
     def _follow(self, points: Points) -> None:
         """See whether chaos goes on: one that is a transient returns at last, or ends."""
-        if not (points.size and self.ensemble.model.forced):
+        if not points.size:
             return
         part, start = self.ensemble.subset(points), self.ensemble.x[:, points]
         longest = np.full(points.size, max(FOLLOWED // part.strobe, FEWEST))
         settled = settle_accurately(part, self.how.settling, longest, self.cyclic, self.progress)
-        over = np.flatnonzero((settled.multiple > 0) | ~part.running)
+        over = np.flatnonzero((settled.multiple > 0) | ~part.running | (not part.model.forced))  # or rests
         if over.size:
             ended = part.subset(over)
             found = record(

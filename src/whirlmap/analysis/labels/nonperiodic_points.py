@@ -12,6 +12,7 @@ from dataclasses import dataclass, field, fields
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.divergence import shrinks_areas
 from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.near_return import near_return
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
@@ -134,6 +135,7 @@ def judge_open_points(
     cyclic: Mapping[int, float] | None,
     progress: Callable[[int], None] | None = None,
     *,
+    ranges: Array,
     tolerance: float,
     contraction_ends: bool = False,
 ) -> OpenPoints:
@@ -145,6 +147,8 @@ def judge_open_points(
         At the settled states, at phase zero, with one tangent vector; its ``status`` is taken forward in place.
     most : int
         T (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
+    ranges : array, shape (state, point)
+        Of the states over the motion.
     tolerance : float
         Of a return.
     contraction_ends : bool
@@ -155,7 +159,8 @@ def judge_open_points(
     together = int(np.clip(HELD // (USUAL * (OBSERVABLES + states // tangent.strobe)), 16, TOGETHER))
     for first in range(0, n, together):
         members = np.arange(first, min(first + together, n))
-        _Judge(tangent, members, most, dict(cyclic or {}), tolerance, found, progress).run(contraction_ends and tangent.returns)
+        judge = _Judge(tangent, members, most, dict(cyclic or {}), ranges[:, members], tolerance, found, progress)
+        judge.run(contraction_ends and tangent.returns)
     return found
 
 
@@ -163,8 +168,8 @@ class _Judge:
     """Some of the points, on the way to their verdicts."""
 
     def __init__(
-        self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], tolerance: float,
-        found: OpenPoints, progress: Callable[[int], None] | None,
+        self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], ranges: Array,
+        tolerance: float, found: OpenPoints, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
         self.tolerance = tolerance
         self.tangent, self.members, self.cyclic, self.found, self.progress = tangent, members, cyclic, found, progress
@@ -173,8 +178,9 @@ class _Judge:
         self.most = max(most // cycle * cycle, self.first)
         self.align = -(-max(self.first // 10, 5) // cycle) * cycle
         self.rates = np.full((self.most, members.size), np.nan)
+        self.no_torus = shrinks_areas(tangent.subset(members)) if tangent.returns else np.zeros(members.size, dtype=bool)
         self.every = cycle if tangent.returns else SPARSE
-        self.record = SectionRecord(members.size, tangent.model.dimension, self.every, cyclic)
+        self.record = SectionRecord(members.size, tangent.model.dimension, self.every, cyclic, ranges)
 
     def run(self, contraction_ends: bool) -> None:
         """Run the points to their verdicts."""
@@ -200,8 +206,10 @@ class _Judge:
             due = (found.regime[at] == Regime.undecided) | sure | (done >= self.most)
             self._vote(run, np.flatnonzero(run.running & due), left, done, late)
             # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
-            changes = (found.regime[at] == Regime.quasi_periodic) & np.isfinite(found.growth[at])
-            found.regime[at[changes]], found.confidence[at[changes]] = Regime.undecided, 0.0
+            torus, forbidden = found.regime[at] == Regime.quasi_periodic, self.no_torus[left]
+            changes = at[torus & (np.isfinite(found.growth[at]) | forbidden)]
+            found.regime[changes], found.confidence[changes], found.rule[changes] = Regime.undecided, 0.0, Rule.regular
+            found.closes[at[torus & forbidden]] = True
             open_ = found.regime[at] == Regime.undecided
             if contraction_ends:
                 open_ &= ~(found.shrinks[at] | found.closes[at])
@@ -245,7 +253,7 @@ class _Judge:
             seen = evidence_of(watched, common=common, grows=value > SURE * error, final=final)
             winding = [UNKNOWN] * these.size
             if run.returns and rows // self.every >= TURNED:
-                winding = windings_of(np.stack([self.record.strobed[left[k]] for k in these], axis=2), self.cyclic)
+                winding = windings_of(np.stack([self.record.strobed[left[k]] for k in these], axis=2), self.cyclic, self.record.ranges[:, left[these]])
             judged = decide(
                 Evidence(
                     run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,

@@ -13,6 +13,8 @@ Array = NDArray[np.float64]
 OBSERVABLES = 3
 #: A coordinate whose spread is below this part of its magnitude stands still.
 STILL = 1e-10
+#: The same part of the range that it has over the motion.
+FIXED = 1e-9
 #: Points whose coordinates are held at once: as many as stay in cache.
 TOGETHER = 32
 
@@ -32,12 +34,19 @@ class Watch:
         That of points with NaN is not watched.
     cyclic : mapping of state index to period, optional
         Angles, which enter by their cosine and sine.
+    ranges : array, shape (state, point), optional
+        Of the states over the motion: the one that a section fixes is rounding there.
     """
 
-    def __init__(self, section: Array, cyclic: Mapping[int, float] | None = None) -> None:
+    def __init__(
+        self, section: Array, cyclic: Mapping[int, float] | None = None, ranges: Array | None = None
+    ) -> None:
         self.cyclic = cyclic
-        weights = [_weights(section[:, :, part], cyclic) for part in parts_of(section.shape[2])]
-        self.weights = np.concatenate(weights) if weights else np.zeros((0, section.shape[1], OBSERVABLES))
+        weights = [
+            _weights(section[:, :, part], cyclic, None if ranges is None else ranges[:, part])
+            for part in parts_of(section.shape[2])
+        ]
+        self.weights = np.concatenate(weights) if weights else np.zeros((0, 2 * section.shape[1], OBSERVABLES))
 
     def __call__(self, section: Array, points: NDArray[np.intp]) -> Array:
         """Observables of some of the points, shape (point, OBSERVABLES, time), from section (time, state, points)."""
@@ -51,7 +60,7 @@ class Watch:
         return out
 
 
-def _weights(section: Array, cyclic: Mapping[int, float] | None) -> Array:
+def _weights(section: Array, cyclic: Mapping[int, float] | None, ranges: Array | None) -> Array:
     """Weight of each coordinate in each observable, shape (point, coordinate, OBSERVABLES)."""
     x = _columns(section, cyclic)
     good = np.isfinite(x).all(axis=(1, 2)) & (x.shape[2] > 0)
@@ -59,7 +68,7 @@ def _weights(section: Array, cyclic: Mapping[int, float] | None) -> Array:
     moves = np.zeros(x.shape[:2], dtype=bool)
     if good.any():
         spread[good] = x[good].std(axis=2)
-        moves[good] = spread[good] > STILL * np.maximum(np.abs(x[good]).max(axis=2), 1e-300)
+        moves[good] = spread[good] > _least(x, cyclic, ranges)[good]
     for pattern in np.unique(moves, axis=0):
         drawn = np.random.default_rng(11).uniform(0.5, 1.5, (pattern.sum(), OBSERVABLES))
         drawn *= np.where(np.random.default_rng(12).random(drawn.shape) < 0.5, -1.0, 1.0)
@@ -72,6 +81,15 @@ def _columns(section: Array, cyclic: Mapping[int, float] | None) -> Array:
     """Coordinates of section points, shape (point, coordinate, time): states, angles as their cosine and sine."""
     columns = [c for k in range(section.shape[1]) for c in _column(section[:, k].T, (cyclic or {}).get(k))]
     return np.stack(columns, axis=1)
+
+
+def _least(x: Array, cyclic: Mapping[int, float] | None, ranges: Array | None) -> Array:
+    """Spread of each coordinate, shape (point, coordinate), up to which it stands still."""
+    least = STILL * np.maximum(np.abs(x).max(axis=2), 1e-300)
+    if ranges is None:
+        return np.asarray(least)
+    size = np.concatenate([np.ones((2, ranges.shape[1])) if k in (cyclic or {}) else r[None] for k, r in enumerate(ranges)])
+    return np.asarray(np.maximum(least, FIXED * np.nan_to_num(size.T)))
 
 
 def _column(values: Array, period: float | None) -> list[Array]:
@@ -94,9 +112,9 @@ def _combined(columns: Array, weights: Array) -> Array:
 
 
 def moving_coordinates(
-    section: Array, cyclic: Mapping[int, float] | None = None
+    section: Array, cyclic: Mapping[int, float] | None = None, ranges: Array | None = None
 ) -> tuple[Array, NDArray[np.bool_]]:
-    """Coordinates of zero mean and unit spread, angles as cosine and sine, and which of them move.
+    """Coordinates of zero mean and unit spread, angles as cosine and sine, and which of them move; ``ranges`` as of `Watch`.
 
     Returns
     -------
@@ -109,14 +127,16 @@ def moving_coordinates(
         return x, np.zeros(x.shape[:2], dtype=bool)
     x[~np.isfinite(x).all(axis=(1, 2))] = 0.0
     spread = x.std(axis=2)
-    moves = spread > STILL * np.maximum(np.abs(x).max(axis=2), 1e-300)
+    moves = spread > _least(x, cyclic, ranges)
     x -= x.mean(axis=2, keepdims=True)
     x /= np.where(moves, spread, 1.0)[:, :, None]
     x[~moves] = 0.0
     return x, moves
 
 
-def windings_of(section: Array, cyclic: Mapping[int, float] | None = None) -> list[Winding]:
+def windings_of(
+    section: Array, cyclic: Mapping[int, float] | None = None, ranges: Array | None = None
+) -> list[Winding]:
     """Rotation numbers of section points, shape (time, state, point), in the plane of their two largest extents.
 
     The section holds 65 points or more.
@@ -125,7 +145,8 @@ def windings_of(section: Array, cyclic: Mapping[int, float] | None = None) -> li
     """
     out = [Winding(np.nan, np.nan, "not-finite")] * section.shape[2]
     for part in parts_of(section.shape[2]):
-        columns, moves = moving_coordinates(section[:, :, part], cyclic)
+        some = None if ranges is None else ranges[:, part]
+        columns, moves = moving_coordinates(section[:, :, part], cyclic, some)
         count = moves.sum(axis=1)
         lines, planes = np.flatnonzero(count == 1), np.flatnonzero(count > 1)
         # One coordinate turns in the plane of itself and its last value.

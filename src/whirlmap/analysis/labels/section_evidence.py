@@ -51,8 +51,8 @@ class SectionEvidence:
         largest of the observables.
     closes : array of bool
         Whether the section comes near to a return, and nearer in the last third of the record than in the first; or returns.
-    points : int
-        Section points judged.
+    points, rounds : int
+        Section points judged, and those of them once per common period.
     """
 
     growth: Array
@@ -63,6 +63,7 @@ class SectionEvidence:
     uneven: Array
     closes: NDArray[np.bool_]
     points: int
+    rounds: int
 
     def spread(self, at: NDArray[np.intp], points: int) -> "SectionEvidence":
         """Evidence of that many points, of which these have it."""
@@ -72,7 +73,7 @@ class SectionEvidence:
             full[name][at] = getattr(self, name)
         closes = np.zeros(points, dtype=bool)
         closes[at] = self.closes
-        return SectionEvidence(**full, closes=closes, points=self.points)
+        return SectionEvidence(**full, closes=closes, points=self.points, rounds=self.rounds)
 
 
 def evidence_of(
@@ -127,7 +128,7 @@ def evidence_of(
         if at.size:
             rough[at] = _digits(left)
             growth[at], low[at] = _zero_one(left, _stride(rows, common), angles)
-    return SectionEvidence(growth, low, digits, before, rough, uneven, closes, rows)
+    return SectionEvidence(growth, low, digits, before, rough, uneven, closes, rows, rows // common)
 
 
 def _zero_one(left: Array, stride: int, angles: int) -> tuple[Array, Array]:

@@ -19,6 +19,8 @@ class SectionRecord:
     every : int
         T between the section points of which all states are kept.
     cyclic : mapping of state index to period
+    ranges : array, shape (state, point)
+        Of the states over the motion.
 
     Attributes
     ----------
@@ -28,8 +30,8 @@ class SectionRecord:
         Every ``every``-th section point.
     """
 
-    def __init__(self, points: int, states: int, every: int, cyclic: Mapping[int, float]) -> None:
-        self.every, self.cyclic = every, cyclic
+    def __init__(self, points: int, states: int, every: int, cyclic: Mapping[int, float], ranges: Array) -> None:
+        self.every, self.cyclic, self.ranges = every, cyclic, ranges
         self.watched: list[Array] = [np.zeros((OBSERVABLES, 0)) for _ in range(points)]
         self.strobed: list[Array] = [np.zeros((0, states)) for _ in range(points)]
         self._watch: Watch | None = None
@@ -40,7 +42,7 @@ class SectionRecord:
         The first one is of all points, and whole common periods long, as all others are.
         """
         if self._watch is None:
-            self._watch = Watch(np.where(np.isfinite(section), section, section[:1]), self.cyclic)
+            self._watch = Watch(np.where(np.isfinite(section), section, section[:1]), self.cyclic, self.ranges)
         watched, last = self._watch(section, which), self.every - 1
         for k, point in enumerate(which):
             seen = np.isfinite(section[:, 0, k])

@@ -6,7 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.section_evidence import LEAST, LONG, SLOWLY, SMOOTH, SectionEvidence
+from whirlmap.analysis.labels.section_evidence import LEAST, LEAST_RETURNS, LONG, SLOWLY, SMOOTH, SectionEvidence
 from whirlmap.analysis.winding import Winding
 
 Array = NDArray[np.float64]
@@ -168,6 +168,7 @@ def _birkhoff(e: Evidence) -> NDArray[np.int64]:
         if e.final:
             torus |= turns | (gains & (s.digits >= SLOWLY))
         torus &= even & ~(locked & (error <= KNOWN)) & ~s.closes
+        torus &= (s.rounds >= LEAST_RETURNS) | (not e.returns)  # fewer do not show an orbit of high period
         rough = (s.rough < ROUGH) & ~((error < WANDERING) & ~hops) & ~gains
     return np.where(torus, Vote.torus, np.where(rough, Vote.chaotic, Vote.none))
 

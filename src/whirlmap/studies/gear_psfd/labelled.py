@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.regime import BREATHING
+from whirlmap.analysis.labels.votes import BREATHING
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
 
 Array = NDArray[np.float64]
