@@ -11,11 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.endings import confirm_ends, confirm_growth, restarted
-from whirlmap.analysis.settled_steps import LOST, steps_of_settled, wider_tolerance
+from whirlmap.analysis.settled_steps import CHECKED, LOST, steps_of_settled, wider_tolerance
 from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.analysis.settling_unforced import settle_unforced, trends_beyond
 from whirlmap.analysis.settling_without_returns import settle_without_returns
-from whirlmap.analysis.turn_times import OPEN
 from whirlmap.integrate.accuracy import Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
@@ -98,7 +97,7 @@ def _take_fewer_steps(ensemble: Ensemble, members: NDArray[np.intp]) -> None:
     if not (members.size and ensemble.model.forced):
         return
     assert ensemble.accuracy is not None
-    now = choose_steps(ensemble, ensemble.accuracy, members=members, sections=OPEN)
+    now = choose_steps(ensemble, ensemble.accuracy, members=members, sections=CHECKED)
     fewer = (now.verdict == Verdict.met) & (now.steps < ensemble.point_steps[members])
     if fewer.any():
         here = members[fewer]

@@ -32,8 +32,8 @@ Cyclic = Mapping[int, float] | None
 ROUNDS, CLOSED = 8, 1e-9
 #: The same over the magnitude of a state.
 ROUNDED = 1e-13
-#: Scaled last step of motions that approach slowly: at a multiplier of 1 - 1e-5 it is a hundred thousand residuals.
-STILL = CLOSED**0.5
+#: Scaled last step: at a multiplier of 1 - 1e-5 it is a hundred thousand residuals, and a residual alone closes nothing.
+STILL = 1e-7
 #: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
 #: to it, but what asks for more has lost it.
 FARTHEST = 1e6
@@ -44,6 +44,9 @@ FOLLOWS = 0.5
 #: Parts of a record whose distances are compared, and scaled distance that is near enough by itself: the record may have
 #: other steps, and so an orbit that lies beside this one by their error.
 PARTS, BESIDE = 3, 1e-3
+#: Scaled distance at which a record returns by itself, and how far from the orbit it may then be: steep motion shows the
+#: error of its steps.
+RETURNS, AS_INTEGRATED = 1e-5, 0.05
 
 
 @dataclass(frozen=True)
@@ -201,7 +204,12 @@ def _approached(orbit: Rounds, paths: Sequence[Array], cyclic: Cyclic) -> NDArra
         first, last = (weighted_average(part**2) for part in (far[:length], far[-length:]))
         with np.errstate(divide="ignore", invalid="ignore"):
             nearer = np.log(last / first) / 2 <= FOLLOWS * rate[at] * (count - length)
-        out[at] = nearer | (far[-length:].max(axis=0) <= BESIDE)
+        beside = far[-length:].max(axis=0)
+        out[at] = nearer | (beside <= BESIDE)
+        m = len(orbit.path)
+        if count > 2 * m:  # a record that returns by itself, beside the orbit as other steps have it
+            back = np.abs(wrapped(records[-m:] - records[-2 * m : -m], cyclic, axis=1) / orbit.scale[:, at]).max(axis=(0, 1))
+            out[at] |= (back <= RETURNS) & (beside <= AS_INTEGRATED)
     return out
 
 
