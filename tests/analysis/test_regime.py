@@ -23,7 +23,7 @@ def judged(*, status=Status.ok, multiple=0, exponent=0.1, error=0.001, duration=
     numbers = (np.array([v]) for v in (K, low, digits, before, digits, uneven, closes))
     late = exponent * duration / 2 if late is None else late
     e = Evidence(np.array([status]), np.array([multiple]), np.array([exponent]), np.array([error]), np.array([duration]),
-                 np.array([late]), SectionEvidence(*numbers, points=1024, rounds=1024), (turned,), final, returns)  # fmt: skip
+                 np.array([late]), SectionEvidence(*numbers, 1024, 1024), (turned,), final, returns)  # fmt: skip
     found = decide(e)
     return Regime(int(found["regime"][0])), float(found["confidence"][0]), found
 

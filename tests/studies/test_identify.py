@@ -31,7 +31,8 @@ from whirlmap.studies.gear_psfd.variants import SPINS, VARIANTS, chosen
 #: A variant without tables: its kernels are quick to have.
 (QUICK,) = chosen((), ("literal-printed-clock",))
 BRIEF = Settings(
-    seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8), exponent_periods=128, accuracy=1e-3
+    seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8), exponent_periods=128,
+    accuracy=1e-3,
 )
 ALIKE = ("regime", "status", "lyapunov", "lyapunov_error", "amplitude", "max_eccentricity", "value", "steps", "end_time")
 

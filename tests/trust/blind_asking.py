@@ -17,7 +17,7 @@ from blind_points import POINTS
 import whirlmap
 
 #: Labels by which it is said that nothing is known.
-OPEN = ("undecided", "not-settled", "not-steady", "unresolved")
+OPEN = ("undecided", "not-settled", "not-steady", "unresolved", "locked 0")
 
 
 def said(point, by="diagram"):

@@ -1,7 +1,7 @@
 """Settle many operating points of a forced model whose forcing has no common period: there is no return to wait for.
 
-Points run for the time that is given, and the size of their motion is that of the last half of it. Whether they have settled,
-the rule sees from the run with a tangent vector that follows (`labels`): it lasts until averages and extents stand still.
+Points run for the time that is given, and the size of their motion is that of the last half of it. Whether they have
+settled, the rule sees from the run with a tangent vector that follows (`labels`), until nothing is left of the start.
 """
 
 from collections.abc import Callable
@@ -18,7 +18,7 @@ Integers = NDArray[np.int64]
 
 
 def settle_without_returns(
-    ensemble: Ensemble, settling: Settling, longest: Integers, cyclic: dict[int, float] | None,
+    ensemble: Ensemble, settling: Settling, longest: Integers, _cyclic: dict[int, float] | None,
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
     """Run all points for ``longest`` T, in place; none of them returns."""

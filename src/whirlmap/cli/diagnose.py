@@ -137,7 +137,7 @@ def headline(verdict: dict[str, Any]) -> str:
         words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
     elif verdict["regime"] == "locked":
         n = verdict["period"]
-        words.append("to a forcing without a common period" if n is None else f"{n}-fold to a forcing without a common period")
+        words.append(f"{'' if n is None else f'{n}-fold '}to a forcing without a common period")
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []

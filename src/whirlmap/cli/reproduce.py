@@ -80,7 +80,8 @@ def longest(quality: str, cases: Sequence[str] | None = None) -> int:
 
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling
-    settled = speeds(level).size * (sweep.transient + 4 * sweep.most) + RUNS * (orbit.transient + 4 * orbit.most) + level.points
-    exponents = 2 * speeds(level).size * level.exponent_periods + RUNS * level.most_periods
+    at = speeds(level).size
+    settled = at * (sweep.transient + 4 * sweep.most) + RUNS * (orbit.transient + 4 * orbit.most) + level.points
+    exponents = 2 * at * level.exponent_periods + RUNS * level.most_periods
     editions = EDITIONS if cases is None else [edition_of(case) for case in cases]
     return len(PSI) * sum(load(edition.case).common_multiple * settled + exponents for edition in editions)

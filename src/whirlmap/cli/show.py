@@ -173,8 +173,8 @@ def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
         made.append(f"no static equilibrium was found: a run begins beside the clearance centre instead{why}")
     if facts["common_multiple"] is None:
         made.append(
-            "the forcing has no common period (an order of a harmonic is no ratio p/q with q up to 10000): motion that has no"
-            " frequency but the forcing's is called locked, and no return is sought"
+            "the forcing has no common period (an order of a harmonic is no ratio p/q with q up to 10000): no return is"
+            " sought, and motion that has no frequency but the forcing's is called locked"
         )
     if still and switches.get("arc") == "positive" and not sprung:
         made.append(

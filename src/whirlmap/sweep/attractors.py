@@ -244,5 +244,6 @@ def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, 
     )
     s = labelling.settling
     return with_attributes(ds, attributes | {
-        "transient": s.transient, "most": s.most, "tolerance": s.tolerance, "lyapunov_periods": labelling.longest(system.strobe),
+        "transient": s.transient, "most": s.most, "tolerance": s.tolerance,
+        "lyapunov_periods": labelling.longest(system.strobe),
     })  # fmt: skip

@@ -50,9 +50,10 @@ def label_points(
     settling : Settling, optional
         Transient, windows and tolerance.
     lyapunov : int, optional
-        T over which points that do not return have their largest exponent measured and their section recorded, at most: each
-        point stops when it has a label and the error of its exponent is small enough (`nonperiodic_points.ENOUGH`). Less than
-        256 leave them undecided, 0 measures nothing. Where absent: as long as labels may need (`labelling.LONGEST`).
+        T over which points that do not return have their largest exponent measured and their section recorded, at most:
+        each point stops when it has a label and the error of its exponent is small enough (`nonperiodic_points.ENOUGH`).
+        Less than 256 leave them undecided, 0 measures nothing. Where absent: as long as labels may need
+        (`labelling.LONGEST`).
     steps, accuracy, method, workers
         As in `make_ensemble`.
     starts : array, shape (state, point), optional
@@ -66,8 +67,8 @@ def label_points(
     -------
     xr.Dataset
         Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
-        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``rule``,
-        ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``,
+        ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
+        ``rule``, ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``,
         ``grazings``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in

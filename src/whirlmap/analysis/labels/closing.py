@@ -33,7 +33,7 @@ ROUNDS, CLOSED = 8, 1e-9
 #: The same over the magnitude of a state.
 ROUNDED = 1e-13
 #: Scaled last step: at a multiplier of 1 - 1e-5 it is a hundred thousand residuals, and a residual alone closes nothing.
-STILL = 1e-7
+STILL = 1e-6
 #: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
 #: to it, but what asks for more has lost it.
 FARTHEST = 1e6
@@ -142,8 +142,8 @@ def newton(
         with np.errstate(invalid="ignore"):
             residual, size = (np.abs(a / went.scale).max(axis=0) for a in (change, step))
             # A state with little ripple on a large mean closes to the rounding of its mean.
-            exact = (np.abs(change) <= np.maximum(CLOSED * went.scale, ROUNDED * np.abs(x[:, left]))).all(axis=0)
-            rests = (np.abs(step) <= np.maximum(still * went.scale, ROUNDED / CLOSED * still * np.abs(x[:, left]))).all(axis=0)
+            least = np.maximum(went.scale, ROUNDED / CLOSED * np.abs(x[:, left]))
+            exact, rests = (np.abs(change) <= CLOSED * least).all(axis=0), (np.abs(step) <= still * least).all(axis=0)
         done = exact & rests
         here, goes = left[done], size <= FARTHEST
         x[:, left[goes]] += step[:, goes]

@@ -101,8 +101,9 @@ class Labelling:
             some = {name: column[at] for name, column in columns.items()}
             begin = None if starts is None else starts[:, at]
             ensemble, found = make_ensemble(
-                system, some, starts=begin, steps=self.steps, accuracy=self.accuracy, method=self.method, workers=self.workers
-            )
+                system, some, starts=begin, steps=self.steps, accuracy=self.accuracy, method=self.method,
+                workers=self.workers,
+            )  # fmt: skip
             parts.append(self.measure_ensemble(system, some, ensemble, found, progress))
         return (parts[0] if len(parts) == 1 else joined(parts, [group.members for group in groups])), ensemble
 
@@ -194,8 +195,8 @@ class _Points:
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
         judged = judge_open_points(
-            tangent, self.longest, self.cyclic, self.progress, ranges=self._ranges(points), tolerance=self.how.settling.tolerance,
-            contraction_ends=contraction_ends,
+            tangent, self.longest, self.cyclic, self.progress, ranges=self._ranges(points),
+            tolerance=self.how.settling.tolerance, contraction_ends=contraction_ends,
         )
         ends = ~tangent.running
         judged.regime[ends], judged.confidence[ends], judged.rule[ends] = Regime.undecided, 0.0, Rule.none

@@ -50,7 +50,7 @@ def near_return(path: Array, size: Array, cyclic: Mapping[int, float], tolerance
 
 
 def _to_limit(path: Array, m: int, size: Array, cyclic: Mapping[int, float]) -> float:
-    """Largest scaled distance of the last m points from the limit of their approach; infinite where they do not come nearer."""
+    """Largest scaled distance of the last m points from the limit of their approach; infinite where there is none."""
     if len(path) < 3 * m:
         return np.inf
     late, early = (

@@ -114,11 +114,11 @@ class OpenPoints:
         """Points of which nothing is known yet, at states of shape (state, point)."""
         states, points = x.shape
         zero, unknown = np.zeros((states, points)), np.full((5, points), np.nan)
-        whole = np.zeros((3, points), dtype=np.int64)
+        whole, no = np.zeros((3, points), dtype=np.int64), np.zeros((3, points), dtype=bool)
         return cls(
             np.full(points, Regime.undecided, dtype=np.int8), np.full(points, Rule.none, dtype=np.int8), np.zeros(points),
-            unknown[0], unknown[1], unknown[2], whole[0], np.zeros(points, dtype=bool), np.zeros(points, dtype=bool), unknown[3], zero, zero.copy(),
-            zero.copy(), x.copy(), whole[1], unknown[4], np.zeros(points, dtype=bool), whole[2],
+            unknown[0], unknown[1], unknown[2], whole[0], no[0], no[1], unknown[3], zero, zero.copy(), zero.copy(), x.copy(),
+            whole[1], unknown[4], no[2], whole[2],
         )  # fmt: skip
 
     def take(self, other: "OpenPoints", points: Points) -> None:
@@ -232,7 +232,7 @@ class _Judge:
                 points = at[these]
                 period, end = tangent.period[points], tangent.end_time[points]
                 time = self.every * period
-                if not tangent.model.forced:  # crossings come as often as they come: the rate is per unit of time on the mean
+                if not tangent.model.forced:  # crossings come as often as they come: the rate is one on the mean
                     time = np.where(np.isfinite(end), end - self.align * period, done * period) / rows
                 unknown = np.full(points.size, np.nan)
                 section = np.stack([sections[k] for k in these], axis=2)
@@ -253,7 +253,8 @@ class _Judge:
             seen = evidence_of(watched, common=common, grows=value > SURE * error, final=final)
             winding = [UNKNOWN] * these.size
             if run.returns and rows // self.every >= TURNED:
-                winding = windings_of(np.stack([self.record.strobed[left[k]] for k in these], axis=2), self.cyclic, self.record.ranges[:, left[these]])
+                strobed = np.stack([self.record.strobed[left[k]] for k in these], axis=2)
+                winding = windings_of(strobed, self.cyclic, self.record.ranges[:, left[these]])
             judged = decide(
                 Evidence(
                     run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,

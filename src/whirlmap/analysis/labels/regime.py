@@ -149,9 +149,9 @@ def decide(evidence: Evidence) -> Findings:
 
     A torus needs averages that converge: six digits, or a rotation number known to six; or four that have grown by
     one since a quarter of the record. After the longest run fewer digits are enough where they have grown so: digits that
-    stand still are chaos, digits that fall a transient. The extents of the first and last third must agree. No rotation number
-    may be a ratio with a denominator up to 200 within its error, where that is small enough to say so, and no near return of
-    the section may close further (`SectionEvidence.closes`): that is an orbit of high period, on its way.
+    stand still are chaos, digits that fall a transient. The extents of the first and last third must agree. No rotation
+    number may be a ratio with a denominator up to 200 within its error, where that is small enough to say so, and no near
+    return of the section may close further (`SectionEvidence.closes`): that is an orbit of high period, on its way.
 
     Limits: a torus about to break up, and chaos whose exponent is below 10 / duration, are undecided. A transient longer
     than the run is what it looks like.
@@ -194,7 +194,7 @@ def decide(evidence: Evidence) -> Findings:
     asked[2:] = np.isfinite(np.stack([evidence.section.growth, evidence.section.digits]))
     asked[0] = returned  # that nothing returned is the occasion for the others, not a vote
     speaks = torus | (votes == Vote.regular)
-    speaks = np.where(np.isin(label, (Regime.periodic, Regime.locked)), speaks & ~returned | (votes == Vote.periodic), speaks)
+    speaks = np.where(label == Regime.locked, speaks | (votes == Vote.periodic), speaks)
     speaks = np.where(label == Regime.periodic, votes == Vote.periodic, speaks)
     speaks = np.where(label == Regime.chaotic, chaotic, speaks)
     confidence = (speaks & asked).sum(axis=0) / np.maximum(asked.sum(axis=0), 1)

@@ -91,8 +91,8 @@ def evidence_of(
     grows : array of bool, shape (point,), optional
         Whose tangent vectors grow for sure: no return is looked for; all may where absent.
     final : bool
-        Where not, what tells chaos (the 0-1 test and ``rough``), which takes as long as all else, is asked only where a label
-        can come of it: of points that grow, and of long records with averages that converge slowly.
+        Where not, what tells chaos (the 0-1 test and ``rough``), which takes as long as all else, is asked only where a
+        label can come of it: of points that grow, and of long records with averages that converge slowly.
     angles : int
         Of the 0-1 test.
 
@@ -142,7 +142,7 @@ def _zero_one(left: Array, stride: int, angles: int) -> tuple[Array, Array]:
 
 
 def _uneven(x: Array) -> Array:
-    """How much the extents of first and last third differ, the largest of the observables, shape (point, observable, time)."""
+    """How much the extents of first and last third differ, at most, of observables, shape (point, observable, time)."""
     third = x.shape[2] // 3
     first, last = (np.ptp(x[:, :, part], axis=2) for part in (slice(third), slice(-third, None)))
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -162,7 +162,8 @@ def _closes(strobed: Array) -> NDArray[np.bool_]:
     """
     rows = strobed.shape[2]
     most, part = min(LONGEST_RETURN, rows // 2), min(rows // 6, LAST)
-    near = np.stack([np.abs(strobed[:, :, -part:] - strobed[:, :, -part - q : -q]).max(axis=(1, 2)) for q in range(1, most + 1)])
+    last = strobed[:, :, -part:]
+    near = np.stack([np.abs(last - strobed[:, :, -part - q : -q]).max(axis=(1, 2)) for q in range(1, most + 1)])
     nearest = near.argmin(axis=0) + 1
     out = np.zeros(len(strobed), dtype=bool)
     for q in np.unique(nearest[near.min(axis=0) < NEAR]):

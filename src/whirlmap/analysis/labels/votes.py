@@ -1,4 +1,4 @@
-"""The votes of the indicators of a regime, each by itself: what the return, the exponent, the 0-1 test and the averages say."""
+"""The votes of the indicators of a regime: what return, exponent, 0-1 test and averages say, each by itself."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -38,8 +38,8 @@ PLAIN, STEADY = 10.0, (0.35, 0.65)
 WANDERS, BOUNDED = (0.9, 0.5), (0.3, 0.2)
 #: Digits of Birkhoff averages below which motion may be chaotic, and is no torus.
 ROUGH = 2.5
-#: Digits that the average over a record has more than that over its last quarter, at least, where it converges; and digits in
-#: all that are then enough before the longest run.
+#: Digits that the average over a record has more than that over its last quarter, at least, where it converges; and digits
+#: in all that are then enough before the longest run.
 GAINS, CONVERGES = 1.0, 4.0
 #: Largest difference of the extents of the first and last third of a motion that has settled.
 UNEVEN = 0.02
