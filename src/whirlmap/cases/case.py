@@ -149,7 +149,7 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
 
 def _parse(path: Path) -> tuple[str, dict[str, Any]]:
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = path.read_bytes().decode("utf-8-sig")  # editors of Windows begin a file with a mark
         return text, tomllib.loads(text, parse_float=Decimal)
     except OSError as error:
         raise CaseError(f"{path}: cannot be read ({error.strerror})") from None

@@ -88,7 +88,7 @@ class Store:
         try:
             self.manifest: dict[str, Any] = json.loads((folder / CHUNKS / "zarr.json").read_text())["attributes"][MANIFEST]
             self.chunks = Chunks(tuple(self.manifest["shape"]), tuple(self.manifest["chunk"]))
-        except (OSError, ValueError, KeyError) as error:
+        except (OSError, ValueError, KeyError, TypeError) as error:
             raise OutputError(f"{folder}: is no store of a sweep (its manifest cannot be read: {error})") from None
 
     @cached_property
@@ -185,9 +185,9 @@ class Store:
 
     def tally(self, numbers: Iterable[int], name: str) -> Counter[int]:
         """Count the values of an array, ``regime`` or ``evaluation``, over chunks."""
-        counted: Counter[int] = Counter()
+        counted, array = Counter[int](), self._array(name)  # of the others some may be lost
         for number in numbers:
-            counted.update(counts_of(np.asarray(self.arrays[name][self.chunks.box(number)])))
+            counted.update(counts_of(np.asarray(array[self.chunks.box(number)])))
         return counted
 
     def sweep_away(self, numbers: Container[int] | None = None) -> int:
