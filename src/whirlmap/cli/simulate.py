@@ -91,6 +91,9 @@ def simulate(
     if not work.complete:
         say(f"interrupted after {work.done} of {work.total} T; these were kept")
         raise typer.Exit(130)
+    if facts["status"] not in ("ok", "contact", "diverged"):
+        say(f"the run was not finished: {facts['status']} at time {facts['end_time']:.9g}")
+        raise typer.Exit(1)  # those three are motions of the machine; anything else is a run that could not go on
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
