@@ -49,7 +49,8 @@ def limit_of(system: "System", text: str | None) -> float:
         return _read(text, "m", "--limit") / clearance
     if clearance is not None and plain > MOST_CLEARANCES:
         raise InputError(
-            f'--limit: found {text} without a unit, which is {text} clearances, expected a length with its unit, as in "20 um"'
+            f'--limit: found {text} without a unit, which is {text} clearances, expected a length with its unit, as in'
+            ' "20 um"'
         )
     return plain
 
