@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -120,3 +121,20 @@ def test_piped_tables_are_as_wide_as_columns_says(columns):
     table = said[said.index("Dimensional inputs") :].splitlines()
     widest = max(len(line.rstrip()) for line in table[: table.index("Groups") if "Groups" in table else 30])
     assert columns - 40 < widest <= columns
+
+
+def test_a_table_that_a_full_disk_refuses_is_kept_elsewhere_too(tmp_path, monkeypatch):
+    (tmp_path / "full").mkdir()
+    write = np.savetxt
+
+    def refuse(path, *args, **options):
+        if path.parent.name == "full":
+            raise OSError(errno.ENOSPC, "No space left on device")
+        return write(path, *args, **options)
+
+    monkeypatch.setattr(np, "savetxt", refuse)
+    monkeypatch.setattr(files, "_device", lambda folder: "full" if folder.name == "full" else "other")
+    monkeypatch.setattr(files.tempfile, "gettempdir", lambda: str(tmp_path))
+    message = refused("simulate duffing --periods 2 --out full/x.csv --quiet")
+    kept = message.strip().rpartition(" ")[2]
+    assert "kept instead" in message and len(Path(kept).read_text().splitlines()) > 100

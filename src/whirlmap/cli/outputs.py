@@ -1,6 +1,6 @@
 """Where a command's results go: refused before anything is computed, written complete or not at all."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -32,7 +32,7 @@ class Destination:
         """
         if self.places is None:
             return []
-        from whirlmap.results.files import DiskFullError, elsewhere, write
+        from whirlmap.results.files import write
         from whirlmap.results.findings import Findings
 
         dataset = found.dataset() if isinstance(found, Findings) else found
@@ -40,22 +40,9 @@ class Destination:
             (self.places.dataset, lambda place: write(dataset, place, force=self.force)),
             (self.places.picture, lambda place: self._picture(draw(dataset), place)),
         ]
-        written, kept, faults = list[Path](), list[Path](), list[str]()
         if self.places.folder is not None:
             self.places.folder.mkdir(exist_ok=True)
-        for place, fill in kinds:
-            if place is None:
-                continue
-            try:
-                written.append(fill(place))
-            except DiskFullError as error:
-                faults.append(str(error))
-                if (other := elsewhere(fill, place.name, place.parent)) is not None:
-                    kept.append(other)
-        if faults:
-            end = f"; kept instead: {' '.join(map(str, kept))}" if kept else "; no other disk had room for it"
-            raise DiskFullError("; ".join(faults) + end)
-        return written
+        return write_all(kinds)
 
     def _picture(self, figure: Any, place: Path) -> Path:
         from whirlmap.plot.save import save
@@ -63,6 +50,32 @@ class Destination:
 
         check_writable(place, force=self.force)
         return save(figure, place)
+
+
+def write_all(kinds: Sequence[tuple[Path | None, Callable[[Path], Path]]]) -> list[Path]:
+    """Write files, each by its own ``fill(place)``; what a full disk refuses goes to another one.
+
+    Raises
+    ------
+    DiskFullError
+        Where a disk had no room, saying what was kept instead.
+    """
+    from whirlmap.results.files import DiskFullError, elsewhere
+
+    written, kept, faults = list[Path](), list[Path](), list[str]()
+    for place, fill in kinds:
+        if place is None:
+            continue
+        try:
+            written.append(fill(place))
+        except DiskFullError as error:
+            faults.append(str(error))
+            if (other := elsewhere(fill, place.name, place.parent)) is not None:
+                kept.append(other)
+    if faults:
+        end = f"; kept instead: {' '.join(map(str, kept))}" if kept else "; no other disk had room for it"
+        raise DiskFullError("; ".join(faults) + end)
+    return written
 
 
 def claim(out: Path | None, name: str, *, force: bool) -> Destination:
