@@ -62,9 +62,11 @@ def attractors(
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.attractors import attractors as find
+    from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
+    refuse_points([starts])
     with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet) as progress:
         ds = find(
             system, starts=starts, box=boxes or None, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps,

@@ -276,15 +276,18 @@ def _space(
 ) -> "Space":  # fmt: skip
     from whirlmap.cli.bifurcation import refuse_input
     from whirlmap.sweep.grid import Range
+    from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.tolerances import Tolerance
 
-    axes = {}
+    ranges: dict[str, Range] = {}
     for text in vary or ():
         swept = Range.parse(text)
-        if swept.name in axes:
+        if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
-        axes[swept.name] = swept.values
+        ranges[swept.name] = swept
+    refuse_points([*(swept.count for swept in ranges.values()), *([draws] if draws else [])])
+    axes = {name: swept.values for name, swept in ranges.items()}
     texts = options.assignments(draw, "--draw")
     if bool(texts) != (draws is not None):
         raise InputError("--draw and --draws go together: which parameters, and how many draws")
@@ -342,9 +345,16 @@ def _say_status(folder: Path, *, json: bool) -> None:
     if json:
         report.print_json(s)
         return
-    state = "complete" if s["chunks_done"] == s["chunks"] else "running" if s["running"] else "not running"
+    damaged = s["chunks_damaged"] or s["lost"]
+    whole = s["chunks_done"] == s["chunks"] and not damaged
+    state = "complete" if whole else "running" if s["running"] else "damaged" if damaged else "not running"
     typer.echo(f"{s['store']}: {state}")
     typer.echo(f"{s['chunks_done']} of {s['chunks']} chunks, {s['points_done']} of {s['points']} points")
+    if s["lost"]:
+        typer.echo(f"lost: {', '.join(s['lost'])}; the same command with --resume puts them back")
+    if s["chunks_damaged"]:
+        numbers = ", ".join([*(str(n) for n in s["damaged"][:6]), *(["..."] if len(s["damaged"]) > 6 else [])])
+        typer.echo(f"{s['chunks_damaged']} damaged chunks ({numbers}): --resume computes them again")
     if 0 < s["points_computed"] < s["points_done"]:
         typer.echo(f"computed {s['points_computed']} of them, the others are inferred")
     if s["seconds_since"] is not None:

@@ -3,7 +3,6 @@
 A task computes one chunk and writes it into the store; only a small outcome comes back.
 """
 
-import errno
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
@@ -21,6 +20,7 @@ from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
 from whirlmap.kernels.root_choice import RootChoice, using
+from whirlmap.results.files import DISK
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
 from whirlmap.sweep.refine import refine
@@ -35,9 +35,6 @@ AHEAD = 4
 CONNECT = 10
 #: What a message about a lost cluster ends with.
 GO_ON = "\n  the chunks that are done are kept; --resume (resume=True) goes on"
-#: What the operating system says when no chunk can be written, whichever it is.
-DISK = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up", errno.EROFS: "the disk is read-only",
-        errno.EACCES: "writing is not allowed", errno.EPERM: "writing is not allowed"}  # fmt: skip
 
 
 @dataclass(frozen=True)
