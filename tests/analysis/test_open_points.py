@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.labels.labelling import _Points
+from whirlmap.analysis.labels.labelled_points import LabelledPoints
 from whirlmap.analysis.labels.nonperiodic_points import ENOUGH
 from whirlmap.analysis.labels.regime import Rule
 from whirlmap.results.regime import Regime
@@ -57,7 +57,7 @@ def test_a_point_that_contracts_needs_no_longer_tangent_run():
 
 
 def test_a_point_that_contracts_but_has_no_orbit_near_by_settles_on(monkeypatch):
-    monkeypatch.setattr(_Points, "_close", lambda self, points: None)
+    monkeypatch.setattr(LabelledPoints, "_close", lambda self, points: None)
     ds = labelled(WEAKLY_DAMPED, settling=SHORT)
     assert int(ds["regime"][0]) == Regime.periodic and Rule(int(ds["rule"][0])) == Rule.returns
     assert 36 < int(ds["settled_after"][0]) < 2048
@@ -65,8 +65,8 @@ def test_a_point_that_contracts_but_has_no_orbit_near_by_settles_on(monkeypatch)
 
 def test_a_point_that_contracts_but_does_not_return_is_run_to_the_end(monkeypatch):
     """No vote is lost: where there is no orbit after all, the whole run follows, and it is not settled."""
-    monkeypatch.setattr(_Points, "_close", lambda self, points: None)
-    monkeypatch.setattr(_Points, "_settle_on", lambda self, points: None)
+    monkeypatch.setattr(LabelledPoints, "_close", lambda self, points: None)
+    monkeypatch.setattr(LabelledPoints, "_settle_on", lambda self, points: None)
     ds = labelled(WEAKLY_DAMPED | {"delta": [0.002]}, settling=SHORT)
     assert int(ds["regime"][0]) == Regime.not_settled and Rule(int(ds["rule"][0])) == Rule.contracts
     assert int(ds["lyapunov_periods"][0]) == 2048

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.arrivals import arrivals
 from whirlmap.analysis.labels.closed_orbit import FAR, ClosedOrbit, closed_orbits, flows_into, nearest_return
-from whirlmap.analysis.labels.labelling import PATIENCE, Labelling
+from whirlmap.analysis.labels.labelled_points import PATIENCE
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.points import cyclic_states, make_ensemble
 from whirlmap.analysis.returns import settle_and_record
