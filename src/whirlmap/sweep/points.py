@@ -59,7 +59,7 @@ def label_points(
     starts : array, shape (state, point), optional
         Start states, at phase zero; the model's default start where absent.
     ends : bool
-        Whether to keep the states in which the points were left, at phase zero: starts of others. NaN where a run has ended.
+        Whether to keep the states at the ends of the records, at phase zero: starts of others. NaN where a run has ended.
     progress : callable, optional
         Called with the number of points x periods T done since the last call.
 

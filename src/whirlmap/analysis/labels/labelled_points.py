@@ -73,11 +73,13 @@ class LabelledPoints:
         self.found = OpenPoints.none(ensemble.x)
         self.kept = [system.states.index(name) for name in kept]
         self.returns: Returns
+        self.ends: Array  # states at the ends of the records
 
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
         """Settle, judge, close, settle on."""
         e, found = self.ensemble, self.found
         self.returns = self._settle(e, self._brief())
+        self.ends = e.x.copy()
         known = self.returns.regime != Regime.undecided
         found.regime[:], found.confidence[:] = self.returns.regime, np.where(known, 1.0, 0.0)
         found.rule[:] = np.where(self.returns.multiple > 0, Rule.returns, np.where(known, Rule.trend, Rule.none))
@@ -104,7 +106,7 @@ class LabelledPoints:
             replace(self.returns, regime=found.regime, period=period), e.status, e.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, found.rule, start_found, e.point_steps, e.step_error,
             e.step_verdict, e.grazings.astype(np.int64), np.full(e.points, float(e.common_multiple)),
-            np.where(e.running, e.x, np.nan),
+            np.where(e.running, self.ends, np.nan),
         )  # fmt: skip
 
     def _brief(self) -> Integers | None:
@@ -247,7 +249,9 @@ class LabelledPoints:
     def _take(self, part: Ensemble, points: Points, again: Returns, which: Points | slice = slice(None)) -> None:
         """Take over those of some points that have settled after all, all where absent; labels stay where there is none."""
         found, points = self.found, points[which]
-        self.ensemble.absorb(part if isinstance(which, slice) else part.subset(which), points)
+        part = part if isinstance(which, slice) else part.subset(which)
+        self.ensemble.absorb(part, points)
+        self.ends[:, points] = part.x
         values: dict[str, Any] = {name: getattr(self.returns, name).copy() for name in RETURNS}
         extremes = {k: v.copy() for k, v in self.returns.extremes.items()}
         for name, one in values.items():

@@ -18,7 +18,10 @@ RETURNS = (
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of points; arrays of shape (point,) beside those of `Returns` and ``end_state`` (state, point)."""
+    """What was measured of points; arrays of shape (point,) beside those of `Returns` and ``end_state`` (state, point).
+
+    The latter is the state at the end of the record, NaN where a run has ended.
+    """
 
     returns: Returns
     status: NDArray[np.int8]

@@ -106,9 +106,11 @@ def evidence_of(
     count, _, rows = watched.shape
     growth, low, digits, before, rough, uneven = (np.full(count, np.nan) for _ in range(6))
     closes = np.zeros(count, dtype=bool)
-    with np.errstate(invalid="ignore"):
-        moves = np.isfinite(watched).all(axis=(1, 2)) & (np.ptp(watched, axis=2) > 0).any(axis=1) & (rows >= LEAST)
-    everything = np.flatnonzero(moves)
+    everything = np.zeros(0, dtype=np.intp)
+    if rows >= LEAST:
+        with np.errstate(invalid="ignore"):
+            moves = (np.ptp(watched, axis=2) > 0).any(axis=1) & np.isfinite(watched).all(axis=(1, 2))
+        everything = np.flatnonzero(moves)
     for at in (everything[k : k + TOGETHER] for k in range(0, everything.size, TOGETHER)):
         x = watched[at]
         before[at] = _digits(x[:, :, -(rows // 4) :])
