@@ -12,7 +12,7 @@ RIG = "machines/jeffcott-rig"
 
 
 def run(line):
-    return CliRunner().invoke(app, shlex.split(line))
+    return CliRunner(env={"COLUMNS": "160"}).invoke(app, shlex.split(line))
 
 
 def test_windows_in_rpm_and_micrometres(tmp_path):

@@ -95,6 +95,7 @@ def make_ensemble(
     workers: int | None = None,
     swarm: bool = False,
     turn: Array | None = None,
+    ranges: Array | None = None,
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Build the ensemble of a system at one or many operating points.
 
@@ -118,6 +119,8 @@ def make_ensemble(
 
     turn : array, shape (point,), optional
         T of the points of an unforced model, where it is known; the typical time where absent.
+    ranges : array, shape (state, point), optional
+        Of the states over the motion, in which lengths of tangent vectors are measured; where absent `first_sizes`.
 
     Returns
     -------
@@ -148,9 +151,10 @@ def make_ensemble(
     wanted = (usual if accuracy is None else accuracy) if steps is None else None
     options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted, "turn": turn}
     sizes = None
-    if tangents:  # with what the rates say of a state that is zero by chance
+    if tangents:
         period = periods(system.model, values)
-        sizes = unit_sizes(system.model, period, first_sizes(system.model, values, x))
+        known = first_sizes(system.model, values, x) if ranges is None else np.nan_to_num(ranges)
+        sizes = unit_sizes(system.model, period, known)
     if wanted is None:
         return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, sizes=sizes, **options), found
     choose = choose_steps if forced else choose_unforced_steps

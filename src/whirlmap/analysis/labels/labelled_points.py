@@ -134,7 +134,7 @@ class LabelledPoints:
         tangent, _ = make_ensemble(
             self.system, {name: np.asarray(v, dtype=float)[points] for name, v in self.values.items()},
             starts=e.x[:, points], steps=e.point_steps[points], method=e.method.name, tangents=1, workers=e.workers,
-            turn=e.period[points],
+            turn=e.period[points], ranges=self._ranges(points),
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
         judged = judge_open_points(

@@ -142,7 +142,8 @@ def grows_plainly(e: Evidence) -> NDArray[np.bool_]:
         grown = e.exponent * e.duration
         far = grown >= np.log(np.maximum(e.section.points, LEAST)) + PLAIN
         share = e.late_growth / grown
-        return np.asarray(far & (e.exponent > SURE * e.exponent_error) & (share > STEADY[0]) & (share < STEADY[1]))
+        moves = np.isfinite(e.section.digits)  # not where a motion stands on a place that repels
+        return np.asarray(far & (e.exponent > SURE * e.exponent_error) & (share > STEADY[0]) & (share < STEADY[1]) & moves)
 
 
 def _zero_one_votes(e: Evidence) -> NDArray[np.int64]:
