@@ -19,10 +19,10 @@ from pathlib import Path
 import numpy as np
 
 import whirlmap
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.settling import Settling
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.sweep.map import regime_map
-from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.store import Store
 
 #: The sweep that is timed: half of it below the onset of whirl, half of it above.

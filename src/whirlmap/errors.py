@@ -18,6 +18,10 @@ Every message says what was found, where, what was expected and the nearest righ
 from collections.abc import Iterable
 from difflib import get_close_matches
 
+#: Share of letters in common from which a name counts as a misspelling of another: `rk5` of `rk4` (0.67) does; what is
+#: another word (`preload` beside `speed`, 0.5) must not be suggested.
+CLOSE = 0.65
+
 
 class WhirlmapError(Exception):
     """Whatever whirlmap raises on purpose."""
@@ -54,8 +58,12 @@ class CacheError(WhirlmapError):
 def nearest(name: str, known: Iterable[str]) -> str:
     """Suggest the known name nearest to ``name``: `` Did you mean 'psi'?``, or nothing where none is near."""
     names = list(known)
-    close = get_close_matches(name, names, n=1, cutoff=0.5)
-    if not close:
-        folded = {known_name.lower(): known_name for known_name in names}
-        close = [folded[name.lower()]] if name.lower() in folded else []
-    return f" Did you mean {close[0]!r}?" if close else ""
+    folded: dict[str, str] = {}
+    for known_name in names:
+        folded.setdefault(known_name.casefold(), known_name)
+    same = folded.get(name.casefold())  # a name in another case, before one that differs by more
+    if same is None:
+        close = get_close_matches(name, names, n=1, cutoff=CLOSE)
+        close = close or [folded[k] for k in get_close_matches(name.casefold(), folded, n=1, cutoff=CLOSE)]
+        same = close[0] if close else None
+    return f" Did you mean {same!r}?" if same is not None else ""

@@ -79,10 +79,31 @@ _ZEROS = {
 }
 
 
-def split(text: str) -> tuple[Fraction, str]:
+#: A value as engineers write it, by the SI unit of the quantity.
+_EXAMPLES = {
+    "1": "0.3", "rad": "0.3", "m": "0.05 mm", "kg": "12 kg", "rad/s": "1500 rpm", "Pa*s": "0.02 Pa*s", "degC": "60 degC",
+    "N/m": "5e7 N/m", "N*s/m": "400 N*s/m", "W": "300 kW", "kg*m": "30 g*mm", "N*m": "200 N*m", "Pa": "0.2 MPa",
+    "s": "20 ms", "kg/m^3": "870 kg/m^3", "m^2/s": "32 mm^2/s", "m/s": "2.5 mm/s", "N": "500 N", "N/m^3": "1e12 N/m^3",
+}  # fmt: skip
+
+
+def example(unit: str) -> str:
+    """Return a value with a unit in which engineers write quantities of this one: ``1500 rpm`` for rad/s."""
+    return _EXAMPLES.get(unit, f"1 {unit}")
+
+
+def _such_as(unit: str) -> str:
+    return "rpm" if unit == "rad/s" else unit  # no data sheet has radians
+
+
+#: What people write for units of temperature. To pint C is a coulomb and F a farad, but no temperature is given in them.
+_TEMPERATURES = {"C": "degC", "°C": "degC", "℃": "degC", "F": "degF", "°F": "degF", "℉": "degF"}
+
+
+def split(text: str, unit: str = "1") -> tuple[Fraction, str]:
     """Split ``"0.02 Pa*s"`` into the exact number and the text of the unit (or nothing).
 
-    Ratios of integers, ``"1/4"``, are numbers too.
+    Ratios of integers, ``"1/4"``, are numbers too. ``unit`` is the declared one, for the example in a message.
 
     Raises
     ------
@@ -93,7 +114,8 @@ def split(text: str) -> tuple[Fraction, str]:
         raise CaseError(f"found {text!r}, expected a finite number")
     found = _QUANTITY.fullmatch(text)
     if not found:
-        raise CaseError(f"found {text!r}, expected a number, with its unit where it has one: '50 um'")
+        what = "a number" if unit in ("1", "rad") else "a number with its unit"
+        raise CaseError(f"found {text!r}, expected {what}, as in {example(unit)!r}")
     number, _, divisor = found["number"].partition("/")
     exact = _exact(number.strip())
     if divisor:
@@ -157,7 +179,7 @@ def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
         dimension.
     """
     if isinstance(value, str):
-        number, written = split(value)
+        number, written = split(value, unit)
         if written and given is not None:
             raise CaseError(f"found the unit twice, in {value!r} and as {given!r}; expected it once")
         given = written or given
@@ -166,10 +188,19 @@ def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
     if not given:
         if unit in ("1", "rad"):
             return number
-        raise CaseError(f"found {_shown(value)} without a unit, expected a unit such as {unit}")
-    if unit == "degC" and given in _ZEROS:
-        return number * _ZEROS[given][0] + _ZEROS[given][1]
+        expected = f"a unit such as {_such_as(unit)}, as in {example(unit)!r}"
+        raise CaseError(f"found {_shown(value)} without a unit, expected {expected}")
+    if unit == "degC":
+        return _temperature(number, given)
     return _sized(number * factor(given, unit))
+
+
+def _temperature(number: Fraction, given: str) -> Fraction:
+    name = _TEMPERATURES.get(given.strip(), given)
+    if name not in _ZEROS:
+        raise CaseError(f"found the unit {given!r}, expected one of {', '.join(_ZEROS)}.{nearest(given, _ZEROS)}")
+    size, zero = _ZEROS[name]
+    return number * size + zero
 
 
 def _shown(value: Any) -> str:
@@ -196,7 +227,7 @@ def factor(unit: str, to: str) -> Fraction:
         hint = ""
         if {**dimensions, "radian": 1} == dimensions_to:
             hint = "; write rpm, turn/s or rad/s, so that it is clear whether turns or radians are meant"
-        expected = "no unit" if to == "1" else f"a unit such as {to}"
+        expected = "no unit" if to == "1" else f"a unit such as {_such_as(to)}"
         raise CaseError(f"found the unit {unit!r}, expected {expected}{hint}")
     return scale / scale_to
 
@@ -218,11 +249,20 @@ def _looked_up(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]
     except Exception as error:
         # pint raises its own errors, and for broken text those of Python's tokenizer: all mean the same here.
         raise CaseError(
-            f"found the unknown unit {unit!r}, expected one such as {expected}.{nearest(unit, COMMON)}"
+            f"found the unknown unit {unit!r}, expected one such as {_such_as(expected)}.{_nearest(unit, expected)}"
         ) from error
     if any(not registry._units[name].is_multiplicative for name in parsed._units):
         raise CaseError(f"found the unit {unit!r}, which has an offset, expected one such as {expected}")
     return Fraction(scale), {name: Fraction(power) for name, power in root._units.items()}
+
+
+def _nearest(unit: str, expected: str) -> str:
+    """Suggest a unit of the dimension that is expected."""
+    if expected == "degC":
+        return nearest(unit, _ZEROS)
+    if expected not in _SI:
+        return nearest(unit, COMMON)
+    return nearest(unit, [name for name in COMMON if name in _SI and _SI[name][1] == _SI[expected][1]])
 
 
 def known(unit: str) -> bool:

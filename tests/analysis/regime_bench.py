@@ -15,8 +15,8 @@ from maps import GOLDEN, circle_map, sines
 
 import whirlmap
 from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.labels.regime import regime
 from whirlmap.analysis.periodicity import return_multiple
-from whirlmap.analysis.regime import regime
 from whirlmap.results.regime import Regime
 
 

@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.open_points import ENOUGH
+from whirlmap.analysis.labels.labelled_points import LabelledPoints
+from whirlmap.analysis.labels.nonperiodic_points import ENOUGH
+from whirlmap.analysis.labels.regime import Rule
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import Labelling, label_points
+from whirlmap.sweep.points import label_points
 
 GAMMA = {"gamma": np.array([0.35, 0.41, 0.45, 0.5, 0.54, 0.58])}
 
@@ -46,17 +48,25 @@ SHORT = whirlmap.Settling(transient=20, most=8, accelerate=False)
 
 
 def test_a_point_that_contracts_needs_no_longer_tangent_run():
-    """It is settled on instead, and returns, sooner than it would take to give it up."""
+    """Its orbit is found by Newton's method instead."""
     ds = labelled(WEAKLY_DAMPED, settling=SHORT)
     assert int(ds["regime"][0]) == Regime.periodic and int(ds["period_T"][0]) == 1
+    assert Rule(int(ds["rule"][0])) == Rule.closed_orbit
     assert int(ds["lyapunov_periods"][0]) == 256
     assert float(ds["lyapunov"][0]) == pytest.approx(-0.01, rel=0.05)  # half of the damping
-    assert 36 < int(ds["settled_after"][0]) < 1024
+
+
+def test_a_point_that_contracts_but_has_no_orbit_near_by_settles_on(monkeypatch):
+    monkeypatch.setattr(LabelledPoints, "_close", lambda self, points: None)
+    ds = labelled(WEAKLY_DAMPED, settling=SHORT)
+    assert int(ds["regime"][0]) == Regime.periodic and Rule(int(ds["rule"][0])) == Rule.returns
+    assert 36 < int(ds["settled_after"][0]) < 2048
 
 
 def test_a_point_that_contracts_but_does_not_return_is_run_to_the_end(monkeypatch):
-    """No vote is lost: where there is no orbit after all, the whole run follows."""
-    monkeypatch.setattr(Labelling, "_given_time", lambda self, ensemble, returns, *rest: returns)
-    ds = labelled(WEAKLY_DAMPED, settling=SHORT)
-    assert int(ds["regime"][0]) == Regime.undecided
+    """No vote is lost: where there is no orbit after all, the whole run follows, and it is not settled."""
+    monkeypatch.setattr(LabelledPoints, "_close", lambda self, points: None)
+    monkeypatch.setattr(LabelledPoints, "_settle_on", lambda self, points: None)
+    ds = labelled(WEAKLY_DAMPED | {"delta": [0.002]}, settling=SHORT)
+    assert int(ds["regime"][0]) == Regime.not_settled and Rule(int(ds["rule"][0])) == Rule.contracts
     assert int(ds["lyapunov_periods"][0]) == 2048

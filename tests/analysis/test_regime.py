@@ -4,21 +4,28 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, henon, logistic
 
-from whirlmap.analysis.evidence import SectionEvidence, section_evidence, windings_of
-from whirlmap.analysis.regime import Evidence, Vote, decide, regime
+from whirlmap.analysis.labels.regime import decide, regime
+from whirlmap.analysis.labels.section_coordinates import Watch, windings_of
+from whirlmap.analysis.labels.section_evidence import SectionEvidence, evidence_of
+from whirlmap.analysis.labels.votes import Evidence, Vote
 from whirlmap.analysis.winding import Winding
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 
 
-def judged(*, status=Status.ok, multiple=0, exponent=0.1, error=0.001, duration=1000.0, K=0.99, low=0.95, digits=1.5,
-           winding=None):  # fmt: skip
+def section_evidence(section, cyclic=None):
+    return evidence_of(Watch(section, cyclic)(section, np.arange(section.shape[2])))
+
+
+def judged(*, status=Status.ok, multiple=0, exponent=0.1, error=0.001, duration=1000.0, late=None, K=0.99, low=0.95,
+           digits=1.5, before=1.0, uneven=0.0, closes=False, winding=None, final=False, returns=True):  # fmt: skip
     turned = winding or Winding(np.nan, np.nan, "through-centre")
-    section = SectionEvidence(*(np.array([v]) for v in (K, low, digits)), points=1024)
+    numbers = (np.array([v]) for v in (K, low, digits, before, digits, uneven, closes))
+    late = exponent * duration / 2 if late is None else late
     e = Evidence(np.array([status]), np.array([multiple]), np.array([exponent]), np.array([error]), np.array([duration]),
-                 section, (turned,))  # fmt: skip
-    ds = decide(e)
-    return Regime(int(ds["regime"][0])), float(ds["confidence"][0]), ds
+                 np.array([late]), SectionEvidence(*numbers, 1024, 1024), (turned,), final, returns)  # fmt: skip
+    found = decide(e)
+    return Regime(int(found["regime"][0])), float(found["confidence"][0]), found
 
 
 TORUS = {"exponent": 0.0, "K": 0.02, "low": -0.02, "digits": 9.0}
@@ -37,13 +44,26 @@ TORUS = {"exponent": 0.0, "K": 0.02, "low": -0.02, "digits": 9.0}
         ({"digits": 9.0}, Regime.undecided),  # grows, though averages converge
         ({"K": 0.02, "low": -0.02}, Regime.undecided),  # grows, though the walk is bounded
         ({"K": 0.5, "low": 0.1, "digits": 4.0}, Regime.undecided),  # an exponent alone is no chaos
-        ({"exponent": 0.001}, Regime.undecided),  # too little growth to tell from shear
+        ({"exponent": 0.001, "error": 1e-4}, Regime.undecided),  # too little growth to tell from shear
         ({**TORUS, "exponent": -0.1}, Regime.undecided),  # contracts: a transient, not a torus
         ({**TORUS, "K": 0.99, "low": 0.95}, Regime.undecided),
-        ({**TORUS, "digits": 4.0}, Regime.undecided),
-        ({**TORUS, "digits": 4.0, "winding": Winding(0.381966011, 1e-9, "ok")}, Regime.quasi_periodic),
-        ({**TORUS, "digits": 4.0, "winding": Winding(1 / 3 + 1e-9, 1e-9, "ok")}, Regime.undecided),  # hops
-        ({**TORUS, "digits": 4.0, "winding": Winding(0.381966, 1e-3, "ok")}, Regime.undecided),
+        ({**TORUS, "digits": 3.9}, Regime.undecided),  # averages that converge slowly need a longer run
+        ({**TORUS, "digits": 3.9, "final": True}, Regime.quasi_periodic),
+        ({**TORUS, "digits": 4.2}, Regime.quasi_periodic),  # grown by one since a quarter of the record
+        ({**TORUS, "digits": 4.2, "before": 4.1}, Regime.undecided),  # they stand still
+        ({**TORUS, "digits": 4.2, "before": 4.1, "final": True, "error": 0.1}, Regime.undecided),
+        ({**TORUS, "uneven": 0.1}, Regime.undecided),  # its extent still changes: a transient
+        ({**TORUS, "closes": True}, Regime.undecided),  # an orbit of high period, on its way
+        ({**TORUS, "digits": 3.0, "winding": Winding(0.381966011, 1e-9, "ok")}, Regime.quasi_periodic),
+        ({**TORUS, "digits": 3.0, "winding": Winding(1 / 3 + 1e-9, 1e-9, "ok")}, Regime.undecided),  # hops
+        ({**TORUS, "winding": Winding(8 / 27, 1e-8, "ok")}, Regime.undecided),  # locked to 8/27, for all one knows
+        ({**TORUS, "digits": 3.0, "before": 2.5, "winding": Winding(0.381966, 1e-3, "ok")}, Regime.undecided),
+        ({**TORUS, "exponent": -0.001, "error": 1e-4, "late": -0.5}, Regime.undecided),  # little, but more than three errors
+        ({**TORUS, "exponent": 0.005, "error": 1e-4, "late": 0.7}, Regime.quasi_periodic),  # shear, which comes to an end
+        ({"K": 0.5, "low": 0.1, "digits": 2.7, "final": True}, Regime.chaotic),  # but for one over the longest run
+        ({**TORUS, "exponent": -0.1, "returns": False}, Regime.locked),  # no return can be seen
+        ({**TORUS, "exponent": -0.1, "digits": 1.0, "returns": False}, Regime.locked),  # nothing is left of the start
+        ({**TORUS, "exponent": -0.01, "digits": 1.0, "returns": False}, Regime.undecided),
         ({**TORUS, "K": np.nan, "low": np.nan}, Regime.quasi_periodic),  # the 0-1 test may have no say
         ({"exponent": np.nan, "error": np.nan}, Regime.undecided),
     ],
@@ -75,7 +95,7 @@ def test_a_batch_is_judged_point_by_point():
     assert ds["regime"].values.tolist() == [Regime.chaotic, Regime.quasi_periodic, Regime.periodic]
     alone = regime([0], [0], exponent=[0.0], exponent_error=[0.001], duration=1024, section=section[:, :, 1:2])
     for name in ("zero_one", "digits", "winding"):
-        assert float(alone[name][0]) == float(ds[name][1])
+        np.testing.assert_array_equal(alone[name].values[0], ds[name].values[1])
 
 
 def test_bits_of_evidence_do_not_depend_on_the_company():
@@ -125,6 +145,7 @@ def test_short_still_and_broken_sections_are_not_judged():
     still = section_evidence(np.ones((512, 2, 1)))
     broken = henon(512)[:, :, None].copy()
     broken[7] = np.nan
-    settling = (logistic(3.2, 512) + 1e-9 * 0.9 ** np.arange(512))[:, None, None]
-    for e in (short, still, section_evidence(broken), section_evidence(settling)):
+    for e in (short, still, section_evidence(broken)):
         assert np.isnan(e.growth[0]) and np.isnan(e.digits[0])
+    settling = section_evidence((logistic(3.2, 512) + 1e-9 * 0.9 ** np.arange(512))[:, None, None])
+    assert np.isnan(settling.growth[0]) and settling.closes[0]  # what is left of it without its cycle is not judged

@@ -196,7 +196,8 @@ def test_no_noise_has_a_regime():
 def test_columns_of_a_simulation_have_the_verdict_of_its_equations(case, changes, tmp_path):
     """A table as the command line writes it, column by column; the period too."""
     import whirlmap
-    from whirlmap.analysis.diagnosis import diagnose, verdict_json
+    from whirlmap.analysis.diagnosis import diagnose
+    from whirlmap.analysis.diagnosis_json import verdict_json
     from whirlmap.recordings.signal import read_signal
     from whirlmap.results.signals import write_series
 

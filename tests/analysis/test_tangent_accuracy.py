@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis import diagnose, verdict_json
+from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis_json import verdict_json
 from whirlmap.analysis.divergence import mean_divergence, missed
 from whirlmap.analysis.floquet import floquet_multipliers
 from whirlmap.analysis.lyapunov import lyapunov_spectrum

@@ -8,7 +8,8 @@ from scipy.integrate import solve_ivp
 
 import whirlmap
 from whirlmap.analysis.crossing import crossings
-from whirlmap.analysis.diagnosis import diagnose, verdict_json
+from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis_json import verdict_json
 from whirlmap.analysis.points import make_ensemble
 from whirlmap.equations import Model, Parameter, Section, State
 from whirlmap.integrate.accuracy import Verdict

@@ -101,7 +101,7 @@ BAD_CHANGES = [
         {"speed": "25 Hz"},
         "whether turns or radians are meant (speed of the pinion's shaft)",
     ),
-    ("gear-psfd/machine", {"speed": 1500}, "speed: found 1500 without a unit, expected a unit such as rad/s"),
+    ("gear-psfd/machine", {"speed": 1500}, "speed: found 1500 without a unit, expected a unit such as rpm"),
     ("gear-psfd/machine", {"muu": "1 Pa*s"}, "has no symbol 'muu'. Did you mean 'mu'?"),
     (
         "gear-psfd/machine",

@@ -20,7 +20,7 @@ def empty_folder(tmp_path, monkeypatch):
 
 
 def run(line, code=0):
-    result = CliRunner().invoke(app, shlex.split(line))
+    result = CliRunner(env={"COLUMNS": "160"}).invoke(app, shlex.split(line))
     assert result.exit_code == code, (result.stderr, result.exception)
     return result
 

@@ -12,7 +12,7 @@ RIG = "machines/jeffcott-rig"
 
 
 def run(line):
-    return CliRunner().invoke(app, shlex.split(line))
+    return CliRunner(env={"COLUMNS": "160"}).invoke(app, shlex.split(line))
 
 
 def test_windows_in_rpm_and_micrometres(tmp_path):
@@ -63,6 +63,8 @@ def test_draws_over_tolerances_give_probabilities():
         ('--limit "20 kg"', "--limit: found the unit 'kg'"), ("--limit 5000", "unit"),
         ('--range "6000 rpm:500 rpm"', "lower one first"),
         ('--range "-500 rpm:500 rpm"', "positive"), ("--range 0:1", "positive"), ("--range 1", "LOW:HIGH"),
+        ("--limit 20 --range 500:6000", "--limit: found 20 without a unit"),
+        ("--range 500:6000", "--range: found '500:6000' without units"), ("--range 10:60", "rpm"),
         ('--range "1 kg:2 rpm"', "--range: found the unit 'kg'"),
         ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "as in --tolerance c=5%"),
     ],

@@ -122,7 +122,7 @@ def test_steps_are_the_methods_polynomial_of_a_linear_system(method, tangents):
     one = np.eye(2) + sum(float(w) * k for w, k in zip(method.b, slopes, strict=True))
     expected = np.linalg.matrix_power(one, steps) @ x
     e = Ensemble(system.model, system.vector[:, None], x[:, None], orders=system.orders, steps=steps, method=method,
-                 tangents=tangents)  # fmt: skip
+                 tangents=tangents, sizes=np.ones((2, 1)))  # fmt: skip
     if tangents:
         e._y[2:4, 0] = x
     growth = e.advance(1).growth

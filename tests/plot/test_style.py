@@ -101,6 +101,6 @@ def test_places_that_cannot_be_written_are_refused(chaos, tmp_path, name, messag
 
 def test_a_folder_in_the_way_leaves_nothing_behind(chaos, tmp_path):
     (tmp_path / "a.png").mkdir()
-    with pytest.raises(OutputError, match="cannot be written"):
+    with pytest.raises(OutputError, match="found a folder"):
         save(draw_section(chaos["section"], "x").figure, tmp_path / "a.png")
     assert [p.name for p in tmp_path.iterdir()] == ["a.png"]

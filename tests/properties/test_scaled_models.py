@@ -77,7 +77,7 @@ def labelled(system, case, count):
     _, name, low, high = CASES[case]
     values = np.linspace(low, high, count)
     settling = Settling(transient=200) if system.model.forced else Settling(transient=100, most=32)
-    return label_points(system, {name: values}, settling=settling, lyapunov=1024)
+    return label_points(system, {name: values}, settling=settling)
 
 
 def compare(case, length, time, count, moved):

@@ -16,7 +16,7 @@ from whirlmap.studies.gear_psfd.labelled import PSI, S_ORBIT
 from whirlmap.studies.gear_psfd.verdicts import judge, labelled, safe_windows
 
 #: What is read of a system here: the paper's clock.
-SYSTEM = SimpleNamespace(common_period=16 * np.pi)
+SYSTEM = SimpleNamespace(period=2 * np.pi)
 
 
 def diagram(chaotic, *, swing=lambda s: 0.1 * s, ended=lambda s: np.zeros(s.shape, bool)):

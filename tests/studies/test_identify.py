@@ -31,7 +31,8 @@ from whirlmap.studies.gear_psfd.variants import SPINS, VARIANTS, chosen
 #: A variant without tables: its kernels are quick to have.
 (QUICK,) = chosen((), ("literal-printed-clock",))
 BRIEF = Settings(
-    seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8), exponent_periods=16, accuracy=1e-3
+    seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8), exponent_periods=128,
+    accuracy=1e-3,
 )
 ALIKE = ("regime", "status", "lyapunov", "lyapunov_error", "amplitude", "max_eccentricity", "value", "steps", "end_time")
 
@@ -146,7 +147,7 @@ from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
 from whirlmap.studies.gear_psfd.variants import chosen
 identify.BLOCK = 4
 settings = Settings(seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8),
-                    exponent_periods=16, accuracy=1e-3)
+                    exponent_periods=128, accuracy=1e-3)
 blocks = open_blocks(Path(sys.argv[1]), settings.identity(), resume=True)
 for name in identify.search(chosen((), ("literal-printed-clock",)), settings, blocks, sets=400):
     print(name, flush=True)
@@ -215,7 +216,7 @@ def test_a_planted_machine_is_found_again():
     """A known set's own diagram, turned into claims, is searched for from a design that does not hold it."""
     (variant,) = chosen((), ("intended-porous-fixed-shaft",))
     here = Settings(
-        seed=11, speeds=(0.6, 1.61, 2.3, 3.27), settling=Settling(transient=20, most=4, keep=8), exponent_periods=16,
+        seed=11, speeds=(0.6, 1.61, 2.3, 3.27), settling=Settling(transient=20, most=4, keep=8), exponent_periods=128,
         accuracy=1e-3,
     )  # fmt: skip
     known = judge_sets(variant, diagrams(variant, design(ranges(), 4000, 64, seed=77), here), here)

@@ -7,12 +7,12 @@ from dead_zone import DeadZone
 from scipy.integrate import solve_ivp
 
 import whirlmap
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.attractor_search import Search
 from whirlmap.sweep.attractors import attractors
 from whirlmap.sweep.basins import basins
-from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.starts import default_box, draw_starts
 
 BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}

@@ -13,7 +13,7 @@ from whirlmap.analysis.points import make_ensemble
 from whirlmap.analysis.settling import Settling
 from whirlmap.equations import Model, Parameter, State, cos, sin, t
 from whirlmap.errors import RangeError
-from whirlmap.integrate.orders import LONGEST, order_groups, orders_vary
+from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.points import label_points
 from whirlmap.sweep.run import diagram_in_batches
@@ -133,22 +133,13 @@ def test_a_map_over_both_frequencies(tmp_path):
     np.testing.assert_allclose(ds["rms"].sel(quantity="x"), [[rms for rms, _ in row] for row in expected], rtol=1e-5)
 
 
-@pytest.mark.parametrize(
-    ("values", "words"),
-    [
-        ([0.5, 2**-0.5], ("b = 0.7071067812", "never", "12/17")),
-        ([0.5, 0.5003], ("b = 0.5003", "10000 T", str(LONGEST), "1/2")),
-    ],
-)
-def test_points_without_a_common_period_of_reasonable_length_are_refused(values, words):
-    with pytest.raises(RangeError) as error:
-        bifurcation_diagram(load(TWO, a=1.0, b=0.5), "b", values, settling=SETTLING)
-    assert all(word in str(error.value) for word in words), error.value
-
-
-def test_incommensurate_frequencies_are_said_to_be_so():
-    with pytest.raises(RangeError, match=r"harmonics b and a .* 0\.7071067812.*never.* repeats"):
-        make_ensemble(load(TWO, a=1.0, b=0.5**0.5))
+@pytest.mark.parametrize("odd", [2**-0.5, 0.5003, 127 / 129])
+def test_points_without_a_common_period_of_reasonable_length_are_locked(odd):
+    """In one diagram with points that have one; the system is linear."""
+    ds = bifurcation_diagram(load(TWO, a=1.0, b=0.5), "b", [0.5, odd])
+    at = ds["b"].values.tolist().index(odd)
+    assert Regime(int(ds["regime"][at])) == Regime.locked and int(ds["period_T"][at]) == 1
+    assert Regime(int(ds["regime"][1 - at])) == Regime.periodic and int(ds["period_T"][1 - at]) == 2
 
 
 def test_what_needs_one_common_period_refuses_several():

@@ -154,7 +154,7 @@ def test_what_exists_is_refused_or_replaced(duffing, whole, tmp_path):
     ("change", "says"),
     [({"vary": {**GRID, "omega": GRID["omega"] * 1.01}}, "values of omega: the store has 1 to 1.4"),
      ({"vary": {"gamma": GRID["gamma"]}}, "values of omega"),
-     ({"lyapunov": 300}, "lyapunov: the store has 256, this run 300"),
+     ({"lyapunov": 300}, "lyapunov: the store has nothing, this run 300"),
      ({"accuracy": 1e-8}, "accuracy: the store has nothing, this run 1e-08"), ({"refine": True}, "refined from"),
      ({"settling": Settling(transient=41, most=8, keep=8)}, "settling transient: the store has 40, this run 41")],
 )  # fmt: skip
@@ -303,7 +303,7 @@ def test_a_refined_map_has_the_full_maps_boundaries(duffing, tmp_path):
 
 def test_sections_make_a_store_a_diagram(duffing, tmp_path):
     ds = regime_map(duffing, {"gamma": GRID["gamma"]}, store=tmp_path / "map", sections=True, settling=SHORT, chunk=4)
-    diagram = bifurcation_diagram(duffing, "gamma", GRID["gamma"], settling=SHORT, lyapunov=256)
+    diagram = bifurcation_diagram(duffing, "gamma", GRID["gamma"], settling=SHORT)
     for name in ("section", "regime", "lyapunov", "rms"):
         np.testing.assert_array_equal(ds[name].values, diagram[name].values, err_msg=name)
     assert ds["section"].dims == ("gamma", "period", "state") and ds["section"].attrs == diagram["section"].attrs

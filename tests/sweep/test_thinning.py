@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis import diagnose, verdict_json
+from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis_json import verdict_json
 from whirlmap.analysis.thinning import thinning_power
 from whirlmap.equations import Model, Parameter, State, Stop, cos, t
 from whirlmap.integrate.system import System

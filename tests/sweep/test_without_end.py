@@ -8,7 +8,8 @@ import pytest
 from scipy.integrate import solve_ivp
 from sympy import Abs, sin, sqrt, tan
 
-from whirlmap.analysis.diagnosis import diagnose, verdict_json
+from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis_json import verdict_json
 from whirlmap.equations import Model, Parameter, Section, State, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.kernels.poles import poles
@@ -80,7 +81,8 @@ def cross_coupled(forced):
 @pytest.mark.parametrize(("forced", "unbalance"), [(True, 0.3), (True, 0.0), (False, 0.0)])
 def test_cross_coupling_makes_a_rotor_grow_from_its_threshold_on(forced, unbalance):
     at = [0.15, 0.2005, 0.201, 0.21]
-    ds, labels = labelled(cross_coupled(forced), {"k": at}, {"c": 0.2, **({"e": unbalance, "w": 1.7} if forced else {})})
+    values = {"c": 0.2, **({"e": unbalance, "w": 1.7} if forced else {})}
+    ds, labels = labelled(cross_coupled(forced), {"k": at}, values, lyapunov=4096)
     assert labels == ["periodic" if unbalance else "at-rest", *3 * ["growing"]]
     truth = [np.roots([1, 0.2, 1 - 1j * one]).real.max() for one in at]
     assert ds["growth_rate"].values[1:] == pytest.approx(truth[1:], rel=1e-2)

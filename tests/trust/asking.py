@@ -13,6 +13,7 @@ The tests of this folder hold whirlmap against truths that it had no part in:
 | test_two_frequencies | sweeps of one of several frequencies | superposition in closed form (`truth_linear`), SciPy |
 | test_extremes | extremes, means, rms between the steps | closed forms, SciPy's interpolant |
 | test_rest_drift_poles | rest, drift, growth, poles | equilibria, closed forms, Hill and Meissner, SciPy |
+| test_blind_labels | eighty labels that are hard to tell | closed forms, Newton and long runs of `blind_truth` |
 
 Event location is SciPy's, with a new start at every surface, saltation matrices, and sliding by Filippov's rule; the dead
 zone is also solved in closed form (`tests/independent/dead_zone.py`).

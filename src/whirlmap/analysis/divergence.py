@@ -67,12 +67,28 @@ def mean_divergence(ensemble: Ensemble, periods: int) -> tuple[Array, Array]:
     return mean, error
 
 
+def shrinks_areas(ensemble: Ensemble) -> NDArray[np.bool_]:
+    """Whether a forced model of two states, none an angle, has a constant negative divergence, shape (point,).
+
+    No invariant curve of its section encloses an area then, for the area would shrink: there is no torus.
+    """
+    out = np.zeros(ensemble.points, dtype=bool)
+    model = ensemble.model
+    if not model.forced or model.dimension != 2 or any(s.cyclic is not None for s in model.states):
+        return out
+    for form, members in variants(model, ensemble.values):
+        trace = _Trace(form, ensemble.values[:, members])
+        if trace.constant and not trace.jumps:
+            out[members] = trace(0.0, ensemble.x[:, members], np.arange(members.size)) < 0
+    return out
+
+
 def swarm_divergence(ensemble: Ensemble, good: NDArray[np.bool_], multiple: int = 0) -> tuple[float, float]:
     """Mean divergence over the good runs of a swarm, and its standard error, over whole returns after ``multiple``."""
     if not good.any():
         return np.nan, np.nan
     whole = max(multiple, 1)
-    length = max(LENGTH // (ensemble.common_multiple * whole), 1) * whole
+    length = max(LENGTH // (ensemble.strobe * whole), 1) * whole
     mean, error = mean_divergence(ensemble.subset(np.flatnonzero(good)), length)
     seen = np.isfinite(mean)
     if not seen.any():
@@ -130,7 +146,7 @@ def _mean(
     run: Ensemble, points: NDArray[np.intp], local: NDArray[np.intp], steps: int, length: int, trace: "_Trace"
 ) -> Array:
     """Mean over the next ``length`` common periods of some points that share their steps."""
-    common = run.common_multiple
+    common = run.strobe
     total, left, turns = np.zeros(points.size), length, max(TOGETHER // (steps * common * points.size), 1)
     while left:
         now = min(turns, left)

@@ -125,7 +125,7 @@ def _grown(ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.
     if suspects.size:  # a start may be far smaller than the motion that the forcing leads to at once
         here = members[suspects]
         part = restarted(ensemble, here, start, began, ensemble.point_steps[here])
-        first = part.advance(part.common_multiple, save_periods=1, extremes=True)
+        first = part.advance(part.strobe, save_periods=1, extremes=True)
         size = motion_sizes(part, first, start[:, here])
         grown[suspects] = (far[:, suspects] & (moved[:, suspects] > GROWN * size)).any(axis=0)
     return grown
@@ -141,7 +141,7 @@ def _refuse_explosions(ensemble: Ensemble, start: Array, began: NDArray[np.int64
         return
     part = _before_the_end(ensemble, away, start, began)
     fine = part.subset(np.arange(away.size), steps=np.minimum(FINE * part.point_steps, MOST))
-    fine.advance(2 * SPAN * fine.common_multiple)
+    fine.advance(2 * SPAN * fine.strobe)
     explodes = away[fine.status != Status.diverged]
     ensemble.status[explodes], ensemble.step_verdict[explodes] = Status.unresolved, Verdict.stiff
 
@@ -172,7 +172,7 @@ def _steps_before_the_end(
 def _before_the_end(ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64]) -> Ensemble:
     """Points that have ended, run from their start to `BEFORE` common periods before that."""
     part = restarted(ensemble, members, start, began, ensemble.point_steps[members])
-    common = part.common_multiple
+    common = part.strobe
     with np.errstate(invalid="ignore"):
         ended = np.floor(ensemble.end_time[members] / (part.period * common))
     count = np.where(np.isfinite(ended), ended, 0).astype(np.int64) - began[members] // common

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.scales import scales, tangent_sizes
+from whirlmap.integrate.scales import scales, unit_sizes
 from whirlmap.integrate.system import System
 from whirlmap.kernels.event_location import FINE
 from whirlmap.kernels.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
@@ -130,7 +130,9 @@ def _round(system: System, start: Array, duration: float, segments: int, each: i
     for k in range(segments):
         orbit[:, k + 1], matrices[k] = run.transition(orbit[:, k], k * each)
     # In units of their sizes, for frames that are orthonormal in units that differ by 1e9 are rounding.
-    size = tangent_sizes(system.model, np.array([system.period]), start[:, None])[:, 0]
+    # A state that is zero by chance, or held, has the size of those that it is alike to.
+    period, magnitude = np.array([system.period]), np.abs(orbit).max(axis=1)[:, None]
+    size = unit_sizes(system.model, period, scales(system.model, period, magnitude, magnitude, share=1.0))[:, 0]
     log_modulus, argument = _eigenvalues_of_product(matrices * (size / size[:, None]))
     order = np.lexsort((-argument, -log_modulus))
     return orbit, log_modulus[order], argument[order]

@@ -43,7 +43,7 @@ def growth_goes_on(ensemble: Ensemble, points: Points, centre: Array, growth: Ar
         Rate per unit of time.
     """
     out = np.zeros(points.size, dtype=bool)
-    common = ensemble.common_multiple
+    common = ensemble.strobe
     time = common * ensemble.period[points]
     windows = np.clip(2 ** np.ceil(np.log2(GROWN / (growth * time))), SHORTEST, LONGEST).astype(np.int64)
     away = ensemble.x[:, points] - centre
@@ -84,7 +84,7 @@ def drift_goes_on(ensemble: Ensemble, points: Points, drift: Array) -> tuple[NDA
         Whether the mean over all times drifts with it. Where it does not, the amplitude grows in proportion to time, as at
         a resonance without damping.
     """
-    common = ensemble.common_multiple
+    common = ensemble.strobe
     length = DRIFTED * common
     x = ensemble.x[:, points]
     copies, of = _copies(ensemble, points, x - DRIFTED * drift, DRIFTED * drift, DISTANCES)

@@ -43,7 +43,7 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
     array, shape (period, exponent, point)
         Growth rate per unit of the model's time in each common period; NaN in points that have ended.
     """
-    common = ensemble.common_multiple
+    common = ensemble.strobe
     ensemble.advance(align * common, progress=progress)
     segment = ensemble.advance(periods * common, progress=progress)
     growth = segment.growth.reshape(periods, common, ensemble.tangents, ensemble.points).sum(axis=1)
@@ -52,14 +52,18 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
     return rates
 
 
-def mean_and_error(rates: Array) -> tuple[Array, Array]:
+def mean_and_error(rates: Array, cycle: int = 1) -> tuple[Array, Array]:
     """Mean over periods and its error; rates have shape (period, ...).
+
+    ``cycle`` is the number of periods after which the forcing repeats: where the record is long enough whole cycles count,
+    for within one the rates change with its phase.
 
     The error is the standard error from `BLOCKS` block means, and at least a third of the range of the accumulated deviation
     from the mean, over the length: three errors bound what the length leaves of a growth that returns, such as that of the
     time direction of an unforced cycle, which blocks in step with the cycle do not show. For a random record it is 0.4
     standard errors.
     """
+    rates = _over_cycles(rates, cycle)
     n = rates.shape[0] // BLOCKS
     if n == 0:
         raise RangeError(f"an error needs at least {BLOCKS} periods, not {rates.shape[0]}")
@@ -69,18 +73,26 @@ def mean_and_error(rates: Array) -> tuple[Array, Array]:
     return series.mean(axis=-1), np.maximum(blocks.std(axis=-1, ddof=1) / np.sqrt(BLOCKS), _swing(series))
 
 
+def _over_cycles(rates: Array, cycle: int) -> Array:
+    """Means over whole cycles, where the record holds enough of them."""
+    whole = rates.shape[0] // cycle
+    if whole < BLOCKS:
+        return rates
+    return np.asarray(rates[: whole * cycle].reshape(whole, cycle, *rates.shape[1:]).mean(axis=1))
+
+
 def _swing(series: Array) -> Array:
     """A third of the range of the accumulated deviation from the mean along the last axis, over its length."""
     off = np.cumsum(series - series.mean(axis=-1, keepdims=True), axis=-1)
     return np.asarray((np.fmax(off.max(axis=-1), 0.0) - np.fmin(off.min(axis=-1), 0.0)) / (3 * series.shape[-1]))
 
 
-def in_phase(rates: Array) -> Array:
+def in_phase(rates: Array, cycle: int = 1) -> Array:
     """Error, shape (exponent,), that runs in phase share; rates have shape (period, exponent, run).
 
     Runs of one cycle are no independent ones, and the mean over them is no better than each.
     """
-    return _swing(np.ascontiguousarray(rates.mean(axis=2).T))
+    return _swing(np.ascontiguousarray(_over_cycles(rates, cycle).mean(axis=2).T))
 
 
 def lyapunov_spectrum(
@@ -140,7 +152,7 @@ def lyapunov_spectrum(
     )
     ensemble = tuned(ensemble).ensemble  # vectors that vanish on the way would not come back
     align = max(transient // 10, 5)
-    ensemble.advance(max(transient - align, 0) * ensemble.common_multiple, progress=progress)
+    ensemble.advance(max(transient - align, 0) * ensemble.strobe, progress=progress)
     carried = tuned(ensemble, FINE, returns=True)
     ensemble = carried.ensemble
     rates = exponents(ensemble, periods, align=align, progress=progress)

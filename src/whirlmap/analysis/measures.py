@@ -10,12 +10,13 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.dimension import STATUS, correlation_dimension
-from whirlmap.analysis.evidence import moving_coordinates
 from whirlmap.analysis.floquet import STEPS, floquet_multipliers
+from whirlmap.analysis.labels.regime import regime
+from whirlmap.analysis.labels.section_coordinates import moving_coordinates
+from whirlmap.analysis.labels.votes import INDICATORS, Vote
 from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.record_length import recorded, spectrum_periods
 from whirlmap.analysis.recurrence import recurrence
-from whirlmap.analysis.regime import INDICATORS, Vote, regime
 from whirlmap.analysis.spectral_lines import spectral_lines
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.analysis.trajectory import outputs_of
@@ -23,7 +24,6 @@ from whirlmap.analysis.winding import locking_ratio
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 
 Array = NDArray[np.float64]
@@ -47,39 +47,30 @@ RECURRENT = 1500
 ALL_LINES, BROAD = 1e-4, 0.05
 
 
-def judge_section(
-    running: NDArray[np.bool_], section: Array, exponent: tuple[float, float], duration: float, cyclic: dict[int, float]
-) -> tuple[Regime, float, Data]:
-    """Label open motion from the section points of several runs.
+def section_votes(
+    part: Ensemble, running: NDArray[np.bool_], section: Array, exponent: tuple[float, float], duration: float,
+    cyclic: dict[int, float],
+) -> Data:  # fmt: skip
+    """What the 0-1 test, the Birkhoff averages and recurrence say of open motion; medians over several runs.
 
     Parameters
     ----------
+    part : Ensemble
+        Of the operating point.
     running : array of bool, shape (run,)
     section : array, shape (time, state, run)
+        Once per T, or crossings.
     exponent : tuple
         Largest exponent and its error, over all runs.
-
-    Returns
-    -------
-    regime : Regime
-        That of at least three quarters of the runs judged; undecided where none ran to the end.
-    confidence : float
-        Share of the indicators that speak for it, over all runs judged.
-    votes : dict
-        Of the 0-1 test, the Birkhoff averages and recurrence; medians over runs.
     """
     some = np.flatnonzero(running)[:JUDGED]
     if not some.size:
-        return Regime.undecided, 0.0, {}
+        return {}
     judged = regime.find(
         np.zeros(some.size, dtype=np.int8), np.zeros(some.size, dtype=np.int64), exponent=exponent[0],
-        exponent_error=exponent[1], duration=duration, section=section[:, :, some], cyclic=cyclic,
+        exponent_error=exponent[1], duration=duration, section=section[:, :, some], common=part.common_multiple,
+        cyclic=cyclic, returns=part.returns,
     )  # fmt: skip
-    labels = judged["regime"]
-    commonest = int(np.bincount(labels).argmax())
-    agree = labels == commonest
-    label = Regime(commonest) if agree.mean() >= 0.75 else Regime.undecided
-    confidence = float((judged["confidence"] * agree).mean())
     says = {
         name: Vote(int(np.bincount(row).argmax())).name for name, row in zip(INDICATORS, judged["vote"], strict=True)
     }
@@ -98,14 +89,15 @@ def judge_section(
         if error * 64**2 < 1:
             locking = locking_ratio(turned, error)
             votes["birkhoff"] |= {"ratio": str(locking.ratio), "locked": locking.locked}
-    columns, moves = moving_coordinates(section[-RECURRENT:, :, some[:1]], cyclic)
+    strobed = section[(section.shape[0] - 1) % part.strobe :: part.strobe]
+    columns, moves = moving_coordinates(strobed[-RECURRENT:, :, some[:1]], cyclic)
     if moves.any() and columns.shape[2] >= 100:
         r = recurrence.find(columns[0, moves[0]].T)
         votes["recurrence"] = {
             "vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"]),
             "radius": float(r["radius"]),
         }  # fmt: skip
-    return label, confidence, votes
+    return votes
 
 
 def record_series(

@@ -1,25 +1,85 @@
-"""The largest Floquet multipliers of many periodic orbits at once: stable or not, orbit by orbit.
+"""One return of many orbits at once, with its derivative: the monodromy matrix, and the largest multipliers.
 
 All tangent vectors of an orbit go once round it, from the unit vectors and without orthonormalisation; they end as the
 columns of its monodromy matrix. The largest modulus of its eigenvalues is good to rounding relative to itself, the small
 ones drown in that rounding: `floquet` finds these, for one orbit.
 """
 
+from collections.abc import Iterator
+from dataclasses import dataclass
+
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.ensemble import Ensemble, Segment
+from whirlmap.integrate.scales import scales
 
 Array = NDArray[np.float64]
+Points = NDArray[np.intp]
 
-#: Orbits that go round together: a matrix of twenty states takes 3 kB.
-BATCH = 1024
+#: Orbits that go round together: a matrix of twenty states takes 3 kB, the points of a long return twenty times as much.
+BATCH = 512
 
 
-def monodromies(
-    ensemble: Ensemble, points: NDArray[np.intp], multiple: NDArray[np.int64], x: Array | None = None
-) -> tuple[Array, Array]:
-    """Where one return takes some points, and its derivative there.
+@dataclass(frozen=True)
+class Rounds:
+    """One return of some points of an ensemble.
+
+    Attributes
+    ----------
+    path : array, shape (common period, state, point)
+        States at the end of each common period; NaN from where the motion ends.
+    matrix : array, shape (point, state, state)
+        Derivative of the last of these by the first state; NaN where the motion ends, or sticks to a surface.
+    scale : array, shape (state, point)
+        Sizes of the states over the return.
+    """
+
+    path: Array
+    matrix: Array
+    scale: Array
+
+
+def together(multiple: NDArray[np.int64]) -> Iterator[tuple[int, Points]]:
+    """Returns, each with the indices of some points that share it, as many as go round together."""
+    for m in np.unique(multiple):
+        at = np.flatnonzero(multiple == m)
+        for these in np.array_split(at, -(-at.size // BATCH)):
+            yield int(m), these
+
+
+def monodromies(ensemble: Ensemble, points: Points, multiple: int, x: Array) -> Rounds:
+    """Go round once, with all tangent vectors.
+
+    Parameters
+    ----------
+    ensemble : Ensemble
+        Stays as it is, at phase zero.
+    points : array of int
+    multiple : int
+        Their return, in common periods.
+    x : array, shape (state, len(points))
+        Where the returns begin.
+    """
+    e = Ensemble(
+        ensemble.model, ensemble.values[:, points], x, orders=ensemble.orders,
+        steps=ensemble.point_steps[points], method=ensemble.method, tangents=ensemble.model.dimension,
+        workers=ensemble.workers, orthonormal=False, turn=ensemble.period[points], beyond=ensemble.limits[:, points],
+    )  # fmt: skip
+    segment = e.advance(multiple * e.strobe, save_periods=e.strobe, extremes=True)
+    matrix = np.where(e.running[:, None, None], e.vectors.transpose(2, 1, 0), np.nan)
+    return Rounds(segment.saved, matrix, sizes_over(e, segment))
+
+
+def sizes_over(ensemble: Ensemble, segment: Segment) -> Array:
+    """Sizes of the states over a segment of an ensemble whose extremes were tracked, shape (state, point)."""
+    assert segment.extremes is not None
+    low, high = (segment.extremes[name][: ensemble.model.dimension] for name in ("minimum", "maximum"))
+    return scales(ensemble.model, ensemble.period, high - low, np.maximum(np.abs(low), np.abs(high)))
+
+
+def largest_multipliers(ensemble: Ensemble, points: Points, multiple: NDArray[np.int64], x: Array | None = None) -> Array:
+    """Largest modulus of the multipliers over one return of some points that lie on periodic orbits.
 
     Parameters
     ----------
@@ -29,43 +89,17 @@ def monodromies(
     multiple : array of int, shape like ``points``
         Return of each, in common periods.
     x : array, shape (state, len(points)), optional
-        Where the returns begin; the present states where absent.
-
-    Returns
-    -------
-    end : array, shape (state, len(points))
-    matrix : array, shape (len(points), state, state)
-        Both NaN where the motion ends before its return, or sticks to a surface.
-    """
-    n = ensemble.model.dimension
-    x = ensemble.x[:, points] if x is None else x
-    end, matrix = np.full((n, points.size), np.nan), np.full((points.size, n, n), np.nan)
-    for m in np.unique(multiple):
-        at = np.flatnonzero(multiple == m)
-        for these in np.array_split(at, -(-at.size // BATCH)):
-            e = Ensemble(
-                ensemble.model, ensemble.values[:, points[these]], x[:, these], orders=ensemble.orders,
-                steps=ensemble.point_steps[points[these]], method=ensemble.method, tangents=n, workers=ensemble.workers,
-                orthonormal=False, turn=ensemble.period[points[these]],
-            )  # fmt: skip
-            e.advance(int(m) * e.common_multiple)
-            end[:, these[e.running]] = e.x[:, e.running]
-            matrix[these[e.running]] = e.vectors[:, :, e.running].transpose(2, 1, 0)
-    return end, matrix
-
-
-def largest_multipliers(ensemble: Ensemble, points: NDArray[np.intp], multiple: NDArray[np.int64]) -> Array:
-    """Largest modulus of the multipliers over one return of some points that lie on periodic orbits.
-
-    Parameters as of `monodromies`.
+        A point of each orbit; the present states where absent.
 
     Returns
     -------
     array, shape like ``points``
         Infinite where the orbit ends before its return, or sticks to a surface.
     """
-    _, matrix = monodromies(ensemble, points, multiple)
-    return spectral_radius(matrix)
+    x, largest = ensemble.x[:, points] if x is None else x, np.empty(points.size)
+    for m, these in together(multiple):
+        largest[these] = spectral_radius(monodromies(ensemble, points[these], m, x[:, these]).matrix)
+    return largest
 
 
 def spectral_radius(matrix: Array) -> Array:

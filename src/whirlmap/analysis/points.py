@@ -16,7 +16,7 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.orders import order_groups
-from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes
+from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes, unit_sizes
 from whirlmap.integrate.system import System, periods
 from whirlmap.integrate.turns import choose_unforced_steps
 from whirlmap.kernels.formulas import HoistedFunction
@@ -95,6 +95,7 @@ def make_ensemble(
     workers: int | None = None,
     swarm: bool = False,
     turn: Array | None = None,
+    ranges: Array | None = None,
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Build the ensemble of a system at one or many operating points.
 
@@ -118,6 +119,8 @@ def make_ensemble(
 
     turn : array, shape (point,), optional
         T of the points of an unforced model, where it is known; the typical time where absent.
+    ranges : array, shape (state, point), optional
+        Of the states over the motion, in which lengths of tangent vectors are measured; where absent `first_sizes`.
 
     Returns
     -------
@@ -147,12 +150,18 @@ def make_ensemble(
     usual = ACCURACY if forced else UNFORCED_ACCURACY
     wanted = (usual if accuracy is None else accuracy) if steps is None else None
     options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted, "turn": turn}
+    sizes = None
+    if tangents:
+        period = periods(system.model, values)
+        known = first_sizes(system.model, values, x) if ranges is None else np.nan_to_num(ranges)
+        sizes = unit_sizes(system.model, period, known)
     if wanted is None:
-        return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, **options), found
+        return Ensemble(system.model, values, x, steps=cast(Any, steps), tangents=tangents, sizes=sizes, **options), found
     choose = choose_steps if forced else choose_unforced_steps
     rungs = choose(Ensemble(system.model, values, x, steps=LADDER[0], **options), wanted)
     least = TANGENT_STEPS if tangents else 1
     cyclic = np.array([s.cyclic is not None for s in system.model.states])[:, None]
+    options["sizes"] = sizes
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
     if system.model.bound is None:  # of a start at rest the motion itself says what is large

@@ -47,7 +47,7 @@ def extremes_of_record(
     finer = np.where(multiple > 0, FINER, OPEN_FINER)
     least = KINKED_EXTREMES if sided(ensemble.model).surfaces else EXTREMES_STEPS
     steps = np.maximum(finer * ensemble.point_steps[members], least)
-    once = np.minimum(multiple * ensemble.common_multiple, kept)  # one return
+    once = multiple * ensemble.strobe  # one return
     if ensemble.model.forced:
         fine = ensemble.subset(members, steps=steps)
     else:

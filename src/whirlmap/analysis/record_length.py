@@ -73,9 +73,8 @@ def spectrum_periods(system: System, least: int, turns: int = SEEN) -> int:
     forced line stands on a bin. Where not, it stands between two, and the window spreads it.
     """
     wanted = max(least, min(_whole(turns * slowest_turn(system)), LONGEST))
-    common = system.common_multiple if system.orders is not None else 0
-    whole = -(-wanted // common) * common if common else 0
-    return whole if common and whole <= STRETCHED * wanted else wanted
+    whole = -(-wanted // system.common_multiple) * system.common_multiple
+    return whole if whole <= STRETCHED * wanted else wanted
 
 
 def _whole(periods: float) -> int:

@@ -16,7 +16,7 @@ Array = NDArray[np.float64]
 Points = NDArray[np.intp]
 
 #: Phases of the common period at which an equilibrium is tried.
-PHASES = 16
+PHASES, GOLDEN = 16, (5**0.5 - 1) / 2
 #: Rates at an equilibrium over those where the motion is, and where it was or their terms are large, that count as zero.
 ZERO, ROUNDING = 1e-6, 1e-12
 #: Growth per unit of time, times the common period, below which an equilibrium does not repel.
@@ -51,7 +51,8 @@ def resting_places(
     x = np.where(found & close, place, now)
     there = np.zeros(points.size, dtype=bool)
     sizes = (ZERO, ranges), (ROUNDING, moved)
-    times = np.arange(PHASES)[:, None] / PHASES * ensemble.common_multiple * ensemble.period[points]
+    # Spaced by the golden section: evenly spaced ones would meet a harmonic at few phases of its own.
+    times = (np.arange(PHASES) * GOLDEN % 1)[:, None] * (ensemble.common_multiple * ensemble.period[points])
     for form, members in variants(ensemble.model, values):
         evaluate = Evaluator.of(form, values[:, members], jacobian=True)
         here, least = (np.zeros((x.shape[0], members.size)) for _ in range(2))
@@ -106,16 +107,12 @@ def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
     Where the Jacobian does not change with time it is the largest real part of its eigenvalues; else it comes from the
     largest multiplier over a common period, which is no more accurate than the steps.
     """
-    time = ensemble.common_multiple * ensemble.period[points]
+    time = ensemble.strobe * ensemble.period[points]
     growth = _largest_real_part(ensemble, points, x) * time
     moving = np.flatnonzero(np.isnan(growth))
     if moving.size:
-        here = points[moving]
-        at = Ensemble(
-            ensemble.model, ensemble.values[:, here], x[:, moving], orders=ensemble.orders, steps=ensemble.point_steps[here],
-            method=ensemble.method, workers=ensemble.workers, turn=ensemble.period[here], beyond=ensemble.limits[:, here],
-        )  # fmt: skip
-        largest = largest_multipliers(at, np.arange(here.size), np.ones(here.size, dtype=np.int64))
+        once = np.ones(moving.size, dtype=np.int64)
+        largest = largest_multipliers(ensemble, points[moving], once, x[:, moving])
         with np.errstate(divide="ignore"):
             growth[moving] = np.log(np.maximum(largest, np.finfo(float).tiny))
     return np.asarray(np.where(growth <= NEUTRAL, growth / time, np.inf))

@@ -100,7 +100,32 @@ def settle_and_record(
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
     start = ensemble.x.copy()
     settled = settle_accurately(ensemble, settling, longest, cyclic, progress)
-    common, forced = ensemble.common_multiple, ensemble.model.forced
+    return record(ensemble, settled, settling, start=start, kept=kept, cyclic=cyclic, progress=progress)
+
+
+def record(
+    ensemble: Ensemble,
+    settled: Settled,
+    settling: Settling,
+    *,
+    start: Array | None = None,
+    kept: Sequence[int] | None = None,
+    cyclic: dict[int, float] | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Returns:
+    """Record and label points that have settled, in place.
+
+    Parameters
+    ----------
+    settled : Settled
+        How they did.
+    start : array, shape (state, point), optional
+        Where they began; where they are now where absent.
+    kept
+        As in `settle_and_record`.
+    """
+    start = ensemble.x.copy() if start is None else start
+    common, forced = ensemble.strobe, ensemble.model.forced
     periods = common * max(-(-settling.keep // common), 2)
     rows = list(range(ensemble.model.dimension) if kept is None else kept)
     section = np.full((periods, len(rows), ensemble.points), np.nan)
@@ -193,7 +218,7 @@ def _drift(ensemble: Ensemble, drift: Array) -> tuple[Array, NDArray[np.bool_]]:
         goes, means = drift_goes_on(ensemble, points, drift[:, points])
         swells[points[goes & ~means]] = True
         on = points[goes]
-        out[:, on] = drift[:, on] / (ensemble.common_multiple * ensemble.period[on])
+        out[:, on] = drift[:, on] / (ensemble.strobe * ensemble.period[on])
     return out, swells
 
 

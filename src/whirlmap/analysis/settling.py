@@ -17,7 +17,7 @@ Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,6 +143,10 @@ class Settled:
             np.full(n, np.nan), np.full(n, np.nan),
         )  # fmt: skip
 
+    def of(self, points: NDArray[np.intp]) -> "Settled":
+        """How some of the points settled."""
+        return Settled(*(getattr(self, one.name)[..., points] for one in fields(self)))
+
     def forget(self, points: NDArray[np.intp]) -> None:
         """Forget how far points moved that begin anew: with too few steps that was not their motion."""
         self.moved[:, points] = 0.0
@@ -188,7 +192,7 @@ def settle(
     Settled
         Points that ended, and points that did not return in the longest time, have multiple 0.
     """
-    common = ensemble.common_multiple
+    common = ensemble.strobe
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
     wide = np.ones(ensemble.points) if wide is None else wide
     pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))

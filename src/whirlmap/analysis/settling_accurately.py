@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.endings import confirm_ends, confirm_growth, restarted
-from whirlmap.analysis.settled_steps import LOST, steps_of_settled, wider_tolerance
+from whirlmap.analysis.settled_steps import CHECKED, LOST, steps_of_settled, wider_tolerance
 from whirlmap.analysis.settling import Settled, Settling, settle
 from whirlmap.analysis.settling_unforced import settle_unforced, trends_beyond
+from whirlmap.analysis.settling_without_returns import settle_without_returns
+from whirlmap.integrate.accuracy import Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -31,7 +33,7 @@ def settle_accurately(
     progress: Callable[[int], None] | None,
 ) -> Settled:  # fmt: skip
     """Settle, and settle on with more steps where the settled motion, or what lies before an end, needs them."""
-    how = _settle_forced if ensemble.model.forced else settle_unforced
+    how = settle_unforced if not ensemble.model.forced else _settle_forced if ensemble.returns else settle_without_returns
 
     def settle_part(part: Ensemble, members: NDArray[np.intp]) -> None:
         again = how(part, settling, longest[members], cyclic, progress)
@@ -83,9 +85,24 @@ def settle_accurately(
                 settled.forget(here)
                 part = restarted(ensemble, here, start, began, steps[which])
             settle_on(part, here)
+    _take_fewer_steps(ensemble, np.flatnonzero((settled.multiple == 0) & ensemble.running))
     # What steps are so wrong about has no return that could be believed.
     settled.multiple[ensemble.step_error > LOST] = 0
     return settled
+
+
+def _take_fewer_steps(ensemble: Ensemble, members: NDArray[np.intp]) -> None:
+    """Give points that go on without a return the steps that their motion asks for: their starts may have asked for more."""
+    members = members[ensemble.step_verdict[members] == Verdict.met]
+    if not (members.size and ensemble.model.forced):
+        return
+    assert ensemble.accuracy is not None
+    now = choose_steps(ensemble, ensemble.accuracy, members=members, sections=CHECKED)
+    fewer = (now.verdict == Verdict.met) & (now.steps < ensemble.point_steps[members])
+    if fewer.any():
+        here = members[fewer]
+        ensemble.absorb(ensemble.subset(here, steps=now.steps[fewer]), here)
+        ensemble.step_error[here] = now.error[fewer]
 
 
 def _settle_forced(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.crossing import run_with_crossings
 from whirlmap.analysis.divergence import missed, off_zero, swarm_divergence
-from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.labels.section_evidence import LEAST
 from whirlmap.analysis.lyapunov import BLOCKS, in_phase, mean_and_error
 from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.integrate.ensemble import Ensemble
@@ -20,8 +20,8 @@ Array = NDArray[np.float64]
 ENOUGH = (0.02, 0.002)
 #: Error of every exponent over the largest one, or over 2 pi/T, at least: rounding.
 ROUNDING = 1e-13
-#: T in the first stretch of its run; the run doubles until the error is small enough.
-FIRST_STRETCH = 512
+#: T in the first stretch of its run, which doubles until the error is small enough; T before, while vectors turn into place.
+FIRST_STRETCH, ALIGN = 512, 16
 
 
 @dataclass(frozen=True)
@@ -33,12 +33,12 @@ class TangentRun:
     value, error : array, shape (exponent,)
         Largest first, per unit of the model's time.
     running : array, shape (period, exponent)
-        Mean up to each common period.
+        Mean up to each T.
     section : array, shape (time, state, run)
     alive : array of bool, shape (run,)
         Which runs reached the end.
     periods : int
-        Common periods.
+        T.
     stopped : str
         Why the run stopped.
     rate : float
@@ -61,30 +61,18 @@ class TangentRun:
     divergence_error: float
     status: NDArray[np.int8]
 
-    def contraction(self, *, forced: bool) -> float | None:
-        """Rate at which the motion contracts to a cycle; None where it does not, or that was not measured.
-
-        An unforced cycle's first exponent is the zero of its time direction: the second one says how it contracts.
-        """
-        k = 0 if forced else 1
-        if k >= self.value.size or not self.value[k] < -3 * self.error[k]:
-            return None
-        if not forced and abs(self.value[0]) > max(3 * self.error[0], ENOUGH[1] * self.rate):
-            return None
-        return float(self.value[k])
-
 
 def run_with_section(
     ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None
 ) -> tuple[Array, Array]:
-    """Local exponents of successive common periods, and the section points met on the way.
+    """Local exponents of successive periods T, and the section points met on the way.
 
     Parameters
     ----------
     ensemble : Ensemble
         On its attractor, with tangent vectors; advanced in place.
     periods : int
-        Common periods that count (for an unforced model: typical times).
+        T that count (for an unforced model: typical times).
     align : int
         Those run before, while the tangent vectors turn into place.
 
@@ -93,17 +81,15 @@ def run_with_section(
     rates : array, shape (period, exponent, point)
         Per unit of time; NaN in points that ended.
     section : array, shape (time, state, point)
-        Once per common period, or the crossings of an unforced model, as many as each point has: the rows beyond are NaN.
+        Once per T, or the crossings of an unforced model, as many as each point has: the rows beyond are NaN.
     """
-    common = ensemble.common_multiple
-    ensemble.advance(align * common, progress=progress)
+    ensemble.advance(align, progress=progress)
     if ensemble.model.forced:
-        segment = ensemble.advance(periods * common, save_periods=common, progress=progress)
+        segment = ensemble.advance(periods, save_periods=1, progress=progress)
         growth, section = segment.growth, segment.saved
     else:
         section, _, growth = run_with_crossings(ensemble, periods, progress=progress)
-    local = growth.reshape(periods, -1, ensemble.tangents, ensemble.points).sum(axis=1)
-    rates = local / (common * ensemble.period)
+    rates = growth / ensemble.period
     rates[:, :, ensemble.status != Status.ok] = np.nan
     return rates, section
 
@@ -129,7 +115,7 @@ def exponents_to_error(
     multiple : int
         Common periods (of an unforced model: crossings) after which the motion returns, 0 where it does not.
     least, most : int
-        Common periods run at least, for the section, and at most.
+        T run at least, for the section, and at most; whole returns.
 
     Notes
     -----
@@ -143,15 +129,17 @@ def exponents_to_error(
     rate = 2 * np.pi / float(ensemble.period.max())  # of one operating point
     pieces: list[Array] = []
     sections: list[Array] = []
-    done, stretch = 0, min(max(FIRST_STRETCH // ensemble.common_multiple, BLOCKS, least), most)
+    cycle = ensemble.strobe * max(multiple, 1) if ensemble.model.forced else 1  # whole returns: within one rates change
+    whole = lambda periods: -(-periods // cycle) * cycle  # noqa: E731
+    done, stretch = 0, min(whole(max(FIRST_STRETCH, BLOCKS, least)), whole(most))
     while True:
-        rates, section = run_with_section(ensemble, stretch, align=16 if not pieces else 0, progress=progress)
+        rates, section = run_with_section(ensemble, stretch, align=0 if pieces else whole(ALIGN), progress=progress)
         pieces.append(rates)
         sections.append(_shared(section, ensemble.running))
         done += stretch
         rates = np.concatenate(pieces)
         good = ensemble.running
-        value, error = _swarm_mean(rates[:, :, good])
+        value, error = _swarm_mean(rates[:, :, good], cycle)
         if not good.any():
             reason = "no run went on to the end"
             break
@@ -159,9 +147,9 @@ def exponents_to_error(
             reason = "error small enough"
             break
         if done >= most:
-            reason = f"stopped at {done} common periods"
+            reason = f"stopped at {done} T"
             break
-        stretch = min(done, most - done)
+        stretch = min(done, max(whole(most) - done, cycle))
     divergence, spread = swarm_divergence(ensemble, good, multiple)
     error = np.maximum(np.maximum(error, floor), ROUNDING * np.abs(value).max(initial=rate))
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
@@ -175,14 +163,14 @@ def exponents_to_error(
     )  # fmt: skip
 
 
-def _swarm_mean(rates: Array) -> tuple[Array, Array]:
-    """Mean over runs, and its error."""
+def _swarm_mean(rates: Array, cycle: int) -> tuple[Array, Array]:
+    """Mean over runs, and its error, of rates per T, of which the forcing or the motion repeats after so many."""
     if rates.shape[2] == 0:
         return np.full(rates.shape[1], np.nan), np.full(rates.shape[1], np.nan)
-    means, errors = mean_and_error(rates)
+    means, errors = mean_and_error(rates, cycle)
     runs = means.shape[1]
     within = np.sqrt((errors**2).sum(axis=1)) / runs
     between = means.std(axis=1, ddof=1) / np.sqrt(runs) if runs > 1 else within
     half = rates.shape[0] // 2
     drift = np.abs(rates[:half].mean(axis=(0, 2)) - rates[half:].mean(axis=(0, 2))) / 4
-    return means.mean(axis=1), np.max([within, between, drift, in_phase(rates)], axis=0)
+    return means.mean(axis=1), np.max([within, between, drift, in_phase(rates, cycle)], axis=0)

@@ -9,7 +9,7 @@ thinning it stands.
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.evidence import largest_extents, moving_coordinates
+from whirlmap.analysis.labels.section_coordinates import largest_extents, moving_coordinates
 from whirlmap.analysis.winding import winding_numbers
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import stop_function

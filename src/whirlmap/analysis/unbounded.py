@@ -153,7 +153,7 @@ def label_trends(ensemble: Ensemble, points: Points, trends: Trends, moved: Arra
         out.regime[on], out.growth[on] = Regime.growing, rate[on]
     moves = np.flatnonzero(trends.drift.any(axis=0))
     if moves.size:
-        time = ensemble.common_multiple * ensemble.period[points[moves]]
+        time = ensemble.strobe * ensemble.period[points[moves]]
         goes, means = drift_goes_on(ensemble, points[moves], trends.drift[:, moves] * time)
         out.regime[moves[goes]] = np.where(means, Regime.drifting, Regime.growing)[goes]
         out.growth[moves[goes & ~means]] = 0.0  # in proportion to time

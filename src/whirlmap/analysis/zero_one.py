@@ -181,17 +181,17 @@ def remove_cycle(series: ArrayLike, *, most: int = 16, least_share: float = 0.9)
     rest, cycle = x - x.mean(axis=1, keepdims=True), np.ones(len(x), np.int64)
     whole = (rest**2).mean(axis=1)
     most = min(most, x.shape[1] // 8)
-    left = np.stack([whole] + [((x - _phase_means(x, m)) ** 2).mean(axis=1) for m in range(2, most + 1)])
+    left = np.stack([whole] + [((x - phase_means(x, m)) ** 2).mean(axis=1) for m in range(2, most + 1)])
     hops = left.min(axis=0) < (1 - least_share) * whole
     cycle[hops] = (left[:, hops] <= 2 * left[:, hops].min(axis=0)).argmax(axis=0) + 1
     for m in np.unique(cycle[hops & (cycle > 1)]):
         these = hops & (cycle == m)
-        rest[these] = x[these] - _phase_means(x[these], int(m))
+        rest[these] = x[these] - phase_means(x[these], int(m))
     return rest.T, cycle
 
 
-def _phase_means(x: Array, m: int) -> Array:
-    """Mean of every m-th sample of each row, repeated over the row."""
+def phase_means(x: Array, m: int) -> Array:
+    """Mean of every m-th sample of each row, shape (series, time), repeated over the row."""
     rounds = x.shape[1] // m
     means = x[:, : rounds * m].reshape(len(x), rounds, m).mean(axis=1)
     return means[:, np.arange(x.shape[1]) % m]

@@ -149,16 +149,14 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
 
 def _parse(path: Path) -> tuple[str, dict[str, Any]]:
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = path.read_bytes().decode("utf-8-sig")  # editors of Windows begin a file with a mark
         return text, tomllib.loads(text, parse_float=Decimal)
     except OSError as error:
         raise CaseError(f"{path}: cannot be read ({error.strerror})") from None
     except UnicodeDecodeError:
         raise CaseError(f"{path}: is not text in UTF-8, expected a TOML file") from None
     except tomllib.TOMLDecodeError as error:
-        hint = "; a switch and a table of the same name: write the switch in a table [switches]"
-        twice = hint if "overwrite" in str(error) else ""
-        raise CaseError(f"{path}: is not valid TOML: {error}{twice}") from None
+        raise CaseError(f"{path}: {entries.toml_fault(text, str(error))}") from None
     except (ValueError, RecursionError, ArithmeticError) as error:  # endless numbers or nesting
         raise CaseError(f"{path}: cannot be read as TOML: {error}") from None
 
@@ -176,13 +174,13 @@ def _body(
         grouped = isinstance(value, Mapping) and value and all(isinstance(v, Mapping) for v in value.values())
         if grouped or (key in sections and isinstance(value, Mapping)):
             for name, entry in _section(file, raw, key, value, family).items():
-                _put(layer, entries.given(file, raw, name, entry), family)
+                _put(layer, entries.given(file, raw, name, entry, _unit(family, name)), family)
             continue
         if key in family.switches:
             if value not in family.switches[key]:
                 raise CaseError(
                     f"{place(file, raw, key)}: {key}: found {value!r}, expected one of"
-                    f" {' | '.join(family.switches[key])}.{nearest(str(value), family.switches[key])}"
+                    f" {' | '.join(family.switches[key])}.{family.hint(str(value), family.switches[key])}"
                 )
             switches[key] = value
             continue
@@ -190,10 +188,17 @@ def _body(
             known = [*entries.RESERVED, *family.switches]
             raise CaseError(
                 f"{place(file, raw, key)}: found the unknown key {key!r} = {value!r}, expected one of"
-                f" {', '.join(known)}, or an entry.{nearest(key, known)}"
+                f" {', '.join(known)}, or an entry.{family.hint(key, known, value)}"
             )
-        _put(layer, entries.given(file, raw, key, value), family)
+        _put(layer, entries.given(file, raw, key, value, _unit(family, key)), family)
     return switches, layer
+
+
+def _unit(family: Family, name: str) -> str:
+    """Unit of a dimensional input of a family, also under the name that several share; 1 for anything else."""
+    groups = family.groups
+    found = groups.input(groups.shared.get(name, (name,))[0]) if groups else None
+    return found.unit if found else "1"
 
 
 def _section(file: str, raw: str, section: str, table: Mapping[str, Any], family: Family) -> Mapping[str, Any]:
@@ -202,7 +207,8 @@ def _section(file: str, raw: str, section: str, table: Mapping[str, Any], family
     if section not in known:
         allowed = f"one of {', '.join(known)}" if known else f"none: the model {family.name} has no dimensional inputs"
         raise CaseError(
-            f"{place(file, raw, section)}: found the unknown table [{section}], expected {allowed}.{nearest(section, known)}"
+            f"{place(file, raw, section)}: found the unknown table [{section}], expected {allowed}."
+            f"{family.hint(section, known)}"
         )
     for name in table:
         homes = [home for home, names in known.items() if name in names]

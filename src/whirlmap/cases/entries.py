@@ -11,6 +11,7 @@ from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_valida
 
 from whirlmap.equations.names import CASE_KEYS
 from whirlmap.errors import CaseError, nearest
+from whirlmap.units import example
 
 Text = Annotated[str, Field(min_length=1)]
 
@@ -98,8 +99,8 @@ def header(file: str, text: str, table: Mapping[str, Any]) -> Header:
         raise CaseError(f"{place(file, text, key)}: {key}: {_sentence(problem, found)}") from None
 
 
-def given(file: str, text: str, name: str, table: Any) -> Given:
-    """Check one entry of a case file.
+def given(file: str, text: str, name: str, table: Any, unit: str = "1") -> Given:
+    """Check one entry of a case file; ``unit`` is that of the quantity, for the example in a message.
 
     Raises
     ------
@@ -110,7 +111,7 @@ def given(file: str, text: str, name: str, table: Any) -> Given:
     if not isinstance(table, Mapping):
         raise CaseError(
             f"{where}: {name}: found {_shown(table)}, expected an entry such as"
-            f' {name} = {{ value = 1, unit = "1", assumed = "why" }} or with source = "key, place"'
+            f" {name} = {{ {_example(unit)}, assumed = \"why\" }} or with source = \"key, place\""
         )
     try:
         entry = Entry(**table)
@@ -118,6 +119,33 @@ def given(file: str, text: str, name: str, table: Any) -> Given:
         raise CaseError(f"{where}: {name}: {_sentence(error.errors()[0], table)}") from None
     note = f"source: {entry.source}" if entry.source else f"assumed: {entry.assumed}"
     return Given(name, entry.value, entry.unit, note, where, entry.only)
+
+
+def _example(unit: str) -> str:
+    value, _, written = example(unit).partition(" ")
+    return f'value = {value}, unit = "{written}"' if written else f"value = {value}"
+
+
+def toml_fault(text: str, problem: str) -> str:
+    """Say what is wrong with a text that is not TOML; a key that is given twice is named, with both lines."""
+    if not ("overwrite" in problem or "Cannot declare" in problem):
+        return f"is not valid TOML: {problem}"
+    at, lines = re.search(r"line (\d+)", problem), text.splitlines()
+    again = min(int(at[1]), len(lines)) if at else len(lines)
+    key, table = _key(lines[again - 1]), lines[again - 1].lstrip().startswith("[")
+    for number in range(again - 1, 0, -1):
+        other = lines[number - 1].lstrip().startswith("[")
+        if other == table and _key(lines[number - 1]) == key:
+            what = f"table [{key}]" if table else f"key {key!r}"
+            return f"found the {what} twice, in lines {number} and {again}; expected it once"
+        if other and not table:
+            break  # above it stands another table, where the key may come too
+    return f"is not valid TOML: {problem}; a switch and a table of the same name: write the switch in a table [switches]"
+
+
+def _key(line: str) -> str:
+    found = re.match(r"""\s*\[?\s*["']?([\w-]+)["']?\s*(?:=|\])""", line)
+    return found[1] if found else ""
 
 
 def place(file: str, text: str, key: str) -> str:

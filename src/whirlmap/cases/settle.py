@@ -20,7 +20,7 @@ from whirlmap.cases.entries import Given
 from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
-from whirlmap.errors import CaseError, ModelError, nearest
+from whirlmap.errors import CaseError, ModelError
 from whirlmap.units import read
 
 
@@ -229,7 +229,8 @@ class _Work:
         lines += [f"dimensional inputs: {' '.join(inputs)}"] if inputs else []
         lines += [f"switches: {' '.join(self.family.switches)}"] if self.family.switches else []
         raise CaseError(
-            f"{given.where}: {self.family.name} has no symbol {given.name!r}.{nearest(given.name, known)}\n  "
+            f"{given.where}: {self.family.name} has no symbol {given.name!r}."
+            f"{self.family.hint(given.name, known, given.value)}\n  "
             + "\n  ".join(lines)
         )
 

@@ -5,8 +5,10 @@ from typing import Any
 
 from whirlmap.cases.case import Case
 from whirlmap.cases.entries import Given
+from whirlmap.cases.settle import Settled, settle
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError
+from whirlmap.units import convert, example
 
 
 def template(case: Case) -> str:
@@ -28,11 +30,13 @@ def template(case: Case) -> str:
     for layer in case.layers:
         given |= layer
     inputs = {q.name: q for q in groups.inputs}
+    given = _at_a_speed(given, settle(case)) if "speed" in inputs else given
     shared = {name: shared for shared, names in groups.shared.items() for name in names}
     lines = [
         f"# A machine after {case.name}. Replace the numbers by yours, and say for each where it comes from:",
         '#   name = { value = 1.5, unit = "mm", source = "drawing 4711" }   or   assumed = "why"',
-        "# Lines that begin with # are inputs that this machine does not give. `whirlmap show` prints what follows.",
+        "# Lines that begin with # are inputs that this machine does not give, and switches as they are in force.",
+        "# `whirlmap show` prints what follows.",
         f'model = "{case.family.name}"',
         f'description = """\n{case.description.strip()}\n"""',
         "",
@@ -47,20 +51,34 @@ def template(case: Case) -> str:
     return "\n".join(lines) + "\n"
 
 
+def _at_a_speed(given: Mapping[str, Given], settled: Settled) -> dict[str, Given]:
+    """Say the speed of a machine in rpm, to four digits, in place of the number s that a case may give instead."""
+    groups = settled.case.family.groups
+    if groups is None or "s" not in given or "speed" in settled.inputs:
+        return dict(given)
+    known = {name: one.value for name, one in settled.inputs.items()} | {"speed": 1.0}
+    of_one, _ = groups.evaluate("s", settled.switches, known)
+    rpm = float(f"{convert(float(settled.values['s']) / float(of_one), 'rad/s', 'rpm'):.4g}")
+    why = f"assumed: s = {given['s'].written} of {settled.case.name}"
+    speed = Given("speed", int(rpm) if rpm == int(rpm) else rpm, "rpm", why)
+    return {name: one for name, one in given.items() if name != "s"} | {"speed": speed}
+
+
 def _switches(case: Case) -> Iterable[str]:
+    in_force = settle(case).switches
     for name, choices in case.family.switches.items():
         chosen = case.switches.get(name)
         meaning = case.family.meanings.get(name, "")
-        text = f'{name} = "{chosen}"' if chosen else f'# {name} = "{choices[0]}"'
+        text = f'{name} = "{chosen}"' if chosen else f'# {name} = "{in_force[name]}"'
         yield f"{text}  # {' | '.join(choices)}: {meaning}"
 
 
 def _line(name: str, q: Parameter, given: Mapping[str, Given], shared: Mapping[str, str]) -> str:
     if name in given:
         return f"{_entry(name, given[name])}  # {q.meaning}"
-    unit = "" if q.unit == "1" else f', unit = "{q.unit}"'
+    unit = "" if q.unit == "1" else f', unit = "{example(q.unit).partition(" ")[2] or q.unit}"'
     both = f" (or {shared[name]} for all of its kind)" if name in shared else ""
-    return f'# {name} = {{ value = 0{unit}, assumed = "" }}  # {q.meaning}{both}'
+    return f'# {name} = {{ value = "?"{unit}, assumed = "?" }}  # {q.meaning}{both}'
 
 
 def _entry(name: str, one: Given) -> str:

@@ -21,15 +21,6 @@ EXAMPLES = (
     "whirlmap attractors gear_backlash --set Omega=1.0 --set F_ah=0.2 --set zeta=0.05 --box x=-3:3 --box v=-2:2",
 )
 
-Lyapunov = Annotated[
-    int,
-    typer.Option(
-        "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
-        help="Common periods over which the largest Lyapunov exponent of each attractor is measured and its section"
-        " judged; 256 or more.",
-    ),
-]  # fmt: skip
-
 
 def attractors(
     case: options.CaseName,
@@ -51,7 +42,7 @@ def attractors(
     transient: options.Transient = 100,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: Lyapunov = 512,
+    lyapunov: options.Lyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,
@@ -71,9 +62,11 @@ def attractors(
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.attractors import attractors as find
+    from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
+    refuse_points([starts])
     with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet) as progress:
         ds = find(
             system, starts=starts, box=boxes or None, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps,
@@ -124,7 +117,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
 
 
 def _vote(vote: Any) -> str:
-    from whirlmap.analysis.regime import Vote
+    from whirlmap.analysis.labels.votes import Vote
 
     return Vote(int(vote)).name
 

@@ -5,7 +5,7 @@ from typing import Annotated
 import typer
 
 from whirlmap.cli import options, pictures, report
-from whirlmap.cli.attractors import Lyapunov, say_attractors, summary
+from whirlmap.cli.attractors import say_attractors, summary
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import RangeError
@@ -30,7 +30,7 @@ def basins(
     transient: options.Transient = 100,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: Lyapunov = 512,
+    lyapunov: options.Lyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,
@@ -45,10 +45,12 @@ def basins(
     Starts that end in contact, diverge, or stay undecided are shown as such, and belong to no attractor.
     """
     from whirlmap.sweep.grid import Range
+    from whirlmap.sweep.memory import refuse_points
 
     ranges = [Range.parse(text) for text in grid]
     if len(ranges) != 2 or ranges[0].name == ranges[1].name:
         raise RangeError(f"--grid: found {' and '.join(r.name for r in ranges)}, expected two different states")
+    refuse_points(r.count for r in ranges)
     destination = claim(out, "basins", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling

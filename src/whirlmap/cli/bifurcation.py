@@ -57,15 +57,7 @@ def bifurcation(
     ] = 64,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: Annotated[
-        int,
-        typer.Option(
-            "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
-            help="Common periods over which points that do not return have their largest Lyapunov exponent"
-            " measured at most: each stops when it is labelled and sure enough; 0: not measured, else 16 or more. From"
-            " 256 on they are labelled quasi-periodic or chaotic where the evidence agrees.",
-        ),
-    ] = 1024,
+    lyapunov: options.Lyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,

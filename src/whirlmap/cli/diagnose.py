@@ -45,9 +45,9 @@ def diagnose(
         int,
         typer.Option(
             "--max-periods", metavar="N", min=32, max=100_000_000, rich_help_panel=options.COMPUTING,
-            help="Common periods after which the exponents stop, whatever their error.",
+            help="T after which the exponents stop, whatever their error.",
         ),
-    ] = 3200,
+    ] = 16384,
     points: Annotated[
         int,
         typer.Option(
@@ -104,12 +104,13 @@ def diagnose(
                          "  try: whirlmap diagnose --help")  # fmt: skip
     destination = claim(out, "diagnose", force=force)
     system = options.open_system(case, changes, start)
-    from whirlmap.analysis.diagnosis import RUNS, verdict_json
+    from whirlmap.analysis.diagnosis import RUNS
     from whirlmap.analysis.diagnosis import diagnose as measure
+    from whirlmap.analysis.diagnosis_json import verdict_json
     from whirlmap.analysis.settling import Settling
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
-    longest = RUNS * system.common_multiple * (transient + 4 * most + max_periods + points // RUNS)
+    longest = RUNS * (system.strobe * (transient + 4 * most + points // RUNS) + max_periods)
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
         found = measure.find(
             system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
@@ -134,12 +135,16 @@ def headline(verdict: dict[str, Any]) -> str:
         many = verdict["period_common"]
         words.append(f"{many} common period{'s' if many != 1 else ''}")
         words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
+    elif verdict["regime"] == "locked":
+        n = verdict["period"]
+        words.append(f"{'' if n is None else f'{n}-fold '}to a forcing without a common period")
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
     elif verdict["regime"] == "not-settled":
-        turns = report.number(verdict["winding"])
-        words.append(f"{turns} turns per T, a film thins as time to the power {report.number(verdict['thinning'])}")
+        turns, power = (report.number(verdict[name]) for name in ("winding", "thinning"))
+        film = f"{turns} turns per T, a film thins as time to the power {power}"
+        words.append("contracts to an orbit that was not reached" if verdict["thinning"] is None else film)
     elif verdict["regime"] == "drifting":
         words.append(f"{verdict['drift_state']} by {report.number(verdict['drift_rate'])} per unit of time")
     elif verdict["regime"] in ("growing", "at-rest") and verdict["growth_rate"] is not None:
@@ -148,8 +153,8 @@ def headline(verdict: dict[str, Any]) -> str:
 
 
 def _print(verdict: dict[str, Any]) -> None:
-    agree = 100 * (verdict["confidence"] or 0)
-    typer.echo(f"status: {verdict['status']}; {agree:.0f} % of the start states agree")
+    agree = f"{verdict['starts_agree']} of {verdict['starts']} start states agree"
+    typer.echo(f"status: {verdict['status']}; {agree}; confidence {report.percent(verdict['confidence'] or 0.0)}")
     columns_of = (verdict[key] for key in ("lyapunov", "lyapunov_error", "lyapunov_per_common_period"))
     rows: list[tuple[Any, ...]] = [
         (str(i), report.with_error(v, e), c) for i, (v, e, c) in enumerate(zip(*columns_of, strict=True), 1)

@@ -82,8 +82,10 @@ def improve(
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.loading import load
     from whirlmap.sweep.improve import improve_in_batches
+    from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
 
+    refuse_points(r.count for r in ranges.values())
     allowed = limit_of(system, limit)
     at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
     designs = int(np.prod([r.count for r in ranges.values()]))

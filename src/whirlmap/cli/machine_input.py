@@ -1,5 +1,6 @@
 """Speeds, limits and tolerances of a machine as they are written on the command line."""
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -8,6 +9,11 @@ from whirlmap.errors import CaseError, InputError, RangeError, nearest
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
+
+
+#: Plain numbers are in the model's own measures. Beyond these, of a machine with dimensions, a unit was left out: no limit
+#: of vibration is ten clearances, and no rotor runs at twenty times the speed that its frequencies are counted in.
+MOST_CLEARANCES, MOST_S = 10.0, 20.0
 
 
 def given(system: "System", name: str) -> float | None:
@@ -41,8 +47,11 @@ def limit_of(system: "System", text: str | None) -> float:
                 f"--limit: found {text!r}, but {system.case} has no dimensions; expected a number of its lengths"
             ) from None
         return _read(text, "m", "--limit") / clearance
-    if clearance is not None and plain > 100:
-        raise InputError(f'--limit: found {text} clearances, expected a length with its unit, as in "20 um", or fewer')
+    if clearance is not None and plain > MOST_CLEARANCES:
+        raise InputError(
+            f'--limit: found {text} without a unit, which is {text} clearances, expected a length with its unit, as in'
+            ' "20 um"'
+        )
     return plain
 
 
@@ -63,6 +72,14 @@ def range_of(system: "System", text: str | None) -> tuple[float, float]:
     for part in parts:
         try:
             ends.append(float(part))
+            if scale == scale and ends[-1] > MOST_S:
+                rpm = ends[-1] * scale * 30 / math.pi
+                raise InputError(
+                    f'--range: found {text!r} without units, which are values of s up to {rpm:.3g} rpm, expected speeds with'
+                    ' their unit, as in "500 rpm:6000 rpm"'
+                )
+        except InputError:
+            raise
         except ValueError:
             if not scale == scale:
                 raise InputError(

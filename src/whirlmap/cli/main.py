@@ -30,7 +30,7 @@ from whirlmap.cli import (
     simulate,
     speeds,
 )
-from whirlmap.cli.messages import UsageError, complain, given_twice, plain_words, say
+from whirlmap.cli.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
 from whirlmap.errors import WhirlmapError
 from whirlmap.results.files import WRITTEN
 
@@ -141,4 +141,5 @@ for module in (
 
 def run() -> None:
     """Entry point of the program."""
+    plain_letters()
     app(prog_name="whirlmap")

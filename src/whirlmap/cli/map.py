@@ -117,14 +117,7 @@ def map(  # noqa: A001 (the command's name)
     transient: options.Transient = 100,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: Annotated[
-        int,
-        typer.Option(
-            "--lyapunov", metavar="N", rich_help_panel=options.COMPUTING,
-            help="Common periods over which points that do not return have their largest Lyapunov exponent measured;"
-            " 0: not measured; fewer than 256 leave them undecided.",
-        ),
-    ] = 256,
+    lyapunov: options.Lyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,
@@ -168,8 +161,8 @@ def map(  # noqa: A001 (the command's name)
     quantity = _quantity(system, plot)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
+    from whirlmap.analysis.labels.labelling import Labelling
     from whirlmap.analysis.settling import Settling
-    from whirlmap.sweep.points import Labelling
     from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
@@ -283,15 +276,18 @@ def _space(
 ) -> "Space":  # fmt: skip
     from whirlmap.cli.bifurcation import refuse_input
     from whirlmap.sweep.grid import Range
+    from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.tolerances import Tolerance
 
-    axes = {}
+    ranges: dict[str, Range] = {}
     for text in vary or ():
         swept = Range.parse(text)
-        if swept.name in axes:
+        if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
-        axes[swept.name] = swept.values
+        ranges[swept.name] = swept
+    refuse_points([*(swept.count for swept in ranges.values()), *([draws] if draws else [])])
+    axes = {name: swept.values for name, swept in ranges.items()}
     texts = options.assignments(draw, "--draw")
     if bool(texts) != (draws is not None):
         raise InputError("--draw and --draws go together: which parameters, and how many draws")
@@ -349,9 +345,16 @@ def _say_status(folder: Path, *, json: bool) -> None:
     if json:
         report.print_json(s)
         return
-    state = "complete" if s["chunks_done"] == s["chunks"] else "running" if s["running"] else "not running"
+    damaged = s["chunks_damaged"] or s["lost"]
+    whole = s["chunks_done"] == s["chunks"] and not damaged
+    state = "complete" if whole else "running" if s["running"] else "damaged" if damaged else "not running"
     typer.echo(f"{s['store']}: {state}")
     typer.echo(f"{s['chunks_done']} of {s['chunks']} chunks, {s['points_done']} of {s['points']} points")
+    if s["lost"]:
+        typer.echo(f"lost: {', '.join(s['lost'])}; the same command with --resume puts them back")
+    if s["chunks_damaged"]:
+        numbers = ", ".join([*(str(n) for n in s["damaged"][:6]), *(["..."] if len(s["damaged"]) > 6 else [])])
+        typer.echo(f"{s['chunks_damaged']} damaged chunks ({numbers}): --resume computes them again")
     if 0 < s["points_computed"] < s["points_done"]:
         typer.echo(f"computed {s['points_computed']} of them, the others are inferred")
     if s["seconds_since"] is not None:

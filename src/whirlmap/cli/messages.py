@@ -1,6 +1,9 @@
 """What the command line says to people: on standard error, in one piece, in plain words."""
 
+import codecs
+import io
 import sys
+import unicodedata
 from collections.abc import Sequence
 from typing import Any
 
@@ -21,6 +24,31 @@ _EXPECTED = {
 }
 _LIMITS = {"greater_than_equal": ("ge", "at least"), "less_than_equal": ("le", "at most"),
            "greater_than": ("gt", "above"), "less_than": ("lt", "below")}  # fmt: skip
+
+
+#: What stands for letters that an encoding does not have.
+_PLAIN = {"•": "*", "·": "*", "×": "x", "°": "deg ", "–": "-", "—": "-", "…": "...", "≤": "<=", "≥": ">=", "±": "+-",
+          "µ": "u", "μ": "u", "’": "'", "“": '"', "”": '"'}  # fmt: skip
+
+
+def plain_letters() -> None:
+    """Have standard output and error write what stands nearest to a letter that their encoding does not have.
+
+    Without this an ASCII terminal ends ``--help`` in a traceback.
+    """
+    codecs.register_error("whirlmap_plain", _nearest_letters)
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, io.TextIOWrapper) and not stream.encoding.lower().startswith("utf"):
+            stream.reconfigure(errors="whirlmap_plain")
+
+
+def _nearest_letters(error: UnicodeError) -> tuple[str, int]:
+    assert isinstance(error, UnicodeEncodeError)
+    made = []
+    for letter in error.object[error.start : error.end]:
+        bare = unicodedata.normalize("NFKD", letter).encode("ascii", "ignore").decode()
+        made.append(_PLAIN.get(letter) or bare or "?")
+    return "".join(made), error.end
 
 
 def say(text: str) -> None:

@@ -1,6 +1,6 @@
 """Where a command's results go: refused before anything is computed, written complete or not at all."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,24 +23,59 @@ class Destination:
     force: bool
 
     def write(self, found: "xr.Dataset | Findings", draw: Draw) -> list[Path]:
-        """Write the Dataset, the picture or both; returns the files written."""
+        """Write the Dataset, the picture or both; returns the files written.
+
+        Raises
+        ------
+        DiskFullError
+            The disk has no room; what could be written on another is named.
+        """
         if self.places is None:
             return []
-        from whirlmap.results.files import check_writable, write
+        from whirlmap.results.files import write
         from whirlmap.results.findings import Findings
 
         dataset = found.dataset() if isinstance(found, Findings) else found
-        written = []
+        kinds: list[tuple[Path | None, Callable[[Path], Path]]] = [
+            (self.places.dataset, lambda place: write(dataset, place, force=self.force)),
+            (self.places.picture, lambda place: self._picture(draw(dataset), place)),
+        ]
         if self.places.folder is not None:
             self.places.folder.mkdir(exist_ok=True)
-        if self.places.dataset is not None:
-            written.append(write(dataset, self.places.dataset, force=self.force))
-        if self.places.picture is not None:
-            from whirlmap.plot.save import save
+        return write_all(kinds)
 
-            check_writable(self.places.picture, force=self.force)
-            written.append(save(draw(dataset), self.places.picture))
-        return written
+    def _picture(self, figure: Any, place: Path) -> Path:
+        from whirlmap.plot.save import save
+        from whirlmap.results.files import check_writable
+
+        check_writable(place, force=self.force)
+        return save(figure, place)
+
+
+def write_all(kinds: Sequence[tuple[Path | None, Callable[[Path], Path]]]) -> list[Path]:
+    """Write files, each by its own ``fill(place)``; what a full disk refuses goes to another one.
+
+    Raises
+    ------
+    DiskFullError
+        Where a disk had no room, saying what was kept instead.
+    """
+    from whirlmap.results.files import DiskFullError, elsewhere
+
+    written, kept, faults = list[Path](), list[Path](), list[str]()
+    for place, fill in kinds:
+        if place is None:
+            continue
+        try:
+            written.append(fill(place))
+        except DiskFullError as error:
+            faults.append(str(error))
+            if (other := elsewhere(fill, place.name, place.parent)) is not None:
+                kept.append(other)
+    if faults:
+        end = f"; kept instead: {' '.join(map(str, kept))}" if kept else "; no other disk had room for it"
+        raise DiskFullError("; ".join(faults) + end)
+    return written
 
 
 def claim(out: Path | None, name: str, *, force: bool) -> Destination:

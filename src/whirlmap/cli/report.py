@@ -2,6 +2,7 @@
 
 import json
 import math
+import os
 import sys
 from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
@@ -14,7 +15,7 @@ from whirlmap.cli.messages import say
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
-#: Columns of a table that is piped into a file, where no terminal says how wide it is.
+#: Columns of a table that is piped into a file, where neither a terminal nor COLUMNS says how wide it is.
 WIDE = 160
 
 
@@ -22,7 +23,9 @@ def console() -> "Console":
     """Return the console for standard output."""
     from rich.console import Console
 
-    return Console(width=None if sys.stdout.isatty() else WIDE, highlight=False, soft_wrap=False, markup=False)
+    columns = os.environ.get("COLUMNS", "")
+    width = None if sys.stdout.isatty() else int(columns) if columns.isdecimal() and int(columns) else WIDE
+    return Console(width=width, highlight=False, soft_wrap=False, markup=False)
 
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()) -> Any:
@@ -73,7 +76,8 @@ def with_error(value: Any, error: Any) -> str:
 
 def print_json(content: Mapping[str, Any]) -> None:
     """Print one JSON object, and nothing else, on standard output; what is not finite is null."""
-    sys.stdout.write(json.dumps(jsonable(content), ensure_ascii=False, allow_nan=False) + "\n")
+    unicode = (sys.stdout.encoding or "").lower().startswith("utf")  # elsewhere letters are escaped, not replaced
+    sys.stdout.write(json.dumps(jsonable(content), ensure_ascii=not unicode, allow_nan=False) + "\n")
 
 
 def jsonable(value: Any) -> Any:

@@ -80,7 +80,8 @@ def longest(quality: str, cases: Sequence[str] | None = None) -> int:
 
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling
-    points = speeds(level).size * (sweep.transient + 4 * sweep.most + 2 * level.exponent_periods)
-    runs = RUNS * (orbit.transient + 4 * orbit.most + level.most_periods) + level.points
+    at = speeds(level).size
+    settled = at * (sweep.transient + 4 * sweep.most) + RUNS * (orbit.transient + 4 * orbit.most) + level.points
+    exponents = 2 * at * level.exponent_periods + RUNS * level.most_periods
     editions = EDITIONS if cases is None else [edition_of(case) for case in cases]
-    return sum(load(edition.case).common_multiple for edition in editions) * len(PSI) * (points + runs)
+    return len(PSI) * sum(load(edition.case).common_multiple * settled + exponents for edition in editions)

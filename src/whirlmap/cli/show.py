@@ -124,8 +124,8 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "start_found": bool(found[0]),
         "forced": model.forced,
         "period": system.period,
-        "common_multiple": system.common_multiple if system.orders is not None else None,
-        "common_period": system.common_period if system.orders is not None else None,
+        "common_multiple": system.common_multiple if system.repeats else None,
+        "common_period": system.common_period if system.repeats else None,
         "clocks": _clocks(system),
         "sources": {key: references()[key].text for key in model.sources if key in references()},
     }  # fmt: skip
@@ -172,7 +172,10 @@ def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
         why = "; a film that carries nothing at rest has no derivative there" if still and sprung else ""
         made.append(f"no static equilibrium was found: a run begins beside the clearance centre instead{why}")
     if facts["common_multiple"] is None:
-        made.append("an order of a harmonic is not a ratio p/q with q up to 10000: there is no common period")
+        made.append(
+            "the forcing has no common period (an order of a harmonic is no ratio p/q with q up to 10000): no return is"
+            " sought, and motion that has no frequency but the forcing's is called locked"
+        )
     if still and switches.get("arc") == "positive" and not sprung:
         made.append(
             f"{' and '.join(still)} = 0: a damper that does not rotate carries no weight; without a centring"

@@ -6,7 +6,7 @@ import typer
 
 from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import say
-from whirlmap.cli.outputs import claim
+from whirlmap.cli.outputs import claim, write_all
 from whirlmap.cli.progress import Progress
 
 if TYPE_CHECKING:
@@ -80,7 +80,8 @@ def simulate(
         raise KeyboardInterrupt
     files = destination.write(work.dataset, lambda ds: pictures.simulation(system, ds))
     if table is not None:
-        files.append(write_series(work.dataset, table, force=force))
+        made = work.dataset
+        files += write_all([(table, lambda place: write_series(made, place, force=force))])
     report.say_doubts(work.dataset.attrs)
     facts = summary(system, work.dataset)
     if json:
@@ -91,6 +92,9 @@ def simulate(
     if not work.complete:
         say(f"interrupted after {work.done} of {work.total} T; these were kept")
         raise typer.Exit(130)
+    if facts["status"] not in ("ok", "contact", "diverged"):
+        say(f"the run was not finished: {facts['status']} at time {facts['end_time']:.9g}")
+        raise typer.Exit(1)  # those three are motions of the machine; anything else is a run that could not go on
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:

@@ -91,11 +91,13 @@ def speeds(
 
     from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.machines import safe_probability
+    from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
     from whirlmap.sweep.speeds import safe_speeds
 
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
+    refuse_points([points])
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
     judged = points * (3 if follow else 1) * (1 + (draws if tolerances else 0))
     with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet) as progress:

@@ -1,6 +1,7 @@
 """A model: an immutable value that says what a system is, and nothing about how it is computed."""
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from itertools import islice, product
 from typing import TYPE_CHECKING, Literal, TypeVar
@@ -216,6 +217,8 @@ class Family:
     vocabulary : tuple of Parameter
         Parameters that only some of the models have. Needed where the switches have more choices together than are
         worth declaring (`TRIED`); found by declaring all of them otherwise.
+    absent : mapping of str to str
+        Beginnings of words for what users look for and the model does not have, and a sentence that says so.
     """
 
     name: str
@@ -225,6 +228,7 @@ class Family:
     default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda _: {}
     groups: "Groups | None" = None
     vocabulary: tuple[Parameter, ...] = ()
+    absent: Mapping[str, str] = field(default_factory=dict)
     _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
 
     def model(self, **chosen: str) -> Model:
@@ -237,12 +241,12 @@ class Family:
         """
         for name, value in chosen.items():
             if name not in self.switches:
-                raise ModelError(f"model {self.name!r} has no switch {name!r}.{nearest(name, self.switches)}")
+                raise ModelError(f"model {self.name!r} has no switch {name!r}.{self.hint(name, self.switches, value)}")
             if value not in self.switches[name]:
                 allowed = " | ".join(self.switches[name])
                 raise ModelError(
                     f"switch {name!r} of {self.name!r} cannot be {value!r}; it is one of {allowed}."
-                    f"{nearest(str(value), self.switches[name])}"
+                    f"{self.hint(str(value), self.switches[name])}"
                 )
         settled = {name: choices[0] for name, choices in self.switches.items()}
         settled |= self.default(settled | chosen)
@@ -251,6 +255,15 @@ class Family:
         if key not in self._made:  # equal switches are the same object, so that kernels are found again
             self._made[key] = self.declare(**settled)
         return self._made[key]
+
+    def hint(self, name: str, known: Iterable[str], value: object = "") -> str:
+        """Say that the model lacks what an unknown name or its value asks for, else suggest the nearest known name."""
+        asked = re.findall(r"[a-z]+", f"{name} {value}".casefold().replace("_", " "))
+        for word in asked:
+            for begins, sentence in self.absent.items():
+                if word.startswith(begins):
+                    return f" {sentence[:1].upper()}{sentence[1:]}."
+        return nearest(name, known)
 
     def symbols(self) -> frozenset[str]:
         """Names of the parameters of all its models, whatever the switches."""

@@ -81,7 +81,7 @@ class State(Quantity):
     ) -> "State":
         """Create the state."""
         made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
-        made.start, made.cyclic = float(start), cyclic
+        made.start, made.cyclic = float(start), None if cyclic is None else float(cyclic)
         return made
 
 

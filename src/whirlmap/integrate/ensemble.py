@@ -9,7 +9,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
-from math import ceil, lcm
+from math import ceil
 from typing import Literal
 
 import numpy as np
@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
+from whirlmap.integrate.orders import common_multiple, strobe
 from whirlmap.integrate.scales import limits, tangent_sizes
 from whirlmap.integrate.system import periods
 from whirlmap.kernels.lanes import UNKNOWN
@@ -224,7 +225,17 @@ class Ensemble:
     @property
     def common_multiple(self) -> int:
         """Number of T in the common period."""
-        return lcm(*(o.denominator for o in self.orders)) if self.orders else 1
+        return common_multiple(self.orders)
+
+    @property
+    def strobe(self) -> int:
+        """Number of T between section points that show returns: the common period, or one T where that is too long."""
+        return strobe(self.orders)
+
+    @property
+    def returns(self) -> bool:
+        """Whether a return can be seen: the forcing itself repeats within a reasonable time, or there is none."""
+        return self.strobe == self.common_multiple
 
     @property
     def trial_periods(self) -> int:

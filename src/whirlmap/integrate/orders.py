@@ -5,7 +5,7 @@ the ratio of two frequencies depends on a varied parameter, points are grouped b
 ensemble of its own.
 """
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
@@ -18,12 +18,20 @@ from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
-from whirlmap.integrate.system import System, exact_order, frequencies
+from whirlmap.integrate.system import LONGEST, System, frequencies, nearest_order
 
 Array = NDArray[np.float64]
 
-#: Longest common period, in T, that a point of a sweep may have. A settled motion is seen over hundreds of common periods.
-LONGEST = 1000
+
+def common_multiple(orders: Sequence[Fraction]) -> int:
+    """Number of T in the common period of harmonics with these orders over the fastest."""
+    return lcm(*(order.denominator for order in orders)) if orders else 1
+
+
+def strobe(orders: Sequence[Fraction]) -> int:
+    """Number of T between section points that show returns: the common period, or one T where it is above `LONGEST`."""
+    common = common_multiple(orders)
+    return common if common <= LONGEST else 1
 
 
 @dataclass(frozen=True)
@@ -36,7 +44,12 @@ class OrderGroup:
     @property
     def common_multiple(self) -> int:
         """Number of T in the common period."""
-        return lcm(*(order.denominator for order in self.orders)) if self.orders else 1
+        return common_multiple(self.orders)
+
+    @property
+    def strobe(self) -> int:
+        """Number of T between section points that show returns."""
+        return strobe(self.orders)
 
 
 def orders_vary(model: Model, names: Iterable[str]) -> bool:
@@ -70,24 +83,18 @@ def order_groups(system: System, values: Array, varied: Iterable[str]) -> list[O
     Raises
     ------
     RangeError
-        Naming the point: two of its frequencies have no ratio p/q with q up to 10 000, or its common period is longer than
-        `LONGEST`.
+        All frequencies of a point are zero.
     """
     varied, points = tuple(varied), values.shape[1]
     if not orders_vary(system.model, varied):
-        if system.orders is None:
-            raise RangeError(_no_common_period(system, values[:, :1], ()))
         return [OrderGroup(np.arange(points), system.orders)]
     rates = frequencies(system.model, values)
     fastest = np.abs(rates).max(axis=0)
     if not np.all(fastest > 0):
         raise RangeError(f"{system.model.name}: every declared harmonic has frequency zero, so there is no period T")
     distinct, index = np.unique(rates / fastest, return_inverse=True)
-    exact = [exact_order(float(ratio), "order") for ratio in distinct]
+    exact = [nearest_order(float(ratio)) for ratio in distinct]
     index = index.reshape(rates.shape)
-    irrational = np.array([order is None for order in exact])[index].any(axis=0)
-    if irrational.any():
-        raise RangeError(_no_common_period(system, values[:, [int(np.argmax(irrational))]], varied))
     known = {order: number for number, order in enumerate(dict.fromkeys(exact))}
     codes = np.array([known[order] for order in exact])[index]
     rows, of = np.unique(codes, axis=1, return_inverse=True)
@@ -95,45 +102,4 @@ def order_groups(system: System, values: Array, varied: Iterable[str]) -> list[O
     groups = [
         OrderGroup(np.flatnonzero(of.ravel() == k), tuple(fractions[code] for code in row)) for k, row in enumerate(rows.T)
     ]  # fmt: skip
-    longest = max(groups, key=lambda group: group.common_multiple)
-    if longest.common_multiple > LONGEST:
-        raise RangeError(_too_long(system, values[:, longest.members[:1]], varied, longest))
     return sorted(groups, key=lambda group: group.common_multiple)
-
-
-def common_multiples(groups: list[OrderGroup], points: int) -> NDArray[np.int64]:
-    """Number of T in the common period of each point."""
-    out = np.ones(points, dtype=np.int64)
-    for group in groups:
-        out[group.members] = group.common_multiple
-    return out
-
-
-def _at(system: System, value: Array, varied: tuple[str, ...]) -> str:
-    at = [f"{name} = {float(value[system.parameters.index(name), 0]):.10g}" for name in varied]
-    return f"{', '.join(at)}: " if at else ""
-
-
-def _no_common_period(system: System, value: Array, varied: tuple[str, ...]) -> str:
-    rates = frequencies(system.model, value)[:, 0]
-    fastest = int(np.argmax(np.abs(rates)))
-    ratios = rates / abs(rates[fastest])
-    odd = next(k for k, ratio in enumerate(ratios) if exact_order(float(ratio), "order") is None)
-    near = Fraction(float(abs(ratios[odd]))).limit_denominator(20)
-    harmonics = system.model.harmonics
-    return (
-        f"{_at(system, value, varied)}{system.model.name}: the harmonics {harmonics[odd]} and {harmonics[fastest]} have"
-        f" frequencies whose ratio, {abs(ratios[odd]):.10g}, is not a ratio p/q with q up to 10000, so the forcing never"
-        f" repeats and there is no common period to lock the steps to; expected a ratio of integers, such as {near}"
-    )
-
-
-def _too_long(system: System, value: Array, varied: tuple[str, ...], group: OrderGroup) -> str:
-    orders = ", ".join(str(order) for order in group.orders)
-    near = ", ".join(str(order.limit_denominator(20)) for order in group.orders)
-    return (
-        f"{_at(system, value, varied)}{system.model.name}: the harmonics have the orders {orders}, and a common period of"
-        f" {group.common_multiple} T; expected one of at most {LONGEST} T: choose values that give simpler ratios, such as"
-        f" {near} here"
-    )
-

@@ -132,7 +132,11 @@ def tangent_sizes(model: Model, period: Array, x: Array) -> Array:
     They are in the proportions of `start_sizes`; of states of which nothing is known, a position and its rates have T/2 pi
     between them. The largest of each point lies between one and two, by a power of two: no square of them overflows.
     """
-    size = start_sizes(model, period, x)
+    return unit_sizes(model, period, start_sizes(model, period, x))
+
+
+def unit_sizes(model: Model, period: Array, size: Array) -> Array:
+    """Sizes of states, shape (state, point), as `tangent_sizes` gives them: a state that is zero by chance needs others."""
     size = np.where(size > 0, size, 1 / likeness(model).weights(period))
     whole = np.exp2(np.frexp(size.max(axis=0))[1] - 1.0)
     return np.asarray(np.maximum(size / whole, SMALLEST))

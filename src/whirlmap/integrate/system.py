@@ -21,6 +21,12 @@ from whirlmap.kernels.reference import reference_rates
 Array = NDArray[np.float64]
 
 
+#: Longest common period, in T, that returns are counted in. A longer one is none that a motion is seen to return after.
+LONGEST = 128
+#: Largest denominator of an order that counts as a ratio of integers, and of one that stands for any other number.
+SIMPLE, FINEST = 10_000, 10**12
+
+
 def exact_order(value: Any, name: str) -> Fraction | None:
     """Read the order of a harmonic exactly: an integer, a Fraction, text as "1/4", or a float that equals p/q.
 
@@ -33,8 +39,17 @@ def exact_order(value: Any, name: str) -> Fraction | None:
             return Fraction(value)
         except (ValueError, ZeroDivisionError):
             raise CaseError(f"{name}: {value!r} is not a ratio of integers such as 1/4") from None
-    near = Fraction(float(value)).limit_denominator(10_000)
+    near = Fraction(float(value)).limit_denominator(SIMPLE)
     return near if abs(float(near) - float(value)) <= 1e-12 else None
+
+
+def nearest_order(value: float) -> Fraction:
+    """Order of a harmonic whose frequency ratio is any number: `exact_order`, else the nearest ratio of integers.
+
+    Its denominator is at most `FINEST`, so that it is nearer than 1e-24: nothing that a run of any length could show.
+    """
+    exact = exact_order(value, "order")
+    return Fraction(value).limit_denominator(FINEST) if exact is None else exact
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,8 +125,8 @@ class System:
         return replace(self, values={**self.values, **made}, start=begin)
 
     @cached_property
-    def orders(self) -> tuple[Fraction, ...] | None:
-        """Orders of the harmonics over the fastest, exact; None where one is not a ratio of integers."""
+    def orders(self) -> tuple[Fraction, ...]:
+        """Orders of the harmonics over the fastest: exact, or the nearest ratio of integers (`nearest_order`)."""
         return harmonic_orders(self.model, self.values)
 
     @property
@@ -120,19 +135,19 @@ class System:
         return float(periods(self.model, self.vector[:, None])[0])
 
     @property
-    def common_multiple(self) -> int:
-        """Number of T in the common period of all harmonics.
+    def repeats(self) -> bool:
+        """Whether the forcing has a common period: all orders are ratios of integers."""
+        return all(order.denominator <= SIMPLE for order in self.orders)
 
-        Raises
-        ------
-        RangeError
-            Where the orders have no common period.
-        """
-        if self.orders is None:
-            raise RangeError(
-                f"{self.model.name}: the harmonics' orders are not ratios of integers, so there is no common period"
-            )
+    @property
+    def common_multiple(self) -> int:
+        """Number of T in the common period of all harmonics; beyond any time where the orders have none."""
         return lcm(*(order.denominator for order in self.orders)) if self.orders else 1
+
+    @property
+    def strobe(self) -> int:
+        """Number of T between section points that show returns: the common period, or one T where that is too long."""
+        return self.common_multiple if self.common_multiple <= LONGEST else 1
 
     @property
     def common_period(self) -> float:
@@ -207,8 +222,8 @@ def periods(model: Model, values: Array) -> Array:
     return 2 * pi / fastest
 
 
-def harmonic_orders(model: Model, values: Mapping[str, Any]) -> tuple[Fraction, ...] | None:
-    """Orders of a model's harmonics over the fastest one, as exact fractions; None where one is not exact."""
+def harmonic_orders(model: Model, values: Mapping[str, Any]) -> tuple[Fraction, ...]:
+    """Orders of a model's harmonics over the fastest one, as fractions (`nearest_order`)."""
     if not model.forced:
         return ()
     exact = {}
@@ -216,7 +231,7 @@ def harmonic_orders(model: Model, values: Mapping[str, Any]) -> tuple[Fraction, 
         if p.order:
             order = exact_order(values[p.name], p.name)
             if order is None:
-                return None
+                order = nearest_order(float(values[p.name]))
             exact[p] = Rational(order.numerator, order.denominator)
     harmonics = [sympify(w).xreplace(exact) for w in model.harmonics]
     numbers = {p: float(values[p.name]) for p in model.parameters}
@@ -225,15 +240,12 @@ def harmonic_orders(model: Model, values: Mapping[str, Any]) -> tuple[Fraction, 
     return _ratios(harmonics, fastest if float(fastest.subs(numbers)) > 0 else -fastest, numbers)
 
 
-def _ratios(harmonics: list[Expr], fastest: Expr, numbers: Mapping[Any, float]) -> tuple[Fraction, ...] | None:
+def _ratios(harmonics: list[Expr], fastest: Expr, numbers: Mapping[Any, float]) -> tuple[Fraction, ...]:
     out = []
     for harmonic in harmonics:
         ratio = (harmonic / fastest).simplify()
         if isinstance(ratio, Rational):
             out.append(Fraction(int(ratio.p), int(ratio.q)))
         else:
-            order = exact_order(float(ratio.subs(numbers)), str(harmonic))
-            if order is None:
-                return None
-            out.append(order)
+            out.append(nearest_order(float(ratio.subs(numbers))))
     return tuple(out)

@@ -17,6 +17,7 @@ import platform as machine
 import threading
 import warnings
 from collections.abc import Callable
+from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from pathlib import Path
@@ -75,7 +76,8 @@ def stored(name: str, make: Callable[[], bytes], sound: Callable[[bytes], bool] 
     Raises
     ------
     CacheError
-        Where the folder cannot be written.
+        Where the folder that ``WHIRLMAP_CACHE`` names cannot be written. Where the user's own cannot (a read-only HOME),
+        nothing is kept, which is warned of once.
 
     Notes
     -----
@@ -149,6 +151,15 @@ def remembered(question: str, answer: Callable[[], Data], sound: Callable[[Data]
     return found
 
 
+@cache
+def _warn_once(place: Path, reason: str) -> None:
+    warnings.warn(
+        f"compiled kernels are not kept, and every run compiles anew: {place} cannot be written ({reason});"
+        " set WHIRLMAP_CACHE to a folder that can",
+        stacklevel=2,
+    )
+
+
 def _write(path: Path, data: bytes) -> None:
     part = path.with_suffix(f".{os.getpid()}.{threading.get_ident()}.part")  # two threads may write the same entry
     try:
@@ -156,6 +167,11 @@ def _write(path: Path, data: bytes) -> None:
         part.write_bytes(data)
         part.replace(path)
     except OSError as error:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)  # what a full disk has taken of it
+        if not os.environ.get("WHIRLMAP_CACHE"):
+            _warn_once(path.parent, error.strerror or str(error))
+            return
         raise CacheError(
             f"the folder of compiled kernels cannot be written: {path.parent}: {error.strerror or error}\n"
             "  set WHIRLMAP_CACHE to a folder that can"

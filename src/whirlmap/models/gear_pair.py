@@ -29,6 +29,7 @@ from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, Swi
 from whirlmap.errors import ModelError
 from whirlmap.films.law import FilmLaw, film_law, permeability_fault
 from whirlmap.models import mesh, rub, torsion
+from whirlmap.models.absent import NOT_IN_ROTOR_MODELS
 
 LENGTH = "1"  # lengths are in units of the clearance c
 u1x, u1y = states("u1x u1y", LENGTH, "journal 1 relative to its bearing, over c")
@@ -348,6 +349,7 @@ FILMS = {
 
 GEAR_PAIR = Family(
     name="gear_pair",
+    absent=NOT_IN_ROTOR_MODELS,
     declare=declare,
     switches={
         "edition": ("intended", "literal", "physical"),

@@ -18,6 +18,7 @@ from sympy import Expr
 from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
 from whirlmap.errors import ModelError
 from whirlmap.films.law import film_law, plain_fixed_force
+from whirlmap.models.absent import NOT_IN_ROTOR_MODELS
 
 ux, uy = states("ux uy", "1", "journal centre relative to the bearing, over c")
 vx, vy = states("vx vy", "1", "rotor velocity, over c and clock radian")
@@ -118,6 +119,7 @@ def declare(*, rotor: str, arc: str, bearing: str) -> Model:
 
 JEFFCOTT = Family(
     name="jeffcott",
+    absent=NOT_IN_ROTOR_MODELS,
     declare=declare,
     switches={"rotor": ("rigid", "flexible"), "arc": ("fixed", "positive"), "bearing": ("journal", "damper")},
     meanings={

@@ -33,7 +33,7 @@ PERIODIC = (
 _UP_TO = np.array([1, 2, 4, 8])
 _OTHERS = (
     Regime.quasi_periodic, Regime.chaotic, Regime.undecided, Regime.contact, Regime.diverged, Regime.at_rest,
-    Regime.drifting, Regime.growing, Regime.not_settled,
+    Regime.drifting, Regime.growing, Regime.not_settled, Regime.locked,
 )  # fmt: skip
 #: How every kind of point looks, by its code.
 LOOKS: tuple[Look, ...] = (

@@ -4,13 +4,13 @@ import os
 from io import BytesIO
 from pathlib import Path
 from typing import Any, Literal
-from uuid import uuid4
 
 import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from whirlmap.errors import OutputError
 from whirlmap.plot.style import HOUSE
+from whirlmap.results.files import replace_file
 
 Format = Literal["png", "svg", "pdf"]
 
@@ -69,12 +69,4 @@ def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float = PRINT_DPI) -
     if not target.parent.is_dir():
         raise OutputError(f"{target}: the folder {target.parent} does not exist; make it first")
     data = encode(fig, form, dpi=dpi)  # type: ignore[arg-type]
-    part = target.with_name(f".{target.name}.{uuid4().hex[:8]}.part")
-    try:
-        part.write_bytes(data)
-        part.replace(target)
-    except OSError as error:
-        raise OutputError(f"{target} cannot be written: {error.strerror or error}") from error
-    finally:
-        part.unlink(missing_ok=True)
-    return target
+    return replace_file(target, lambda trial: trial.write_bytes(data), force=True)

@@ -81,6 +81,7 @@ REGIMES: dict[Regime, Look] = {
     Regime.at_rest: Look("at rest", PALE, "h", text=INK),
     Regime.drifting: Look("drifting", ORANGE, ">", "....", INK),
     Regime.growing: Look("growing", PURPLE, "*", "++++", INK),
+    Regime.locked: Look("locked", "#5B9BD5", "D"),
     Regime.not_settled: Look("not settled", SKY, "p", "----", INK),
     Regime.not_steady: Look("not steady", ORANGE, "v", text=INK),
 }

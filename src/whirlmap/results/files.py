@@ -4,7 +4,9 @@ A file appears under its name only when it is complete: it is written beside und
 renamed. What exists is replaced only with ``force``, and that is checked before anything is computed.
 """
 
+import errno
 import os
+import shutil
 import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,6 +23,22 @@ PICTURES = (".png", ".svg", ".pdf")
 TEXTS = (".md", ".json", ".toml", ".csv")
 #: Files that this process has written, for whoever must say what there is when it is interrupted.
 WRITTEN: list[Path] = []
+
+
+#: What the operating system says when nothing can be written, whatever it is.
+DISK = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up", errno.EROFS: "the disk is read-only",
+        errno.EACCES: "writing is not allowed", errno.EPERM: "writing is not allowed"}  # fmt: skip
+#: Bytes: a disk with less than this is full; file systems keep a little that no file gets.
+FULL = 65536
+
+
+class DiskFullError(OutputError):
+    """There is no room for a result; what was computed may still be written elsewhere."""
+
+
+def reason(error: OSError) -> str:
+    """Say in plain words why the operating system refused to write."""
+    return DISK.get(error.errno or 0, error.strerror or str(error))
 
 
 @dataclass(frozen=True)
@@ -83,8 +101,8 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
     path = Path(path)
     parent = path.parent
     if not parent.is_dir():
-        reason = "is not a folder" if parent.exists() else "does not exist"
-        raise OutputError(f"{path}: the folder {parent} {reason}; make it first")
+        fault = "is not a folder" if parent.exists() else "does not exist"
+        raise OutputError(f"{path}: the folder {parent} {fault}; make it first")
     as_file = path.suffix.lower() in (*DATASETS, *PICTURES, *TEXTS)
     if as_file and path.is_dir():
         raise OutputError(f"{path}: found a folder, expected a file or nothing")
@@ -98,7 +116,7 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
         os.close(handle)
         Path(trial).unlink()
     except OSError as error:
-        raise OutputError(f"{path}: the folder {folder} cannot be written ({error.strerror})") from None
+        raise OutputError(f"{path}: the folder {folder} cannot be written ({reason(error)})") from None
 
 
 def write(dataset: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
@@ -114,7 +132,10 @@ def write(dataset: "xr.Dataset", path: str | Path, *, force: bool = False) -> Pa
         raise OutputError(f"{path}: found the suffix {path.suffix!r}, expected .nc for a Dataset")
 
     def fill(trial: Path) -> None:
-        dataset.to_netcdf(trial, engine="netcdf4", format="NETCDF4")
+        try:
+            dataset.to_netcdf(trial, engine="netcdf4", format="NETCDF4")
+        except RuntimeError as error:  # the library hides what the operating system said
+            raise OSError(errno.ENOSPC if _full(trial.parent) else errno.EIO, f"{error}") from error
 
     return replace_file(path, fill, force=force)
 
@@ -133,11 +154,51 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
         else:
             _claim(trial, path)
     except OSError as error:
-        raise OutputError(f"{path}: cannot be written ({error.strerror or error})") from error
+        kind = DiskFullError if error.errno in (errno.ENOSPC, errno.EDQUOT) else OutputError
+        raise kind(f"{path}: cannot be written ({reason(error)})") from error
     finally:
         trial.unlink(missing_ok=True)
     WRITTEN.append(path)
     return path
+
+
+def _full(folder: Path) -> bool:
+    return shutil.disk_usage(folder).free < FULL
+
+
+def _device(folder: Path) -> int:
+    return folder.stat().st_dev
+
+
+def elsewhere(fill: Callable[[Path], object], name: str, full: Path) -> Path | None:
+    """Write a file where there is room for it: the first of the folder for passing files, the home and the present folder.
+
+    Parameters
+    ----------
+    fill : callable
+        ``fill(path)`` writes the file, in a new folder.
+    name : str
+    full : Path
+        A folder on the disk that has no room.
+
+    Returns
+    -------
+    Path or None
+        The file; None where no other disk takes it.
+    """
+    for folder in (Path(tempfile.gettempdir()), Path.home(), Path.cwd()):
+        made = None
+        try:
+            if _device(folder) == _device(full):
+                continue
+            made = Path(tempfile.mkdtemp(prefix="whirlmap-", dir=folder))
+            fill(made / name)
+        except (OSError, OutputError):
+            if made:
+                shutil.rmtree(made, ignore_errors=True)
+            continue
+        return made / name
+    return None
 
 
 def _claim(trial: Path, path: Path) -> None:

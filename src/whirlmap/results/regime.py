@@ -15,6 +15,7 @@ class Regime(IntEnum):
     at_rest = 6
     drifting = 7
     growing = 8
+    locked = 9
     not_settled = 10
     not_steady = 11
 

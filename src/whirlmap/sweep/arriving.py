@@ -7,7 +7,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.arrivals import arrivals
-from whirlmap.analysis.labels.closed_orbit import SAME_POINT, STEPS, ClosedOrbit, closed_orbits
+from whirlmap.analysis.labels.closed_orbit import FAR, SAME_POINT, ClosedOrbit, closed_orbits
 from whirlmap.analysis.points import cyclic_states, make_ensemble, parameter_values
 from whirlmap.analysis.settling import Settling
 from whirlmap.integrate.ensemble import Ensemble
@@ -15,7 +15,6 @@ from whirlmap.integrate.orders import order_groups
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.judging import Judge
-from whirlmap.sweep.points import PATIENCE
 from whirlmap.sweep.repeat import repeat_of_forcing
 
 Array = NDArray[np.float64]
@@ -23,8 +22,8 @@ Places = NDArray[np.intp]
 
 #: Labels of motions that may not have settled.
 UNSETTLED = (Regime.quasi_periodic, Regime.undecided, Regime.not_settled)
-#: Common periods of the exponent's run where the options do not say.
-LYAPUNOV = 256
+#: Common periods that a run is given at most to flow into an orbit.
+PATIENCE = 1024
 
 
 def arriving(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, fresh: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -65,7 +64,7 @@ def _flow(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, runs: 
     known = _closed(judge, values, motions, orbits, orbits)
     ensemble = _ensemble(judge, values, motions, runs, orbits)
     into = arrivals(
-        ensemble, known, every=ensemble.common_multiple, most=PATIENCE * (judge.options.get("lyapunov") or LYAPUNOV),
+        ensemble, known, every=ensemble.strobe, most=PATIENCE,
         cyclic=cyclic_states(judge.system), allowed=np.eye(runs.size, dtype=bool), progress=judge.options.get("progress"),
     )  # fmt: skip
     return np.asarray(into >= 0)
@@ -142,6 +141,6 @@ def _closed(
     ensemble = _ensemble(judge, values, motions, at, steps)
     settling = judge.options.get("settling") or Settling()
     return closed_orbits(
-        ensemble, motions["period_common"].values[at].astype(np.int64), every=every or ensemble.common_multiple,
-        tolerance=settling.tolerance, cyclic=cyclic_states(judge.system), steps=STEPS if newton else 0,
+        ensemble, motions["period_common"].values[at].astype(np.int64), every=every or ensemble.strobe,
+        tolerance=settling.tolerance, cyclic=cyclic_states(judge.system), far=FAR if newton else None,
     )  # fmt: skip

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.arrivals import arrivals
 from whirlmap.analysis.labels.closed_orbit import FAR, ClosedOrbit, closed_orbits, flows_into, nearest_return
+from whirlmap.analysis.labels.labelled_points import PATIENCE
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.points import cyclic_states, make_ensemble
 from whirlmap.analysis.returns import settle_and_record
@@ -25,7 +27,7 @@ from whirlmap.kernels.routine import LANES
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.known_attractors import KnownAttractors
-from whirlmap.sweep.points import PATIENCE, POOLS, Labelling
+from whirlmap.sweep.points import POOLS
 from whirlmap.sweep.repeat import repeat_of_forcing
 from whirlmap.sweep.starts import repeated
 
@@ -180,7 +182,7 @@ class Search:
         self.x[:, chosen], self.multiple[chosen] = ensemble.x, measured.returns.multiple
         self.found.status[chosen] = ensemble.status
         f = self.found
-        traced = (label == Regime.chaotic) | (label == Regime.quasi_periodic)
+        traced = np.isin(label, (Regime.chaotic, Regime.quasi_periodic, Regime.locked))
         traced |= ((label == Regime.periodic) & (not forced)) | (label == Regime.at_rest)
         f.outcome[chosen] = np.where(np.isin(label, ENDLESS), label, Regime.undecided)
         waiting = np.flatnonzero(ensemble.running & traced)
@@ -218,14 +220,14 @@ class Search:
         if not left.size or not self.system.model.forced:
             return
         some = left[np.linspace(0, left.size - 1, min(self.together, left.size)).astype(int)]
-        rows = self.system.common_multiple // self.every
+        rows = self.system.strobe // self.every
         multiple = np.array([nearest_return(self.records.get(int(k)), rows, self.cyclic) for k in some])
         near = zip(self._closed(some, multiple, far=np.inf), multiple, strict=True)
         likely = [(orbit, int(m)) for orbit, m in near if orbit.closed and self.known.same_orbit(orbit) is None]
         numbers, orbits = list(self.known.orbits), [*self.known.orbits.values(), *(orbit for orbit, _ in likely)]
         if not orbits:
             return
-        most = PATIENCE * self.labelling.lyapunov * self.system.common_multiple // self.every
+        most = PATIENCE * self.labelling.longest(self.system.strobe) // self.every
         into = np.full(left.size, -1)
         for part in np.array_split(np.arange(left.size), -(-left.size // MOST_AT_ONCE)):
             ensemble = self.ensemble(self.x[:, left[part]])

@@ -8,10 +8,11 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.evidence import LEAST
+from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.regime import regime
+from whirlmap.analysis.labels.section_evidence import LEAST
 from whirlmap.analysis.lyapunov import mean_and_error
 from whirlmap.analysis.points import TANGENT_STEPS, cyclic_states, make_ensemble, run_attributes, tangent_steps
-from whirlmap.analysis.regime import regime
 from whirlmap.analysis.returns import settle_and_record
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import run_with_section
@@ -24,7 +25,6 @@ from whirlmap.results.schema import names_coordinate, regime_variable, status_va
 from whirlmap.results.status import Status
 from whirlmap.sweep.attractor_search import Found, Search
 from whirlmap.sweep.point_variables import points_dataset
-from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.starts import default_box, draw_starts, repeated
 
 Array = NDArray[np.float64]
@@ -32,6 +32,8 @@ Progress = Callable[[int], None]
 
 #: Starts whose steps per T are chosen by the accuracy, settled; all take the most that one of them needs.
 PILOT = 64
+#: T over which all indicators are asked of each attractor, where nothing else is.
+EVIDENCE = 2048
 #: Section points of each attractor that the Dataset keeps.
 KEPT = 512
 #: What starts come to that reach no attractor.
@@ -45,7 +47,7 @@ def attractors(
     box: Mapping[str, tuple[float, float]] | None = None,
     seed: int = 0,
     settling: Settling | None = None,
-    lyapunov: int = 512,
+    lyapunov: int | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
@@ -65,8 +67,8 @@ def attractors(
         Of the drawing.
     settling : Settling, optional
         Transient, windows and tolerance.
-    lyapunov : int
-        Common periods over which each attractor's largest exponent is measured and its section judged, at least 256.
+    lyapunov : int, optional
+        T over which the exponent of motion that does not return is measured, at most, as in `label_points`; 256 or more.
     steps, accuracy, method, workers
         As in `make_ensemble`.
     progress : callable, optional
@@ -109,8 +111,8 @@ def attractors(
     that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
     """
     settling = settling or Settling()
-    if not LEAST <= lyapunov <= 10_000_000:
-        raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 common periods, not {lyapunov}")
+    if lyapunov is not None and not LEAST <= lyapunov <= 10_000_000:
+        raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 T, not {lyapunov}")
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers)
     drawn = isinstance(starts, int | np.integer)
     if drawn:
@@ -161,8 +163,8 @@ def _evidence(
 ) -> tuple[xr.Dataset, xr.Dataset, Ensemble]:
     """Variables of `label_points` over the attractors, and the votes of all indicators about each."""
     count = len(found.representative)
-    common = system.common_multiple
-    keep = max(labelling.settling.keep, 2 * common * max(found.multiple))
+    cycle = system.strobe
+    keep = max(labelling.settling.keep, 2 * cycle * max(found.multiple))
     options = replace(labelling, settling=replace(labelling.settling, keep=keep))
     values = repeated(system, count)
     measured, ensemble = options.measure(system, values, starts=np.stack(found.representative, axis=1), progress=progress)
@@ -171,10 +173,11 @@ def _evidence(
         system, values, starts=ensemble.x, steps=tangent_steps(ensemble), method=ensemble.method.name, tangents=1,
         workers=labelling.workers, turn=ensemble.period,
     )  # fmt: skip
-    rates, record = run_with_section(tangent, labelling.lyapunov, align=max(labelling.lyapunov // 10, 5), progress=progress)
-    mean, spread = mean_and_error(rates[:, 0])
+    length = -(-(labelling.lyapunov or EVIDENCE) // cycle) * cycle
+    rates, record = run_with_section(tangent, length, align=-(-length // 10 // cycle) * cycle, progress=progress)
+    mean, spread = mean_and_error(rates[:, 0], cycle)
     record = record[: np.isfinite(record[:, 0]).all(axis=1).sum()]
-    members = record[: min(record.shape[0], KEPT)]
+    members = record[cycle - 1 :: cycle][:KEPT]
     returned = measured.returns.multiple
     inside = (returned == 0) | (np.arange(members.shape[0])[:, None] < returned)
     ds["section"] = variable(
@@ -183,9 +186,10 @@ def _evidence(
     )  # fmt: skip
     judged = regime(
         tangent.status, measured.returns.multiple, exponent=mean, exponent_error=spread,
-        duration=labelling.lyapunov * common * tangent.period, section=record, cyclic=cyclic_states(system),
+        duration=length * tangent.period, section=record, common=cycle, cyclic=cyclic_states(system),
     )  # fmt: skip
-    votes = judged.rename(point="attractor").assign(
+    # The label is that of `label_points`; what the indicators say of it is beside it.
+    votes = judged.drop_vars(["regime", "rule", "confidence", "winding", "closes"]).rename(point="attractor").assign(
         lyapunov=variable("attractor", mean, "1/time", "largest Lyapunov exponent"),
         lyapunov_error=variable("attractor", spread, "1/time", "one standard error of it, from block means"),
     )
@@ -240,5 +244,6 @@ def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, 
     )
     s = labelling.settling
     return with_attributes(ds, attributes | {
-        "transient": s.transient, "most": s.most, "tolerance": s.tolerance, "lyapunov_periods": labelling.lyapunov,
+        "transient": s.transient, "most": s.most, "tolerance": s.tolerance,
+        "lyapunov_periods": labelling.longest(system.strobe),
     })  # fmt: skip

@@ -8,6 +8,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.measured import Measured, joined
 from whirlmap.analysis.points import run_attributes
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
@@ -17,7 +19,6 @@ from whirlmap.results.schema import names_coordinate, variable, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.hysteresis import with_hysteresis
-from whirlmap.sweep.measured import Measured, joined
 from whirlmap.sweep.point_variables import (
     common_multiple_variable,
     doubts,
@@ -26,7 +27,6 @@ from whirlmap.sweep.point_variables import (
     section_variable,
     shared_common_multiple,
 )
-from whirlmap.sweep.points import Labelling
 
 Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
@@ -39,7 +39,7 @@ def bifurcation_diagram(
     *,
     follow: Follow | None = None,
     settling: Settling | None = None,
-    lyapunov: int = 0,
+    lyapunov: int | None = None,
     states: Sequence[str] | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
@@ -60,10 +60,9 @@ def bifurcation_diagram(
         the Dataset has a dimension ``direction``). Absent: every point starts cold, and all run together.
     settling : Settling, optional
         Transient, windows and tolerance.
-    lyapunov : int
-        Common periods over which every point that is not periodic has its largest exponent measured, and its section
-        recorded, at most: each stops when it is labelled and sure enough; zero: none. From 256 on the points are labelled
-        quasi-periodic or chaotic where the evidence decides (`regime`), with 1000 and more rarely undecided.
+    lyapunov : int, optional
+        T over which points that do not return run with a tangent vector, at most, as in `label_points`; 0: none do, and stay
+        undecided. Where absent: as long as labels may need.
     states : sequence of str, optional
         States whose section is kept; the model's displacements (`kept_states`) where absent. All of them take 512 bytes
         per point and state with 64 T kept.
@@ -72,7 +71,7 @@ def bifurcation_diagram(
     -------
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
-        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``winding``,
+        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``rule``, ``winding``,
         ``end_time`` (parameter); ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak`` (parameter, quantity) of
         states and outputs over all steps of the record; ``max_eccentricity``, ``min_film`` (parameter, bearing) where the
         model has bearings; with ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
@@ -88,8 +87,6 @@ def bifurcation_diagram(
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
     if follow is not None and follow not in ("up", "down", "both"):
         raise RangeError(f"follow is up, down or both, not {follow!r}")
-    if not 0 <= lyapunov <= 10_000_000:
-        raise RangeError(f"lyapunov must lie between 0 and 10000000 common periods, not {lyapunov}")
     kept = kept_states(system, states)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers, kept=tuple(kept))
     run = _Run(system, parameter, labelling, progress)
@@ -104,7 +101,7 @@ def bifurcation_diagram(
         ds = parts[0] if len(parts) == 1 else xr.concat(parts, "direction", join="exact", coords="minimal", compat="equals")
     facts = {
         "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
-        "tolerance": settling.tolerance, "lyapunov_periods": lyapunov,
+        "tolerance": settling.tolerance, "lyapunov_periods": labelling.longest(ensemble.strobe),
         **shared_common_multiple(system, [parameter], ensemble),
     }  # fmt: skip
     attributes = run_attributes(system, ensemble, **facts)

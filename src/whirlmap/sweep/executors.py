@@ -3,7 +3,6 @@
 A task computes one chunk and writes it into the store; only a small outcome comes back.
 """
 
-import errno
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
@@ -17,12 +16,13 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
 from whirlmap.kernels.root_choice import RootChoice, using
+from whirlmap.results.files import DISK
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
-from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of
@@ -35,9 +35,6 @@ AHEAD = 4
 CONNECT = 10
 #: What a message about a lost cluster ends with.
 GO_ON = "\n  the chunks that are done are kept; --resume (resume=True) goes on"
-#: What the operating system says when no chunk can be written, whichever it is.
-DISK = {errno.ENOSPC: "the disk is full", errno.EDQUOT: "the quota is used up", errno.EROFS: "the disk is read-only",
-        errno.EACCES: "writing is not allowed", errno.EPERM: "writing is not allowed"}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -146,16 +143,16 @@ class Job:
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
     """What must agree for a cell to be left alone: regime, how the run ended, and the period, in T and in common periods."""
     return np.asarray(
-        ds["regime"].values.astype(np.int64) + 10 * ds["status"].values.astype(np.int64)
-        + 100 * ds["period_common"].values.astype(np.int64) + 10**8 * ds["period_T"].values.astype(np.int64)
+        ds["regime"].values.astype(np.int64) + 100 * ds["status"].values.astype(np.int64)
+        + 10**4 * ds["period_common"].values.astype(np.int64) + 10**9 * ds["period_T"].values.astype(np.int64)
     )  # fmt: skip
 
 
 def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
     inferred = out[EVALUATION] == Evaluation.inferred
     for name, code in (
-        ("regime", labels % 10), ("status", labels // 10 % 10), ("period_common", labels // 100 % 10**6),
-        ("period_T", labels // 10**8),
+        ("regime", labels % 100), ("status", labels // 100 % 100), ("period_common", labels // 10**4 % 10**5),
+        ("period_T", labels // 10**9),
     ):  # fmt: skip
         out[name][inferred] = code[inferred]
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.points import cyclic_states
 from whirlmap.integrate.scales import scales
-from whirlmap.integrate.system import System
+from whirlmap.integrate.system import LONGEST, System
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import Status
@@ -67,12 +67,13 @@ def _once_per_common_period(ds: xr.Dataset, system: System, parameter: str) -> A
     if not system.model.forced:
         return np.asarray(section)
     if "common_multiple" not in ds:
-        common = int(ds.attrs.get("common_multiple", 1))
-        return np.asarray(section[common - 1 :: common])
+        return np.asarray(section[system.strobe - 1 :: system.strobe])
     out = np.full_like(section, np.nan)
-    for common in np.unique(ds["common_multiple"].values):
-        these = np.flatnonzero(ds["common_multiple"].values == common)
-        rows = section[common - 1 :: common, :, these]
+    multiple = ds["common_multiple"].values
+    for common in np.unique(multiple):
+        these = np.flatnonzero(multiple == common)
+        every = int(common) if common <= LONGEST else 1
+        rows = section[every - 1 :: every, :, these]
         out[: rows.shape[0], :, these] = rows
     return out
 

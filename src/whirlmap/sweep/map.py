@@ -8,10 +8,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.space import Space
 from whirlmap.sweep.stored import OnChunk, run_sweep
 from whirlmap.sweep.tolerances import Tolerance
@@ -29,7 +29,7 @@ def regime_map(
     refine: bool = False,
     sections: bool = False,
     settling: Settling | None = None,
-    lyapunov: int = 256,
+    lyapunov: int | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
@@ -101,7 +101,7 @@ def tolerance_sweep(
     seed: int = 0,
     vary: Mapping[str, ArrayLike] | None = None,
     settling: Settling | None = None,
-    lyapunov: int = 256,
+    lyapunov: int | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,

@@ -1,8 +1,28 @@
-"""Whether a result fits into the memory of this machine: asked before it is computed."""
+"""Whether a result fits into the memory of this machine, and its points into a life: asked before it is computed."""
 
 import os
+from collections.abc import Iterable
+from math import prod
 
 from whirlmap.errors import RangeError
+
+#: More points than this take years on any machine.
+MOST_POINTS = 1_000_000_000
+
+
+def refuse_points(counts: Iterable[int]) -> None:
+    """Refuse work on too many points, from the counts of its axes alone: before anything of their size is made.
+
+    Raises
+    ------
+    RangeError
+        Naming the counts and their product.
+    """
+    counts = tuple(counts)
+    if prod(counts) > MOST_POINTS:
+        times = " x ".join(map(str, counts))
+        found = f"{times} = {prod(counts):.3g}" if len(counts) > 1 else times
+        raise RangeError(f"found {found} points, expected at most {MOST_POINTS:.0e}: ask for fewer")
 
 
 def memory() -> int:

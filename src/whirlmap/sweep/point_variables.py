@@ -7,6 +7,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.measured import Measured
+from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.returns import first_drift
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
@@ -14,8 +16,8 @@ from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable
+from whirlmap.results.status import flags
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
-from whirlmap.sweep.measured import Measured
 
 Array = NDArray[np.float64]
 
@@ -85,13 +87,14 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     return {
         "status": status_variable(dim, m.status),
         "regime": regime_variable(dim, r.regime),
-        "period_T": variable(dim, r.period, "T", "smallest return, 0 where none was found"),
+        "period_T": variable(dim, r.period, "T", "smallest return, 0 where none was found; of locked motion n"),
         "period_common": variable(dim, r.multiple, "1", "smallest return in common periods, 0 where none"),
         "return_distance": variable(dim, r.distance, "1", "return distance over the range of each state"),
         "lyapunov": variable(dim, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
         "lyapunov_error": variable(dim, m.exponent_error, "1/time", "one standard error of it, from block means"),
-        "lyapunov_periods": variable(dim, m.exponent_periods, "1", "common periods over which it was measured, 0: not"),
+        "lyapunov_periods": variable(dim, m.exponent_periods, "T", "T over which it was measured, 0: not"),
         "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
+        "rule": variable(dim, m.rule, "1", "rule that decided the regime, or what is known without one", **flags(Rule)),
         "winding": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
         "growth_rate": variable(dim, r.growth, "1/time", "rate of the amplitude: what grows, or comes to rest"),
         "drift_rate": variable(dim, speed, "1/time", "speed of the first state that drifts, in its unit"),

@@ -25,13 +25,13 @@ def repeat_of_forcing(system: System, x: Array) -> int:
     -------
     int
         A divisor of the common period's number of T, and that number unless a harmonic has no amplitude; 1 of an unforced
-        model.
+        model, and where the forcing has no common period.
 
     Notes
     -----
     A shift by this time, and by multiples of it, takes every motion to a motion; a shift by T does only where this is 1.
     """
-    whole = system.common_multiple if system.model.forced else 1
+    whole = system.strobe if system.model.forced else 1
     if whole == 1 or not x.shape[1]:
         return whole
     some = x[:, np.linspace(0, x.shape[1] - 1, min(STATES, x.shape[1])).astype(int)]

@@ -13,7 +13,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from sympy import sympify
 
-from whirlmap.analysis.lyapunov import BLOCKS
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import parameter_values
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import Series
@@ -78,7 +78,7 @@ def diagram_in_batches(
     *,
     follow: Follow | None = None,
     settling: Settling | None = None,
-    lyapunov: int = 0,
+    lyapunov: int | None = None,
     states: Sequence[str] | None = None,
     steps: int | None = None,
     accuracy: float | None = None,
@@ -104,9 +104,8 @@ def diagram_in_batches(
     settling = settling or Settling()
     if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    common = longest_common(system, {parameter: points})  # refuses now what the last batch would meet
-    if 0 < lyapunov < BLOCKS:
-        raise RangeError(f"lyapunov must be 0 or at least {BLOCKS} common periods, not {lyapunov}")
+    common = longest_strobe(system, {parameter: points})  # refuses now what the last batch would meet
+    Labelling(settling, lyapunov)  # refuses a length that gives no error now
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
     size = batch or (BATCH * LANES * (workers or cores()) if follow is None else CHAIN)
     even = system.model.forced and not orders_vary(system.model, [parameter])
@@ -280,22 +279,18 @@ def expected_periods(
     ``vary`` are the varied parameters, where frequencies may be among them.
     """
     each = settling.transient + min(settling.first_window, 2 * settling.most)
-    if vary is None or not orders_vary(system.model, vary):
-        return points * (each * system.common_multiple + _kept(system.common_multiple, settling))
-    groups = order_groups(system, parameter_values(system, vary), vary)
+    groups = order_groups(system, parameter_values(system, vary or {}), vary or {})
     repeats = points // sum(g.members.size for g in groups)  # sweeps up and down
-    return repeats * sum(
-        g.members.size * (each * g.common_multiple + _kept(g.common_multiple, settling)) for g in groups
-    )  # fmt: skip
+    return repeats * sum(g.members.size * (each * g.strobe + _kept(g.strobe, settling)) for g in groups)
 
 
-def longest_common(system: System, vary: Mapping[str, ArrayLike]) -> int:
-    """Number of T in the longest common period of some points."""
-    return order_groups(system, parameter_values(system, vary), vary)[-1].common_multiple
+def longest_strobe(system: System, vary: Mapping[str, ArrayLike]) -> int:
+    """Most T between the section points that show returns, of some points."""
+    return max(group.strobe for group in order_groups(system, parameter_values(system, vary), vary))
 
 
-def _kept(common: int, settling: Settling) -> int:
-    return common * max(-(-settling.keep // common), 2)
+def _kept(strobe: int, settling: Settling) -> int:
+    return strobe * max(-(-settling.keep // strobe), 2)
 
 
 def refuse_start(system: System) -> None:

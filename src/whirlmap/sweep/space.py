@@ -16,6 +16,7 @@ from whirlmap.equations.pieces import tabulated
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import variable
+from whirlmap.sweep.memory import refuse_points
 from whirlmap.sweep.tolerances import Tolerance, draws
 
 Array = NDArray[np.float64]
@@ -55,6 +56,7 @@ class Space:
                 raise RangeError(f"{name!r} is both varied and drawn: expected one of them")
         if self.tolerances and not 1 <= self.count <= 1_000_000_000:
             raise RangeError(f"draws must lie between 1 and 1000000000, not {self.count}")
+        refuse_points(self.shape)
         if not 0 <= self.seed < 2**63:
             raise RangeError(f"seed must lie between 0 and 2^63, not {self.seed}")
 

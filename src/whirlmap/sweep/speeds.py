@@ -40,7 +40,7 @@ def safe_speeds(
     quantity: str | None = None,
     follow: bool = True,
     settling: Settling | None = None,
-    lyapunov: int = 256,
+    lyapunov: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,

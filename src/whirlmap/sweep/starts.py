@@ -5,11 +5,11 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import cyclic_states
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
-from whirlmap.sweep.points import Labelling
 
 Array = NDArray[np.float64]
 

@@ -88,7 +88,7 @@ class Store:
         try:
             self.manifest: dict[str, Any] = json.loads((folder / CHUNKS / "zarr.json").read_text())["attributes"][MANIFEST]
             self.chunks = Chunks(tuple(self.manifest["shape"]), tuple(self.manifest["chunk"]))
-        except (OSError, ValueError, KeyError) as error:
+        except (OSError, ValueError, KeyError, TypeError) as error:
             raise OutputError(f"{folder}: is no store of a sweep (its manifest cannot be read: {error})") from None
 
     @cached_property
@@ -185,9 +185,9 @@ class Store:
 
     def tally(self, numbers: Iterable[int], name: str) -> Counter[int]:
         """Count the values of an array, ``regime`` or ``evaluation``, over chunks."""
-        counted: Counter[int] = Counter()
+        counted, array = Counter[int](), self._array(name)  # of the others some may be lost
         for number in numbers:
-            counted.update(counts_of(np.asarray(self.arrays[name][self.chunks.box(number)])))
+            counted.update(counts_of(np.asarray(array[self.chunks.box(number)])))
         return counted
 
     def sweep_away(self, numbers: Container[int] | None = None) -> int:
@@ -229,6 +229,19 @@ def create(
     Where another process was faster its store stands, and this one is dropped.
     """
     trial = folder.with_name(f".{folder.name}.{uuid4().hex}.partial")
+    try:
+        _build(trial, template, coordinates, dims, chunks, manifest, attributes)
+        trial.rename(folder)
+    except OSError:
+        shutil.rmtree(trial, ignore_errors=True)
+        if not exists(folder):
+            raise
+
+
+def _build(
+    trial: Path, template: xr.Dataset, coordinates: Mapping[str, Any], dims: tuple[str, ...], chunks: Chunks,
+    manifest: Mapping[str, Any], attributes: Mapping[str, Any],
+) -> None:  # fmt: skip
     group = zarr.create_group(trial, zarr_format=3, attributes=_plain(attributes))
     whole = {name: variable_of(template[name]) for name in map(str, template.coords) if template[name].dims != ("point",)}
     for name, (along, values, attrs) in {**coordinates, **whole}.items():
@@ -268,12 +281,6 @@ def create(
     with _QUIET, warnings.catch_warnings():  # Zarr v3 does not define this yet; without it xarray complains at every opening
         warnings.filterwarnings("ignore", message="Consolidated metadata")
         zarr.consolidate_metadata(trial)
-    try:
-        trial.rename(folder)
-    except OSError:
-        shutil.rmtree(trial, ignore_errors=True)
-        if not exists(folder):
-            raise
 
 
 def exists(folder: Path) -> bool:

@@ -1,5 +1,6 @@
 """Sweeps into a store: begun or gone on with, chunk by chunk, by whichever executor."""
 
+import shutil
 import time
 from collections import Counter
 from collections.abc import Callable, Mapping
@@ -7,23 +8,26 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import run_attributes
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.root_choice import own_choice, using
+from whirlmap.results.files import reason
 from whirlmap.sweep.executors import Job, Outcome, connected, in_dask, in_threads
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.manifest import claim, manifest_of, refuse_other, stored_roots
 from whirlmap.sweep.point_variables import kept_states, points_dataset, shared_common_multiple
-from whirlmap.sweep.points import Labelling
 from whirlmap.sweep.refine import COARSE
+from whirlmap.sweep.restoring import lost_parts, put_back
 from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points
 from whirlmap.sweep.store import EVALUATION, Evaluation, clear_trials, create, exists, half_made, remove
 
@@ -144,6 +148,9 @@ def _run(
             clear_trials(folder)
         _begin(job, wanted, chunk)
     refuse_other(folder, job.store.manifest, wanted)
+    if lost := lost_parts(job.store):
+        _restore(job, lost, wanted, notes)
+        job = replace(job)  # with a store that is opened anew
     if chunk is not None and (size := _chunk_size(job, chunk)) != job.store.chunks.size:
         raise OutputError(
             f"{folder}: has chunks of {job.store.chunks.size} points, and --chunk {chunk} would make them {size}:"
@@ -161,25 +168,47 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     if chunk is None:
         job.labelling.measure(job.system, {name: c[:1] for name, c in columns.items()})  # compiling is not counted
     begun = time.perf_counter()
-    measured, ensemble = job.labelling.measure(job.system, columns)
+    pilot = job.labelling.measure(job.system, columns)
     each = max((time.perf_counter() - begun) / count, 1e-6)
     size = _chunk_size(job, chunk) if chunk else _chunk_size(job, int(SECONDS / each / (REFINED if job.coarse else 1)), 4)
+    _make(job, job.folder, manifest, size, columns, pilot)
+
+
+def _restore(job: Job, lost: list[str], manifest: Mapping[str, Any], notes: list[str]) -> None:
+    """Put back axes and descriptions that a store has lost, from an empty store that is made beside it."""
+    columns = job.space.columns(pilot_points(job.space, job.system.model, 1))
+    beside = job.folder.with_name(f".{job.folder.name}.{uuid4().hex}.partial")
+    try:
+        _make(job, beside, manifest, job.store.chunks.size, columns, job.labelling.measure(job.system, columns))
+        put_back(job.store, lost, beside)
+    except OSError as error:
+        raise OutputError(f"{job.folder}: {', '.join(lost)} cannot be put back ({reason(error)})") from error
+    finally:
+        shutil.rmtree(beside, ignore_errors=True)
+    notes.append(f"lost parts of the store were put back: {', '.join(lost)}")
+
+
+def _make(
+    job: Job, folder: Path, manifest: Mapping[str, Any], size: tuple[int, ...], columns: Mapping[str, Any], pilot: Any
+) -> None:
+    """Make an empty store after some labelled points."""
+    space, (measured, ensemble) = job.space, pilot
     template = points_dataset(job.system, columns, measured, kept=job.labelling.kept).isel(point=slice(0, 1))
     s = job.labelling.settling
     attributes = run_attributes(
         job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,
-        lyapunov_periods=job.labelling.lyapunov, kernel_hash=job.kernel,
+        lyapunov_periods=job.labelling.longest(ensemble.strobe), kernel_hash=job.kernel,
         **shared_common_multiple(job.system, space.names, ensemble),
         seed=space.seed if space.tolerances else None, coordinates=" ".join(space.tolerances) or None,
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the pilot; the arrays say it of every point
     try:
         create(
-            job.folder, template.drop_vars(space.names), space.coordinates(job.system), space.dims,
+            folder, template.drop_vars(space.names), space.coordinates(job.system), space.dims,
             Chunks(space.shape, size), manifest, {k: v for k, v in attributes.items() if v is not None},
         )  # fmt: skip
     except OSError as error:
-        raise OutputError(f"{job.folder}: the store cannot be made ({error.strerror or error})") from error
+        raise OutputError(f"{folder}: the store cannot be made ({reason(error)})") from error
 
 
 def _chunk_size(job: Job, points: int, least: int = 0) -> tuple[int, ...]:
@@ -212,6 +241,8 @@ def _work(
     progress.regimes.update(store.tally(standing.done.tolist(), "regime"))
     progress.verdicts.update(store.tally(standing.done.tolist(), "step_verdict"))
     progress.computed = store.tally(standing.done.tolist(), EVALUATION)[Evaluation.computed]
+    if client is not None and not client.nthreads():
+        progress.messages.append("the Dask scheduler has no workers: waiting for the first")
     if on_chunk:
         on_chunk(progress)
     left = np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done).tolist()
@@ -238,7 +269,7 @@ def _take(job: Job, outcome: Outcome, progress: Progress) -> None:
         try:
             job.store.fail(outcome.number, outcome.fault)
         except OSError as error:
-            raise OutputError(f"{job.folder}: cannot be written ({error.strerror or error}); chunk {outcome.number} had"
+            raise OutputError(f"{job.folder}: cannot be written ({reason(error)}); chunk {outcome.number} had"
                               f" failed: {outcome.fault}") from error  # fmt: skip
         return
     progress.done += 1

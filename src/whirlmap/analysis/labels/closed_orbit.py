@@ -1,9 +1,8 @@
-"""Periodic orbits closed by Newton's method, and whether a run that has not settled flows into one.
+"""Orbits that runs settle on, and whether a run that has not settled flows into one.
 
 A run that settles slowly returns to the tolerance long before it stands on its orbit: what is left is the last difference
-over 1 - rho, rho the largest multiplier. Two such runs are therefore compared by the orbits that they settle on: Newton's
-method on the map over one return, P(x) = x, with the monodromy matrix as its derivative [parker1989, ch. 5]. It converges
-quadratically, so that its last step is the error.
+over 1 - rho, rho the largest multiplier. Two such runs are therefore compared by the orbits that they settle on, as Newton's
+method closes them (`closing`).
 
 A run that has not settled yet is on its way to a known orbit where the map is as good as linear about it: with the
 eigenvectors of the monodromy matrix as coordinates, w, one return must take w to L w (L the multipliers) up to half of
@@ -19,19 +18,18 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.closing import CLOSED, newton, wrapped
 from whirlmap.analysis.labels.distribution import own_scale
-from whirlmap.analysis.monodromy import monodromies, spectral_radius
+from whirlmap.analysis.monodromy import sizes_over, spectral_radius, together
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.scales import scales
 
 Array = NDArray[np.float64]
 
 #: Tolerances of settling within which a run that has returned is on a closed orbit; and the part of each state's range
 #: within which it is on one that could not be closed.
 SETTLED, SAME_POINT = 10, 1e-4
-#: Steps of Newton's method at most, and the size of the last over the scale of each state with which an orbit is closed.
-STEPS, CLOSED = 6, 1e-9
-#: How far it may take a run that has returned, over the scale of each state: beyond, it is on the way to another orbit.
+#: How far Newton's method may take a run that has returned, over the scale of each state: beyond, it is on the way to
+#: another orbit.
 FAR = 0.03
 #: Part of what one return contracts by that its map may differ from the linear one.
 LINEAR = 0.5
@@ -78,8 +76,7 @@ def closed_orbits(
     every: int,
     tolerance: float,
     cyclic: Mapping[int, float] | None = None,
-    far: float = FAR,
-    steps: int = STEPS,
+    far: float | None = FAR,
 ) -> list[ClosedOrbit]:
     """Close the orbits that runs stand on or near.
 
@@ -93,34 +90,31 @@ def closed_orbits(
         T between the rows of the orbits: the time after which the equations are the same.
     tolerance : float
         That of settling.
-    far : float
-        How far Newton's method may go, over the scale of each state.
-    steps : int
-        Of Newton's method at most; 0 takes the runs as they are.
+    far : float, optional
+        How far Newton's method may go, over the scale of each state; None takes the runs as they are.
 
     Returns
     -------
     list of ClosedOrbit
-        One for each run. Those that could not be closed begin in the run's own state.
+        One for each run. Those that could not be closed begin in the run's own state: the method did not converge, went too
+        far, ends on an orbit that repels, or the motion sticks to a surface (there the map has no derivative).
     """
-    out: list[ClosedOrbit | None] = [None] * ensemble.points
-    model, common = ensemble.model, ensemble.common_multiple
-    rows = slice(model.dimension)
-    for m in np.unique(multiple):
-        at = np.flatnonzero(multiple == m)
-        around = ensemble.subset(at).advance(int(m) * common, extremes=True).extremes
-        assert around is not None
-        low, high = (around[name][rows] for name in ("minimum", "maximum"))
-        scale = scales(model, ensemble.period[at], high - low, np.maximum(np.abs(low), np.abs(high)))
-        part = ensemble.subset(at)
-        x, matrix = close(part, multiple[at], scale, cyclic, far=far, steps=steps)
-        part.put(np.arange(at.size), x)
-        saved = part.advance(int(m) * common, save_periods=every).saved
-        points = np.concatenate([x[None], saved[:-1]])
+    out: dict[int, ClosedOrbit] = {}
+    for m, at in together(multiple):
+        part, matrix = ensemble.subset(at), np.full((at.size, *[ensemble.model.dimension] * 2), np.nan)
+        if far is not None:
+            x, _, went = newton(part, np.arange(at.size), m, cyclic, still=CLOSED)
+            moved = (np.abs(wrapped(x - part.x, cyclic)) / went.scale).max(axis=0)
+            closed = np.flatnonzero((spectral_radius(went.matrix) < 1) & (moved <= far))
+            part.put(closed, x[:, closed])
+            matrix[closed] = went.matrix[closed]
+        begin = part.x.copy()
+        segment = part.advance(m * part.strobe, save_periods=every, extremes=True)
+        points, scale = np.concatenate([begin[None], segment.saved[:-1]]), sizes_over(part, segment)
         for k, run in enumerate(at):
             within = SETTLED * tolerance if np.isfinite(matrix[k]).all() else SAME_POINT
-            out[run] = ClosedOrbit(points[:, :, k], scale[:, k], matrix[k], within)
-    return [orbit for orbit in out if orbit is not None]
+            out[int(run)] = ClosedOrbit(points[:, :, k], scale[:, k], matrix[k], within)
+    return [out[run] for run in range(ensemble.points)]
 
 
 def nearest_return(record: Array | None, rows: int, cyclic: Mapping[int, float] | None = None) -> int:
@@ -138,77 +132,6 @@ def scaled(difference: Array, scale: Array, cyclic: Mapping[int, float] | None) 
     """Largest difference (state, ...) over the scales of the states; angles modulo their period."""
     over = scale.reshape(-1, *[1] * (difference.ndim - 1))
     return np.asarray((np.abs(wrapped(difference, cyclic)) / over).max(axis=0))
-
-
-def wrapped(difference: Array, cyclic: Mapping[int, float] | None) -> Array:
-    """Differences of states (state, ...) with those of angles modulo their period."""
-    out = np.array(difference)
-    for k, period in (cyclic or {}).items():
-        out[k] -= period * np.rint(out[k] / period)
-    return out
-
-
-def close(
-    ensemble: Ensemble,
-    multiple: NDArray[np.int64],
-    scale: Array,
-    cyclic: Mapping[int, float] | None = None,
-    *,
-    far: float = FAR,
-    steps: int = STEPS,
-) -> tuple[Array, Array]:
-    """Close the orbits that returned runs stand near.
-
-    Parameters
-    ----------
-    ensemble : Ensemble
-        Runs that have returned, at phase zero; stays as it is.
-    multiple : array of int, shape (run,)
-        Their returns in common periods.
-    scale : array, shape (state, run)
-    far, steps
-        As of `closed_orbits`.
-
-    Returns
-    -------
-    x : array, shape (state, run)
-        A point of each orbit at phase zero; of runs that could not be closed their own state.
-    matrix : array, shape (run, state, state)
-        Derivative of one return there; NaN where the method did not converge, went too far, ends on an orbit that repels, or
-        the motion sticks to a surface (there the map has no derivative).
-    """
-    n, runs = ensemble.x.shape
-    x, before = ensemble.x.copy(), np.full(runs, np.inf)
-    matrix, done = np.full((runs, n, n), np.nan), np.zeros(runs, dtype=bool)
-    going = np.flatnonzero(ensemble.running & (multiple > 0))
-    for _ in range(steps):
-        if not going.size:
-            break
-        end, derivative = monodromies(ensemble, going, multiple[going], x[:, going])
-        attracts = spectral_radius(derivative) < 1
-        going, end, derivative = going[attracts], end[:, attracts], derivative[attracts]
-        step = _newton_step(wrapped(end - x[:, going], cyclic), derivative)
-        size = _largest(step, scale[:, going])
-        done[going[size <= CLOSED]] = True
-        matrix[going] = derivative
-        better = (size <= CLOSED) | (size < before[going] / 2)
-        x[:, going[better]] += step[:, better]
-        before[going] = size
-        going = going[better & (size > CLOSED)]
-    moved = _largest(wrapped(x - ensemble.x, cyclic), scale)
-    lost = ~(done & (moved <= far))
-    x[:, lost], matrix[lost] = ensemble.x[:, lost], np.nan
-    return x, matrix
-
-
-def _newton_step(residual: Array, derivative: Array) -> Array:
-    """Solve (1 - M) step = residual for each run (state, run): regular where all multipliers are below one."""
-    eye = np.eye(residual.shape[0])
-    return np.asarray(np.linalg.solve(eye - derivative, residual.T[..., None])[..., 0].T)
-
-
-def _largest(difference: Array, scale: Array) -> Array:
-    return np.asarray((np.abs(difference) / scale).max(axis=0))
 
 
 def flows_into(saved: Array, orbit: ClosedOrbit, cyclic: Mapping[int, float] | None = None) -> NDArray[np.bool_]:

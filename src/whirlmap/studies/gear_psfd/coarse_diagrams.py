@@ -42,7 +42,7 @@ class Settings:
         The paper's s.
     settling : Settling
     exponent_periods : int
-        Common periods of the exponent of points that do not return.
+        T of the exponent of points that do not return, at most.
     accuracy : float
         Error over one common period that steps are chosen for.
     ranges : tuple of Range
@@ -51,7 +51,7 @@ class Settings:
     seed: int = 1
     speeds: tuple[float, ...] = SPEEDS
     settling: Settling = field(default_factory=lambda: Settling(transient=40, most=8, keep=16))
-    exponent_periods: int = 64
+    exponent_periods: int = 512
     accuracy: float = 1e-4
     ranges: tuple[Range, ...] = field(default_factory=ranges)
 
@@ -142,7 +142,7 @@ def labelled(ds: xr.Dataset, settings: Settings, orbits: Mapping[str, Array] | N
     exponent, error = ds["lyapunov"].values, ds["lyapunov_error"].values
     nothing = np.full(regime.shape[:2], np.nan)
     known = orbits or {}
-    least = least_exponent(settings.exponent_periods, float(ds.attrs["common_period"]))
+    least = least_exponent(settings.exponent_periods, ds.attrs["common_period"] / ds.attrs["common_multiple"])
     return Labelled(
         s=ds["s"].values, regime=regime, period=ds["period_T"].values, exponent=exponent, error=error,
         amplitude=ds["amplitude"].values,

@@ -69,13 +69,13 @@ class Quality:
     settling : Settling
         Of the diagrams.
     exponent_periods : int
-        Common periods of the exponent of each point that does not return: fewer than 256 give no label.
+        T of the exponent of each point that does not return, at most.
     orbit_settling : Settling
         Of the operating point at s = 3.27.
     points : int
         Section points of its dimension.
     most_periods : int
-        Common periods after which its exponent stops.
+        T after which its exponent stops.
     """
 
     speeds: int
@@ -87,8 +87,8 @@ class Quality:
 
 
 QUALITIES = {
-    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 256, Settling(transient=30, most=16), 4000, 100),
-    "full": Quality(600, Settling(transient=80, most=16, keep=64), 256, Settling(transient=200, most=64), 20480, 1600),
+    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 2048, Settling(transient=30, most=16), 4000, 800),
+    "full": Quality(600, Settling(transient=80, most=16, keep=64), 2048, Settling(transient=200, most=64), 20480, 12800),
 }
 
 

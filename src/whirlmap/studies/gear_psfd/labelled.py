@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.regime import BREATHING
+from whirlmap.analysis.labels.votes import BREATHING
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
 
 Array = NDArray[np.float64]
@@ -155,13 +155,13 @@ class Labelled:
         return out
 
 
-def least_exponent(periods: int, common_period: float) -> float:
-    """Smallest exponent that counts as growth, measured over so many common periods.
+def least_exponent(periods: int, period: float) -> float:
+    """Smallest exponent that counts as growth, measured over so many periods T.
 
-    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.regime`. That also keeps out motion that grows
-    without bound: where neither the transient nor this run met the bound, it has grown by less.
+    The total growth must exceed ln(periods) + 3, as in `whirlmap.analysis.labels.votes`. That also keeps out motion that
+    grows without bound: where neither the transient nor this run met the bound, it has grown by less.
     """
-    return (math.log(periods) + BREATHING) / (periods * common_period)
+    return (math.log(periods) + BREATHING) / (periods * period)
 
 
 def positive(exponent: Array, error: Array, least: float) -> Mask:

@@ -108,7 +108,7 @@ def draw_threshold(workers: int | None = None) -> Figure:
         above.plot(THRESHOLD_S, found.growth, label=f"ψ = {psi:g}", **line)
         near = found.growth > -0.01
         below.plot(np.where(near, THRESHOLD_S, np.nan), found.frequency / spin, **line)
-        ds = label_points(system, {"s": coarse, "psi": np.full(coarse.size, psi)}, lyapunov=64, workers=workers)
+        ds = label_points(system, {"s": coarse, "psi": np.full(coarse.size, psi)}, lyapunov=512, workers=workers)
         regime = ds["regime"].values
         y = np.full(coarse.size, -0.0125 - 0.0012 * k)
         marks = {Regime.periodic: ".", Regime.undecided: "o", Regime.contact: "x"}

@@ -57,7 +57,7 @@ def labelled(e: Evidence) -> Labelled:
         period=rows("period_T").astype(np.int64),
         exponent=rows("lyapunov"), error=rows("lyapunov_error"), amplitude=span,
         slowness=np.clip(waited / longest, 0.0, 1.0), forced=first.attrs["common_multiple"],
-        least=least_exponent(e.quality.exponent_periods, e.system.common_period), orbits=_orbits(e),
+        least=least_exponent(e.quality.exponent_periods, e.system.period), orbits=_orbits(e),
     )  # fmt: skip
 
 

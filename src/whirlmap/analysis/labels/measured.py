@@ -18,7 +18,10 @@ RETURNS = (
 
 @dataclass(frozen=True)
 class Measured:
-    """What was measured of points; arrays of shape (point,) beside those of `Returns` and ``end_state`` (state, point)."""
+    """What was measured of points; arrays of shape (point,) beside those of `Returns` and ``end_state`` (state, point).
+
+    The latter is the state at the end of the record, NaN where a run has ended.
+    """
 
     returns: Returns
     status: NDArray[np.int8]
@@ -28,12 +31,13 @@ class Measured:
     exponent_periods: NDArray[np.int64]
     confidence: Array
     winding: Array
+    rule: NDArray[np.int8]
     start_found: NDArray[np.bool_]
     steps: NDArray[np.int64]
     step_error: Array
     step_verdict: NDArray[np.int8]
     grazings: NDArray[np.int64]
-    common: NDArray[np.int64]
+    common: Array
     end_state: Array
 
 

@@ -1,0 +1,296 @@
+"""Operating points that do not return: exponent, section and verdict of each, run as long as that one needs.
+
+A run with one tangent vector gives both, once per T. It goes on in stretches that double, until the rule (`regime`) has a
+label and the error of the exponent is small enough, or to the longest length. A point whose tangent vector shrinks for sure
+is on its way to an orbit, for which it needs no tangent vector, and stops. A point is judged by its whole record where it
+stops. Its numbers depend on its own run alone.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.divergence import shrinks_areas
+from whirlmap.analysis.labels.locked import locked_multiple
+from whirlmap.analysis.labels.near_return import near_return
+from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
+from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, windings_of
+from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
+from whirlmap.analysis.labels.section_record import SectionRecord
+from whirlmap.analysis.labels.votes import SURE, Evidence, contracts
+from whirlmap.analysis.lyapunov import mean_and_error
+from whirlmap.analysis.tangent_accuracy import tuned
+from whirlmap.analysis.tangent_run import run_with_section
+from whirlmap.analysis.unbounded import Trends
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales
+from whirlmap.results.regime import Regime
+
+Array = NDArray[np.float64]
+Points = NDArray[np.intp]
+
+#: Error of the largest exponent, relative and in units of 2 pi/T, with which a labelled point stops.
+ENOUGH = (0.05, 0.005)
+#: Points that run together, and numbers of their sections that are held until they are judged, about.
+TOGETHER, HELD = 512, 2**23
+#: T that the longest of those records has, in the mean.
+USUAL = 1024
+#: Points whose trends are computed together: what that takes on the way is several times their section points.
+TRENDS = 64
+#: Section points, once per common period, that are kept of a point that contracts.
+KEPT = 4096
+#: Section points from which n of a locked motion is not sought in longer records: that takes as long as all else.
+SOUGHT = 2048
+#: Part of a start that may be left where n of a locked motion is sought.
+LEFT = 1e-7
+#: T between the section points that show trends where the forcing has no common period.
+SPARSE = 16
+
+
+@dataclass(frozen=True)
+class OpenPoints:
+    """What was found, each array of shape (point,).
+
+    Attributes
+    ----------
+    regime : array of int
+        `Regime`: quasi-periodic, chaotic, locked or undecided.
+    rule : array of int
+        `Rule` that decided.
+    confidence, winding : array
+        As of `whirlmap.analysis.labels.regime.regime`.
+    exponent, error : array
+        Largest Lyapunov exponent and one standard error, per unit of the model's time.
+    periods : array of int
+        T over which it was measured.
+    shrinks : array of bool
+        Whether the tangent vector shrinks for sure.
+    closes : array of bool
+        Whether its section comes near to a return, and nearer as time goes on.
+    growth : array
+        Rate per unit of time at which the section's range grows or falls steadily; NaN where it does not.
+    drift : array, shape (state, point)
+        Speed per unit of time at which the section's mean moves steadily; zero where it does not.
+    centre, reach : array, shape (state, point)
+        Of the section, as in `Trends`.
+    x : array, shape (state, point)
+        Where the run was left, at phase zero.
+    nearest : array of int
+        Return in common periods that the section comes nearest to, 0 where none was looked for.
+    nearness : array
+        Its scaled distance, by the last section point.
+    returned : array of bool
+        Whether the end of the run returns after so many, to the tolerance.
+    multiple : array of int
+        n of a locked motion.
+    paths : dict of array, shape (time, state)
+        Last section points of points that may return, once per common period.
+    """
+
+    regime: NDArray[np.int8]
+    rule: NDArray[np.int8]
+    confidence: Array
+    winding: Array
+    exponent: Array
+    error: Array
+    periods: NDArray[np.int64]
+    shrinks: NDArray[np.bool_]
+    closes: NDArray[np.bool_]
+    growth: Array
+    drift: Array
+    centre: Array
+    reach: Array
+    x: Array
+    nearest: NDArray[np.int64]
+    nearness: Array
+    returned: NDArray[np.bool_]
+    multiple: NDArray[np.int64]
+    paths: dict[int, Array] = field(default_factory=dict)
+
+    @classmethod
+    def none(cls, x: Array) -> "OpenPoints":
+        """Points of which nothing is known yet, at states of shape (state, point)."""
+        states, points = x.shape
+        zero, unknown = np.zeros((states, points)), np.full((5, points), np.nan)
+        whole, no = np.zeros((3, points), dtype=np.int64), np.zeros((3, points), dtype=bool)
+        return cls(
+            np.full(points, Regime.undecided, dtype=np.int8), np.full(points, Rule.none, dtype=np.int8), np.zeros(points),
+            unknown[0], unknown[1], unknown[2], whole[0], no[0], no[1], unknown[3], zero, zero.copy(), zero.copy(), x.copy(),
+            whole[1], unknown[4], no[2], whole[2],
+        )  # fmt: skip
+
+    def take(self, other: "OpenPoints", points: Points) -> None:
+        """Take over what was found of some points."""
+        for one in fields(self):
+            if one.name != "paths":
+                getattr(self, one.name)[..., points] = getattr(other, one.name)
+        self.paths.update({int(points[k]): path for k, path in other.paths.items()})
+
+
+def judge_open_points(
+    tangent: Ensemble,
+    most: int,
+    cyclic: Mapping[int, float] | None,
+    progress: Callable[[int], None] | None = None,
+    *,
+    ranges: Array,
+    tolerance: float,
+    contraction_ends: bool = False,
+) -> OpenPoints:
+    """Measure and judge points that have settled but do not return.
+
+    Parameters
+    ----------
+    tangent : Ensemble
+        At the settled states, at phase zero, with one tangent vector; its ``status`` is taken forward in place.
+    most : int
+        T (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
+    ranges : array, shape (state, point)
+        Of the states over the motion.
+    tolerance : float
+        Of a return.
+    contraction_ends : bool
+        Whether points that can return stop, undecided, once their tangent vectors have shrunk for sure.
+    """
+    n, states = tangent.points, tangent.model.dimension
+    found = OpenPoints.none(tangent.x)
+    together = int(np.clip(HELD // (USUAL * (OBSERVABLES + states // tangent.strobe)), 16, TOGETHER))
+    for first in range(0, n, together):
+        members = np.arange(first, min(first + together, n))
+        judge = _Judge(tangent, members, most, dict(cyclic or {}), ranges[:, members], tolerance, found, progress)
+        judge.run(contraction_ends and tangent.returns)
+    return found
+
+
+class _Judge:
+    """Some of the points, on the way to their verdicts."""
+
+    def __init__(
+        self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], ranges: Array,
+        tolerance: float, found: OpenPoints, progress: Callable[[int], None] | None,
+    ) -> None:  # fmt: skip
+        self.tolerance = tolerance
+        self.tangent, self.members, self.cyclic, self.found, self.progress = tangent, members, cyclic, found, progress
+        cycle = tangent.strobe
+        self.first = -(-min(LEAST, most) // cycle) * cycle  # whole common periods, so that all stops are at phase zero
+        self.most = max(most // cycle * cycle, self.first)
+        self.align = -(-max(self.first // 10, 5) // cycle) * cycle
+        self.rates = np.full((self.most, members.size), np.nan)
+        self.no_torus = shrinks_areas(tangent.subset(members)) if tangent.returns else np.zeros(members.size, dtype=bool)
+        self.every = cycle if tangent.returns else SPARSE
+        self.record = SectionRecord(members.size, tangent.model.dimension, self.every, cyclic, ranges)
+
+    def run(self, contraction_ends: bool) -> None:
+        """Run the points to their verdicts."""
+        carried, found = tuned(self.tangent.subset(self.members)), self.found
+        left, run, done, stretch = np.arange(self.members.size), carried.ensemble, 0, self.first
+        while left.size:
+            local, section = run_with_section(run, stretch, align=0 if done else self.align, progress=self.progress)
+            self.rates[done : done + stretch, left] = local[:, 0]
+            done += stretch
+            self.record.keep(left, section)
+            at = self.members[left]
+            self.tangent.status[at], self.tangent.end_time[at] = run.status, run.end_time
+            found.x[:, at] = run.x
+            self._trends(left, done)
+            found.exponent[at], error = mean_and_error(self.rates[:done, left], run.strobe)
+            found.error[at] = np.fmax(error, carried.error[0, left])
+            found.periods[at] = done
+            late = (self.rates[done // 2 : done, left].sum(axis=0)) * run.period
+            found.shrinks[at] = contracts(found.exponent[at], found.error[at], done * run.period, late)
+            target = np.maximum(ENOUGH[0] * np.abs(found.exponent[at]), ENOUGH[1] * 2 * np.pi / run.period)
+            sure = found.error[at] <= target
+            # One with a label is judged anew when it stops: a label that an early stretch gave does not stay by itself.
+            due = (found.regime[at] == Regime.undecided) | sure | (done >= self.most)
+            self._vote(run, np.flatnonzero(run.running & due), left, done, late)
+            # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
+            torus, forbidden = found.regime[at] == Regime.quasi_periodic, self.no_torus[left]
+            changes = at[torus & (np.isfinite(found.growth[at]) | forbidden)]
+            found.regime[changes], found.confidence[changes], found.rule[changes] = Regime.undecided, 0.0, Rule.regular
+            found.closes[at[torus & forbidden]] = True
+            open_ = found.regime[at] == Regime.undecided
+            if contraction_ends:
+                open_ &= ~(found.shrinks[at] | found.closes[at])
+            stay = run.running & (open_ | (~sure & (found.regime[at] != Regime.locked)))
+            stretch = min(done, self.most - done)
+            if not stretch:
+                stay[:] = False
+            if run.returns and run.model.forced:
+                self._near_returns(run, left[~stay & run.running])
+            left, run = left[stay], run.subset(np.flatnonzero(stay))
+
+    def _trends(self, left: Points, done: int) -> None:
+        """Trends of the sections so far, once per common period."""
+        tangent, at = self.tangent, self.members[left]
+        sections = [self.record.strobed[point] for point in left]
+        count = np.array([len(s) for s in sections], dtype=np.int64)
+        for rows in np.unique(count[count > 0]):  # forced: all that still run have the same
+            same = np.flatnonzero(count == rows)
+            for these in np.array_split(same, -(-same.size // TRENDS)):
+                points = at[these]
+                period, end = tangent.period[points], tangent.end_time[points]
+                time = self.every * period
+                if not tangent.model.forced:  # crossings come as often as they come: the rate is one on the mean
+                    time = np.where(np.isfinite(end), end - self.align * period, done * period) / rows
+                unknown = np.full(points.size, np.nan)
+                section = np.stack([sections[k] for k in these], axis=2)
+                seen = Trends.of(tangent.model, tangent.period[points], section, time, unknown, unknown, self.cyclic)
+                for name in ("growth", "drift", "centre", "reach"):
+                    getattr(self.found, name)[..., points] = getattr(seen, name)
+
+    def _vote(self, run: Ensemble, lanes: Points, left: Points, done: int, late: Array) -> None:
+        """Judge points, each from as many section points as it has itself."""
+        found, final = self.found, done >= self.most
+        common = run.common_multiple
+        count = np.array([self.record.watched[left[k]].shape[1] for k in lanes], dtype=np.int64)
+        for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
+            these = lanes[count == rows]
+            at, duration = self.members[left[these]], done * run.period[these]
+            value, error = found.exponent[at], found.error[at]
+            watched = np.stack([self.record.watched[left[k]] for k in these])
+            seen = evidence_of(watched, common=common, grows=value > SURE * error, final=final)
+            winding = [UNKNOWN] * these.size
+            if run.returns and rows // self.every >= TURNED:
+                strobed = np.stack([self.record.strobed[left[k]] for k in these], axis=2)
+                winding = windings_of(strobed, self.cyclic, self.record.ranges[:, left[these]])
+            judged = decide(
+                Evidence(
+                    run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,
+                    tuple(winding), final, run.returns,
+                )
+            )  # fmt: skip
+            for name in ("regime", "rule", "confidence", "winding"):
+                getattr(found, name)[at] = judged[name]
+            found.closes[at] = seen.closes
+            locked = np.flatnonzero(judged["regime"] == Regime.locked)
+            if locked.size:
+                self._locked(run, at[locked], watched[locked], value[locked] * duration[locked], final=final)
+
+    def _locked(self, run: Ensemble, at: Points, watched: Array, grown: Array, *, final: bool) -> None:
+        """Find n of locked points, from where nothing is left of their starts on; more of their run may be needed for it."""
+        found, rows = self.found, watched.shape[2]
+        needed = np.ceil(rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT)))
+        begins = np.array([rows // 4, rows // 2, 3 * rows // 4])  # few, for what begins together is fitted together
+        begin = begins[np.searchsorted(begins, needed).clip(max=2)]
+        orders = tuple(abs(order) for order in run.orders if order)
+        n = np.zeros(at.size, dtype=np.int64)
+        for first in np.unique(begin):
+            those = np.flatnonzero((begin == first) & (needed <= first))
+            points = np.moveaxis(watched[those][:, :, first:], 0, 2).swapaxes(0, 1)
+            if those.size and len(points) >= LEAST:
+                n[those] = locked_multiple(points, orders, scale=np.ptp(points, axis=0))[0]
+        found.multiple[at] = n
+        open_ = at[(n == 0) & ((rows - begin < SOUGHT) | (needed > begin)) & (not final)]
+        found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
+
+    def _near_returns(self, run: Ensemble, stopped: Points) -> None:
+        """Return that the section of each point comes nearest to, and its last section points once per common period."""
+        for point in stopped:
+            at, path = self.members[point], self.record.strobed[int(point)]
+            low, high = path.min(axis=0)[:, None], path.max(axis=0)[:, None]
+            size = scales(run.model, self.tangent.period[[at]], high - low, np.maximum(np.abs(low), np.abs(high)))[:, 0]
+            near = near_return(path, size, self.cyclic, self.tolerance)
+            self.found.nearest[at], self.found.nearness[at], self.found.returned[at] = near
+            self.found.paths[int(at)] = path[-KEPT:]

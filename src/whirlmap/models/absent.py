@@ -1,0 +1,33 @@
+"""What rotors on films have in general and these models do not: said to a user who asks for it by name.
+
+Keys are beginnings of words, in small letters; values are sentences. A name that whirlmap does not know is otherwise
+answered with the nearest spelling, which misleads where the thing itself is missing.
+"""
+
+_BEARINGS = "bearings here are plain circular ones (or squeeze-film dampers)"
+
+_SEALS = "seals are not modelled: between its bearings unbalance, weight and teeth alone act on a rotor"
+
+NOT_IN_ROTOR_MODELS = {
+    "preload": f"{_BEARINGS}: preload is not modelled",
+    "lobe": f"{_BEARINGS}: lobes are not modelled",
+    "multilobe": f"{_BEARINGS}: lobes are not modelled",
+    "elliptic": f"{_BEARINGS}: elliptical bores are not modelled",
+    "lemon": f"{_BEARINGS}: lemon bores are not modelled",
+    "tilting": f"{_BEARINGS}: tilting pads are not modelled",
+    "pad": f"{_BEARINGS}: pads are not modelled",
+    "groove": f"{_BEARINGS}: oil grooves are not modelled",
+    "foil": f"{_BEARINGS}: foil bearings are not modelled",
+    "magnetic": f"{_BEARINGS}: magnetic bearings are not modelled",
+    "roller": f"{_BEARINGS}: rolling bearings are not modelled",
+    "rolling": f"{_BEARINGS}: rolling bearings are not modelled",
+    "seal": _SEALS,
+    "labyrinth": _SEALS,
+    "gyroscop": "rotors move without tilting here: gyroscopic moments are not modelled",
+    "misalign": "shafts are aligned here: misalignment is not modelled",
+    "crack": "shafts are sound here: cracks are not modelled",
+    "axial": "rotors move across their axis alone: axial motion and thrust are not modelled",
+    "thrust": "rotors move across their axis alone: axial motion and thrust are not modelled",
+    "helix": "teeth are straight here: helical gears are not modelled",
+    "helical": "teeth are straight here: helical gears are not modelled",
+}
