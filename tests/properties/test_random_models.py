@@ -224,7 +224,10 @@ def test_tangent_vectors_follow_the_jacobian(case):
     if growth.min() < -9:  # what is left of nearly parallel vectors is rounding
         return
     for count in {1, min(2, n), n}:
-        e = Ensemble(system.model, system.vector[:, None], start, orders=system.orders, steps=steps, tangents=count)
+        e = Ensemble(
+            system.model, system.vector[:, None], start, orders=system.orders, steps=steps, tangents=count,
+            sizes=np.ones((n, 1)),
+        )  # fmt: skip
         e._y[n : n * (1 + count)] = np.eye(n)[:count].reshape(-1, 1)
         found = e.advance(1).growth[0, :, 0]
         if surfaces(e):
