@@ -11,6 +11,7 @@ from whirlmap.analysis.measures import record_series
 from whirlmap.analysis.points import make_ensemble
 from whirlmap.analysis.record_length import (
     LONGEST,
+    LONGEST_SETTLED,
     NUMBERS,
     recorded,
     settled_periods,
@@ -64,6 +65,7 @@ def test_lengths_are_turns_of_the_slowest_clock():
     assert system.common_multiple == 37 * 113 * 71
     assert slowest_turn(system) == pytest.approx(113, rel=1e-14)
     assert settled_periods(system) == 200 * 113
+    assert settled_periods(hunting(gear=Fraction(1, 10**7))) == LONGEST_SETTLED
     assert shown_periods(system, 100) == 20 * 113
     assert spectrum_periods(system, 512) == 16 * 113  # no whole common period: it would be 164 times as long
     assert shown_periods(hunting(gear=Fraction(1, 10**9)), 100) * 100 * 2 <= NUMBERS

@@ -70,6 +70,23 @@ def test_where_no_disk_has_room_that_is_said(tmp_path, monkeypatch):
     assert not list(tmp_path.iterdir())
 
 
+def test_a_full_disk_without_any_other_place_is_still_called_full(tmp_path, monkeypatch):
+    """No folder for passing files, and no home."""
+    def refuse(self, path, **options):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    def nowhere():
+        raise FileNotFoundError("No usable temporary directory found")
+
+    def homeless():
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.setattr(xr.Dataset, "to_netcdf", refuse)
+    monkeypatch.setattr(files.tempfile, "gettempdir", nowhere)
+    monkeypatch.setattr(files.Path, "home", homeless)
+    assert "the disk is full); no other disk had room" in refused("simulate duffing --periods 2 --out x.nc --quiet")
+
+
 def test_a_home_that_cannot_be_written_costs_the_cache_alone(tmp_path):
     (tmp_path / "home").write_text("a file, so that no folder can be made in it, by root neither")
     home = str(tmp_path / "home")

@@ -21,7 +21,7 @@ zone is also solved in closed form (`tests/independent/dead_zone.py`).
 Models stand in `kinked_models`, `unforced_models` and `scaled_models`, or in the test where only it needs them, as users
 write them; where a truth has equations of its own, a test holds the two against each other at random states. Numbers that
 take long are kept (`numbers.json`, `numbers_late.json`, tables in the tests), and slow tests compute them anew. A quantity
-may be refused, in a sentence, where the test says so (a jump without saltation, frequencies without a common period), and a
+may be refused, in a sentence, where the test says so (a jump without saltation), and a
 run may end as `sticks` where the truth slides. A wrong label or number may not come out anywhere.
 """
 

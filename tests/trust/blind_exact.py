@@ -1,4 +1,4 @@
-"""What is known exactly of four systems of `blind_models`: label, number of T, margin to the threshold, rate per T.
+"""What is known exactly of four systems of `blind_models`: label, number of T, contraction per T.
 
 Linear equations by their eigenvalues; z' = (mu + i w0) z - (1 + i b) |z|^2 z + F exp(i w t) in the frame that turns with the
 forcing, where it is autonomous: its equilibria by a cubic, their folds by its discriminant, Hopf's threshold by a trace.
@@ -13,11 +13,10 @@ from blind_truth import _A, _B, STAGES
 
 @dataclass(frozen=True)
 class Known:
-    """A truth: regime, n (0 where it has none), relative margin to the nearest threshold, contraction per T."""
+    """A truth: regime, n (0 where it has none), contraction per T."""
 
     regime: str
     n: int
-    margin: float
     rate: float
     how: str
 
@@ -26,24 +25,23 @@ def linear(c, k, b, A, w):
     """A focus or node that drives a slow node: the slowest of three eigenvalues."""
     rates = np.append(np.roots([1, c, k]).real, -b)
     assert rates.max() < 0
-    return Known("periodic", 1, -float(rates.max()), -float(rates.max()) * 2 * np.pi / w, "eigenvalues")
+    return Known("periodic", 1, -float(rates.max()) * 2 * np.pi / w, "eigenvalues")
 
 
 def rotor(k, c, a, w):
     """A rotor with cross-coupled stiffness k and damping c: forward whirl at its natural frequency repels from k = c on."""
     rate = float(np.roots([1, c, 1 - 1j * k]).real.max())
-    exact = abs(k / c - 1)
     if rate > 0:
-        return Known("growing", 0, exact, -rate * 2 * np.pi / w, "eigenvalues; threshold k = c")
-    return Known("periodic", 1, exact, -rate * 2 * np.pi / w, "eigenvalues; threshold k = c")
+        return Known("growing", 0, -rate * 2 * np.pi / w, "eigenvalues; threshold k = c")
+    return Known("periodic", 1, -rate * 2 * np.pi / w, "eigenvalues; threshold k = c")
 
 
 def flip(eps, a, q, w):
     """Axes that turn by half the angle of the forcing: 2T from eps = 0 on."""
     T = 2 * np.pi / w
     if eps < 0:
-        return Known("periodic", 1, -eps, -eps * T, "closed form; multiplier -exp(eps T)")
-    return Known("periodic", 2, eps, 2 * eps * T, "closed form; multiplier -exp(eps T)")
+        return Known("periodic", 1, -eps * T, "closed form; multiplier -exp(eps T)")
+    return Known("periodic", 2, 2 * eps * T, "closed form; multiplier -exp(eps T)")
 
 
 def equilibria(mu, b, F, w0, w):
@@ -78,17 +76,17 @@ def fold_threshold(mu, b, F, w0, inside, outside):
     return (inside + outside) / 2
 
 
-def hopf(mu, b, F, w0, w, margin):
+def hopf(mu, b, F, w0, w):
     """An equilibrium of the turning frame attracts: 1T. None does: its cycle is a torus in the frame at rest."""
     T = 2 * np.pi / w
     _, trace, determinant = equilibria(mu, b, F, w0, w)
     eigenvalues = [np.roots([1, -s, d]).real.max() for s, d in zip(trace, determinant, strict=True)]
     if min(eigenvalues) < 0:
-        return Known("periodic", 1, margin, -float(min(eigenvalues)) * T, "turning frame: equilibrium attracts")
+        return Known("periodic", 1, -float(min(eigenvalues)) * T, "turning frame: equilibrium attracts")
     beat, rate = cycle(mu, b, F, w0, w)
     near = min((abs(beat / w * q - round(beat / w * q)) / q, q) for q in range(1, 201))
     how = f"turning frame: cycle, frequency {beat:.9g} = {beat / w:.9g} w, {near[0]:.1e} from a ratio of {near[1]}"
-    return Known("quasi-periodic", 0, margin, rate * T, how)
+    return Known("quasi-periodic", 0, rate * T, how)
 
 
 def cycle(mu, b, F, w0, w, step=0.05, settle=2_000_000, kept=200_000):

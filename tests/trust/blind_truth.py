@@ -84,12 +84,11 @@ def turns(p, y, first, count, steps, stretch):
 
 @dataclass(frozen=True)
 class Orbit:
-    """A periodic orbit of n T, its multipliers, and what Newton's method left."""
+    """A periodic orbit of n T and its multipliers."""
 
     n: int
     z: np.ndarray
     multipliers: np.ndarray
-    left: float
 
     @property
     def rate(self):
@@ -120,7 +119,7 @@ def orbit(p, z, n, steps=64, most=40, angle=False):
             return None
         z = z + move
         if np.abs(move).max() < 1e-11 * max(1, np.abs(z).max()):
-            return Orbit(n, z, np.linalg.eigvals(M), float(np.abs(move).max()))
+            return Orbit(n, z, np.linalg.eigvals(M))
     return None
 
 

@@ -30,7 +30,7 @@ def evidence(point, finer=1):
         known = getattr(exact, point.system)(**point.values)
         return {"regime": known.regime, "n": known.n, "rate per T": known.rate, "how": known.how}
     if point.system == "hopf":
-        known = exact.hopf(**point.values, margin=point.margin)
+        known = exact.hopf(**point.values)
         return {"regime": known.regime, "n": known.n, "rate per T": float(known.rate), "how": known.how}
     p, steps = vector(**point.values), STEPS.get(point.system, 64) * finer
     angle = point.system == "pendulum"

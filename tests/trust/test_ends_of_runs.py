@@ -224,5 +224,5 @@ def test_a_pendulum_that_spins_up():
     ds = asked(diagram, system, lyapunov=512)
     assert not isinstance(ds, Refused), ds.sentence
     # Its phase creeps towards a lock with the forcing, with an exponent of -1.2e-5 per T: it settles over 80 thousand T.
-    assert label(ds, 0) in ("quasi-periodic", "undecided", "drifting", "not-settled") or label(ds, 0).endswith("T")
+    assert label(ds, 0) == "not-settled"
     assert float(ds["mean"].sel(quantity="v")[0]) == pytest.approx(100.0, rel=1e-3)

@@ -125,6 +125,43 @@ NODES = {  # name -> model, values, start of x, rate
 }  # fmt: skip
 
 
+TONES = 1.0, (5**0.5 - 1) / 2
+
+
+def two_tones(name, force, *used):
+    return Model(name=name, states=(x, v), parameters=(*used, a, b), equations={x: v, v: force}, harmonics=(a, b),
+                 swing=(x,))  # fmt: skip
+
+
+@pytest.mark.parametrize(("hold", "rests"), [(0.5, False), (0.7, True)])
+def test_dry_friction_under_forces_that_never_repeat(hold, rests):
+    """Together they reach 0.6: that much friction or more holds the mass, less does not."""
+    model = two_tones("stuck_two_tones", 0.5 * cos(a * t) + 0.1 * cos(b * t) - x - k * sign(v), k)
+    ds = diagram(whirlmap.load(model, a=TONES[0], b=TONES[1], k=hold, start={"x": 0.0}), lyapunov=None)
+    assert (label(ds, 0) == "at-rest") == rests
+    assert (float(ds["peak_to_peak"].sel(quantity="x")[0]) > 0.1) != rests
+
+
+@pytest.mark.parametrize("idle", [1 / 16, 1 / 8, 1 / 3, TONES[1]])
+@pytest.mark.parametrize(("swing", "rate"), [(0.04, -0.00500601), (0.1, None)])
+def test_parametric_forcing_beside_a_clock_that_drives_nothing(idle, swing, rate):
+    """Mathieu's equation; the rate is that of its multipliers, which no other clock changes."""
+    period = 2 * np.pi
+
+    def rates(s, z):
+        return [z[1], -(0.25 + swing * np.cos(s)) * z[0] - 0.05 * z[1]]
+
+    ends = [solve_ivp(rates, (0, period), z, rtol=1e-11, atol=1e-13).y[:, -1] for z in np.eye(2)]
+    truth = float(np.log(np.abs(np.linalg.eigvals(np.array(ends).T)).max())) / period
+    assert truth == pytest.approx(rate, rel=1e-5) if rate else truth > 0.005
+    model = two_tones("idle_clock", -(0.25 + A * cos(a * t)) * x - c * v, A, c)
+    ds = diagram(whirlmap.load(model, A=swing, c=0.05, a=1.0, b=idle, start={"x": 0.0}))
+    assert (label(ds, 0) == "at-rest") == (truth < 0)
+    if rate:
+        exact = idle in (1 / 16, 1 / 8, 1 / 3)  # without a common period the rate is one over a trial
+        assert float(ds["growth_rate"][0]) == pytest.approx(truth, rel=1e-5 if exact else 0.1)
+
+
 @pytest.mark.parametrize("name", NODES)
 def test_a_node_is_approached_without_a_crossing(name):
     """At rest with the largest eigenvalue, however slow or fast that is beside the typical time."""

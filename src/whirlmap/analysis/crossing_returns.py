@@ -63,14 +63,17 @@ def _settled_returns(
 def settled_returns(
     section: Array, size: Array, period: Array, tolerance: float, most: int
 ) -> tuple[Integers, Array]:
-    """Smallest returns of sections, shape (crossing, state, lane), that are no part of an approach.
+    """Smallest returns of sections that are no part of an approach.
 
     Parameters
     ----------
+    section : array, shape (crossing, state, lane)
     size : array, shape (state, lane)
         What differences are divided by.
     period : array, shape (state,)
         Of each state, infinite where it is not cyclic.
+    tolerance : float
+        Of a return.
     most : int
         Largest return that is sought, at most half the number of crossings.
 

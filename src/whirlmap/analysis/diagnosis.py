@@ -27,7 +27,7 @@ from whirlmap.analysis.tangent_run import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.rescue import end_named
-from whirlmap.integrate.system import System
+from whirlmap.integrate.system import System, common_multiple_attribute
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, plain_attributes, regime_variable, status_variable, variable
@@ -148,7 +148,7 @@ def diagnose(
     data["starts_agree"] = variable((), int(same.sum()), "1", "those that came to what the first one came to")
     facts = {
         "indicators": json.dumps(votes),
-        **({"common_multiple": ensemble.common_multiple} if system.repeats else {}),
+        **common_multiple_attribute(ensemble.orders),
         "period_T_time": float(ensemble.period[0]), "transient": settling.transient,
         "clocks": json.dumps(turns_per_T(system)), "end_reason": end_named(system.model, int(ensemble.end_stop[0])),
     }  # fmt: skip

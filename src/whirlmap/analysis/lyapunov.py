@@ -36,7 +36,7 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
     ensemble : Ensemble
         On its attractor, with tangent vectors; advanced in place.
     periods : int
-        Common periods that count.
+        Common periods that count (`Ensemble.strobe`: T where the common period is longer than 128 T).
 
     Returns
     -------
@@ -115,7 +115,8 @@ def lyapunov_spectrum(
     count : int, optional
         Number of exponents, largest first; all of them where absent.
     transient, periods : int
-        Common periods dropped, and counted (for an unforced model: typical times).
+        Common periods dropped, and counted (T where the common period is longer than 128 T; for an unforced model: typical
+        times).
     starts : int
         Runs from starts that differ by 1e-6, which decorrelate in chaos; the error is the largest of the scatter
         between runs and the mean error within them, both for the mean over runs, of a quarter of the difference between the
@@ -194,5 +195,9 @@ def lyapunov_spectrum(
         coords={"period": np.arange(1, periods + 1), "exponent": np.arange(1, count + 1), "run": np.arange(starts)},
     )
     return with_attributes(
-        ds, run_attributes(system, ensemble, transient=transient, periods=periods, common_period=system.common_period)
-    )
+        ds,
+        run_attributes(
+            system, ensemble, transient=transient, periods=periods,
+            **({"common_period": system.common_period} if system.repeats else {}),
+        ),
+    )  # fmt: skip

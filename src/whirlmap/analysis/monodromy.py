@@ -11,8 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.ensemble import Ensemble, Segment
-from whirlmap.integrate.scales import scales
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales_between
 
 Array = NDArray[np.float64]
 Points = NDArray[np.intp]
@@ -68,14 +68,9 @@ def monodromies(ensemble: Ensemble, points: Points, multiple: int, x: Array) -> 
     )  # fmt: skip
     segment = e.advance(multiple * e.strobe, save_periods=e.strobe, extremes=True)
     matrix = np.where(e.running[:, None, None], e.vectors.transpose(2, 1, 0), np.nan)
-    return Rounds(segment.saved, matrix, sizes_over(e, segment))
-
-
-def sizes_over(ensemble: Ensemble, segment: Segment) -> Array:
-    """Sizes of the states over a segment of an ensemble whose extremes were tracked, shape (state, point)."""
     assert segment.extremes is not None
-    low, high = (segment.extremes[name][: ensemble.model.dimension] for name in ("minimum", "maximum"))
-    return scales(ensemble.model, ensemble.period, high - low, np.maximum(np.abs(low), np.abs(high)))
+    low, high = segment.extremes["minimum"], segment.extremes["maximum"]
+    return Rounds(segment.saved, matrix, scales_between(e.model, e.period, low, high))
 
 
 def largest_multipliers(ensemble: Ensemble, points: Points, multiple: NDArray[np.int64], x: Array | None = None) -> Array:

@@ -21,6 +21,8 @@ from whirlmap.kernels.routine import LANES
 SHOWN, LEAST_SHOWN, NUMBERS = 20, 20, 3_000_000
 #: Turns of the slowest clock after which a motion whose transient is not given is looked at.
 SETTLED = 200
+#: T of that transient at most.
+LONGEST_SETTLED = 100_000
 #: Turns of the slowest clock in the record of a spectrum: a line stands four main lobes of Hann's window from zero frequency
 #: at the least (`spectral_lines`), and the shaft's own line should be among them.
 SEEN = 16
@@ -51,8 +53,8 @@ def slowest_turn(system: System) -> float:
 
 
 def settled_periods(system: System, turns: int = SETTLED) -> int:
-    """T in so many turns of the slowest clock: a transient whose length is not given."""
-    return _whole(turns * slowest_turn(system))
+    """T in so many turns of the slowest clock, up to `LONGEST_SETTLED`: a transient whose length is not given."""
+    return min(_whole(turns * slowest_turn(system)), max(turns, LONGEST_SETTLED))
 
 
 def shown_periods(system: System, samples: int) -> int:

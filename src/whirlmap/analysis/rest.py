@@ -19,8 +19,9 @@ Points = NDArray[np.intp]
 PHASES, GOLDEN = 16, (5**0.5 - 1) / 2
 #: Rates at an equilibrium over those where the motion is, and where it was or their terms are large, that count as zero.
 ZERO, ROUNDING = 1e-6, 1e-12
-#: Growth per unit of time, times the common period, below which an equilibrium does not repel.
-NEUTRAL = 1e-9
+#: Growth over the time in which the forcing repeats below which an equilibrium does not repel; and over a trial where the
+#: forcing does not repeat, for small motions breathe.
+NEUTRAL, DIES = 1e-9, -3.0
 
 
 def resting_places(
@@ -51,8 +52,7 @@ def resting_places(
     x = np.where(found & close, place, now)
     there = np.zeros(points.size, dtype=bool)
     sizes = (ZERO, ranges), (ROUNDING, moved)
-    # Spaced by the golden section: evenly spaced ones would meet a harmonic at few phases of its own.
-    times = (np.arange(PHASES) * GOLDEN % 1)[:, None] * (ensemble.common_multiple * ensemble.period[points])
+    times = _times(ensemble, points)
     for form, members in variants(ensemble.model, values):
         evaluate = Evaluator.of(form, values[:, members], jacobian=True)
         here, least = (np.zeros((x.shape[0], members.size)) for _ in range(2))
@@ -70,19 +70,26 @@ def resting_places(
     return x, there
 
 
+def _times(ensemble: Ensemble, points: Points) -> Array:
+    """Times in a common period at which a forced model is looked at, shape (phase, points)."""
+    # Spaced by the golden section: evenly spaced ones would meet a harmonic at few phases of its own.
+    phases = np.arange(PHASES if ensemble.model.forced else 1) * GOLDEN % 1
+    return np.asarray(phases[:, None] * (ensemble.common_multiple * ensemble.period[points]))
+
+
 def carried(ensemble: Ensemble, points: Points) -> Array:
-    """How far the rates beside a place carry each state in a common period, shape (state, points).
+    """How far the rates beside a place carry each state in a common period (`Ensemble.strobe`), shape (state, points).
 
     What keeps a motion where it is, dry friction or a stop, holds against this. It is the rates there times the time, and
     what that does to the rates, so that it counts for a position too, whose own rate is zero.
     """
     values, x = ensemble.values[:, points], ensemble.x[:, points]
-    period = ensemble.common_multiple * ensemble.period[points]
+    period, times = ensemble.strobe * ensemble.period[points], _times(ensemble, points)
     out = np.zeros_like(x)
     for form, members in variants(ensemble.model, values):
         evaluate, local = Evaluator.of(form, values[:, members], jacobian=True), np.arange(members.size)
-        for phase in np.arange(PHASES) / PHASES:
-            rates, jacobian = evaluate(phase * period[members], x[:, members], local)
+        for time in times:
+            rates, jacobian = evaluate(time[members], x[:, members], local)
             once = np.abs(rates) * period[members]
             then = np.einsum("ijk,jk->ik", np.abs(jacobian), once) * period[members]
             out[:, members] = np.maximum(out[:, members], once + then)
@@ -100,22 +107,23 @@ def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
     Returns
     -------
     array, shape (points,)
-        Infinite where the equilibrium repels.
+        Infinite where the equilibrium repels, or where that is not known.
 
     Notes
     -----
     Where the Jacobian does not change with time it is the largest real part of its eigenvalues; else it comes from the
-    largest multiplier over a common period, which is no more accurate than the steps.
+    largest multiplier over a common period, which is no more accurate than the steps. Forcing without a reasonable common
+    period has no multipliers: the same number over `Ensemble.trial_periods` gives the rate, where it falls clearly.
     """
-    time = ensemble.strobe * ensemble.period[points]
+    rounds = 1 if ensemble.returns else ensemble.trial_periods
+    time = rounds * ensemble.strobe * ensemble.period[points]
     growth = _largest_real_part(ensemble, points, x) * time
-    moving = np.flatnonzero(np.isnan(growth))
-    if moving.size:
-        once = np.ones(moving.size, dtype=np.int64)
-        largest = largest_multipliers(ensemble, points[moving], once, x[:, moving])
-        with np.errstate(divide="ignore"):
-            growth[moving] = np.log(np.maximum(largest, np.finfo(float).tiny))
-    return np.asarray(np.where(growth <= NEUTRAL, growth / time, np.inf))
+    moving = np.isnan(growth)
+    if moving.any():
+        largest = largest_multipliers(ensemble, points[moving], np.full(moving.sum(), rounds), x[:, moving])
+        growth[moving] = np.log(np.maximum(largest, np.finfo(float).tiny))
+    most = np.where(moving & (not ensemble.returns), DIES, NEUTRAL)
+    return np.asarray(np.where(growth <= most, growth / time, np.inf))
 
 
 def _largest_real_part(ensemble: Ensemble, points: Points, x: Array) -> Array:
@@ -124,11 +132,10 @@ def _largest_real_part(ensemble: Ensemble, points: Points, x: Array) -> Array:
     No steps are taken, so that it is right where small motions die away faster than the steps can follow.
     """
     values, out = ensemble.values[:, points], np.full(points.size, np.nan)
-    period = ensemble.common_multiple * ensemble.period[points]
-    phases = PHASES if ensemble.model.forced else 1
+    times = _times(ensemble, points)
     for form, members in variants(ensemble.model, values):
         evaluate, local = Evaluator.of(form, values[:, members], jacobian=True), np.arange(members.size)
-        whole = np.stack([evaluate(k / phases * period[members], x[:, members], local)[1] for k in range(phases)])
+        whole = np.stack([evaluate(time[members], x[:, members], local)[1] for time in times])
         steady = (np.ptp(whole, axis=0) <= ROUNDING * np.abs(whole).max(axis=0)).all(axis=(0, 1))
         if steady.any():
             matrices = whole[0][:, :, steady].transpose(2, 0, 1)

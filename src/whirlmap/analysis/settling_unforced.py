@@ -18,7 +18,7 @@ from whirlmap.analysis.settling import Settled, Settling
 from whirlmap.analysis.trend import trend
 from whirlmap.analysis.turn_times import SOUGHT, TURNS, learn_turns
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.scales import FLOOR, scales
+from whirlmap.integrate.scales import scales_between
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -57,10 +57,12 @@ def settle_unforced(
         extremes = begin.advance(window, extremes=True, progress=progress).extremes
         assert extremes is not None
         ensemble.absorb(section, left)
-        settled.scale[:, left] = sizes_of(ensemble, left, extremes) * wide[left]
-        ranges = (extremes["maximum"] - extremes["minimum"])[: ensemble.model.dimension]
+        low, high = extremes["minimum"], extremes["maximum"]
+        settled.scale[:, left] = scales_between(ensemble.model, ensemble.period[left], low, high) * wide[left]
+        ranges = (high - low)[: ensemble.model.dimension]
         settled.moved[:, left] = np.fmax(settled.moved[:, left], ranges)
         settled.waited[left] += window
+        approaches[left] = False
         count = np.where(ensemble.running[left], np.isfinite(times).sum(axis=0), 0)
         for shared in np.unique(count[count > 1]):  # each point is judged by all of its crossings, whatever others have
             columns = np.flatnonzero(count == shared)
@@ -105,10 +107,3 @@ def trends_beyond(
         at = np.flatnonzero(whole == count)
         seen = trend(part.advance(int(count), members=at, save_periods=1).saved, cyclic)
         settled.growth[points[at]], settled.drift[:, points[at]] = seen.growth, seen.drift
-
-
-def sizes_of(ensemble: Ensemble, members: NDArray[np.intp], extremes: dict[str, Array], share: float = FLOOR) -> Array:
-    """Sizes of the states of some points over a recorded stretch (`scales`); NaN where a point has ended."""
-    low, high = (extremes[name][: ensemble.model.dimension] for name in ("minimum", "maximum"))
-    magnitude = np.maximum(np.abs(low), np.abs(high))
-    return scales(ensemble.model, ensemble.period[members], high - low, magnitude, share=share)

@@ -11,8 +11,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.settled_steps import wider_tolerance
 from whirlmap.analysis.settling import Settled, Settling
-from whirlmap.analysis.settling_unforced import sizes_of
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales_between
 
 Integers = NDArray[np.int64]
 
@@ -31,8 +31,9 @@ def settle_without_returns(
                 continue
             extremes = ensemble.advance(length, members=these, extremes=True, progress=progress).extremes
             assert extremes is not None
-            ranges = (extremes["maximum"] - extremes["minimum"])[:states]
-            settled.moved[:, these] = np.fmax(settled.moved[:, these], ranges)
-            settled.scale[:, these] = sizes_of(ensemble, these, extremes) * wider_tolerance(ensemble, settling)[these]
+            low, high = extremes["minimum"], extremes["maximum"]
+            settled.moved[:, these] = np.fmax(settled.moved[:, these], (high - low)[:states])
+            scale = scales_between(ensemble.model, ensemble.period[these], low, high)
+            settled.scale[:, these] = scale * wider_tolerance(ensemble, settling)[these]
             settled.waited[these] += length
     return settled

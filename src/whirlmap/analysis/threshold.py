@@ -12,6 +12,10 @@ from whirlmap.integrate.system import System
 VALUES = 33
 
 
+class NoThresholdError(RangeError):
+    """A bracket in which no stability is lost: an answer, for who asks whether some is."""
+
+
 def stability_threshold(system: System, name: str, bracket: tuple[float, float], *, tolerance: float = 1e-9) -> float:
     """Lowest value in a bracket at which the largest real part of the eigenvalues turns from negative to positive.
 
@@ -31,7 +35,9 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     Raises
     ------
     RangeError
-        Where the bracket is not ascending or shows no loss of stability, or an equilibrium in it is not found.
+        Where the bracket is not ascending, or an equilibrium in it is not found.
+    NoThresholdError
+        Where the bracket shows no loss of stability.
     """
     low, high = (float(end) for end in bracket)
     if not (np.isfinite([low, high]).all() and low < high and 1e-14 <= tolerance < 1):
@@ -51,6 +57,6 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
         lost = np.flatnonzero(~unstable[:-1] & unstable[1:])
         if not lost.size:
             state = "unstable" if unstable.all() else "stable" if not unstable.any() else "first unstable, then stable"
-            raise RangeError(f"no loss of stability for {name} from {low:g} to {high:g}: the equilibrium is {state}")
+            raise NoThresholdError(f"no loss of stability for {name} from {low:g} to {high:g}: the equilibrium is {state}")
         low, high = grid[lost[0]], grid[lost[0] + 1]
     return float((low + high) / 2)

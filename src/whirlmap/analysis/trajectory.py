@@ -16,7 +16,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.rescue import end_named
-from whirlmap.integrate.system import System
+from whirlmap.integrate.system import System, common_multiple_attribute
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
@@ -268,7 +268,7 @@ def _units(model: Model) -> str:
 def _run_facts(system: System, ensemble: Ensemble, **more: Any) -> dict[str, Any]:
     return {
         "period_T": float(ensemble.period[0]),
-        **({"common_multiple": common} if (common := ensemble.common_multiple) < 2**63 else {}),
+        **common_multiple_attribute(ensemble.orders),
         "stop": end_named(system.model, int(ensemble.end_stop[0])),
         **more,
     }

@@ -42,7 +42,7 @@ def attractors(
     transient: options.Transient = 100,
     most: options.Most = 64,
     tolerance: options.Tolerance = 1e-6,
-    lyapunov: options.Lyapunov = None,
+    lyapunov: options.MeasuredLyapunov = None,
     steps: options.Steps = None,
     accuracy: options.Accuracy = None,
     method: options.Method = None,

@@ -136,8 +136,10 @@ def headline(verdict: dict[str, Any]) -> str:
         words.append(f"{many} common period{'s' if many != 1 else ''}")
         words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
     elif verdict["regime"] == "locked":
+        from whirlmap.integrate.system import LONGEST
+
         n = verdict["period"]
-        words.append(f"{'' if n is None else f'{n}-fold '}to a forcing without a common period")
+        words.append(f"{'' if n is None else f'{n}-fold '}to a forcing that does not repeat within {LONGEST} T")
     elif verdict["regime"] in ("contact", "diverged"):
         words.append(f"at time {report.number(verdict.get('end_time'))}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []

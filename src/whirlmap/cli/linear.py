@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
-from whirlmap.errors import RangeError
 
 if TYPE_CHECKING:
     from whirlmap.analysis.film_coefficients import FilmCoefficients
@@ -38,17 +37,15 @@ def linear(
     system = options.open_system(case, changes, None)
     from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import linear_analysis
-    from whirlmap.analysis.threshold import stability_threshold
+    from whirlmap.analysis.threshold import NoThresholdError, stability_threshold
 
     found = linear_analysis(system)
-    limit, kept = None, ""
+    limit, note = None, None
     if bracket:
         try:
             limit = stability_threshold(system, *bracket)
-        except RangeError as error:
-            if not str(error).startswith("no loss of stability"):
-                raise
-            kept = str(error)  # that nothing is lost there is an answer
+        except NoThresholdError as error:  # that nothing is lost there is an answer
+            note = str(error)
     equilibrium = dict(zip(system.states, found.equilibrium, strict=True))
     modes = [
         {"growth": float(v.real), "frequency": float(v.imag), "damping_ratio": float(-v.real / abs(v)) if v else None}
@@ -59,7 +56,7 @@ def linear(
         report.print_json({
             "case": system.case, "model": system.model.name, "parameters": system.values, "equilibrium": equilibrium,
             "stable": found.stable, "eigenvalues": modes, "films": films,
-            "threshold": {"parameter": bracket[0], "value": limit, "note": kept or None} if bracket else None,
+            "threshold": {"parameter": bracket[0], "value": limit, "note": note} if bracket else None,
         })  # fmt: skip
         return
     typer.echo(f"{system.case}: the static equilibrium is {'stable' if found.stable else 'unstable'}")
@@ -76,8 +73,8 @@ def linear(
         ]
         title = f"Bearing {name}, eccentricity {one['eccentricity']:.4g}"
         report.show(report.table(title, ("axes", *(HEADS[key] for key in keys)), rows, numbers=range(1, len(keys) + 1)))
-    if kept:
-        typer.echo(kept)
+    if note:
+        typer.echo(note)
     elif bracket:
         typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}")
 

@@ -72,20 +72,19 @@ def range_of(system: "System", text: str | None) -> tuple[float, float]:
     for part in parts:
         try:
             ends.append(float(part))
-            if scale == scale and ends[-1] > MOST_S:
-                rpm = ends[-1] * scale * 30 / math.pi
-                raise InputError(
-                    f'--range: found {text!r} without units, which are values of s up to {rpm:.3g} rpm, expected speeds with'
-                    ' their unit, as in "500 rpm:6000 rpm"'
-                )
-        except InputError:
-            raise
         except ValueError:
             if not scale == scale:
                 raise InputError(
                     f"--range: found {part!r}, but {system.case} has no dimensions; expected values of s"
                 ) from None
             ends.append(_read(part, "rad/s", "--range") / scale)
+        else:
+            if scale == scale and ends[-1] > MOST_S:
+                rpm = ends[-1] * scale * 30 / math.pi
+                raise InputError(
+                    f'--range: found {text!r} without units, which are values of s up to {rpm:.3g} rpm, expected speeds with'
+                    ' their unit, as in "500 rpm:6000 rpm"'
+                )
     if not 0 < ends[0] < ends[1]:
         raise RangeError(f"--range: found {text!r}, expected two positive speeds, the lower one first")
     return ends[0], ends[1]

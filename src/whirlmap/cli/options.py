@@ -97,14 +97,23 @@ Transient = Annotated[
         rich_help_panel=COMPUTING,
     ),
 ]  # fmt: skip
+_LYAPUNOV = (
+    "T over which points that do not return run with a tangent vector, which gives their largest Lyapunov exponent"
+    " and tells quasi-periodic from chaotic, at most: each stops when it is labelled and sure enough. Where absent: as"
+    " long as labels may need. "
+)
 Lyapunov = Annotated[
     int | None,
     typer.Option(
         "--lyapunov", metavar="N",
-        help="T over which points that do not return run with a tangent vector, which gives their largest Lyapunov exponent"
-        " and tells quasi-periodic from chaotic, at most: each stops when it is labelled and sure enough. Where absent: as"
-        " long as labels may need. 0: not measured, and undecided; fewer than 256 leave them undecided.",
+        help=_LYAPUNOV + "0: not measured, and undecided; fewer than 256 leave them undecided.",
         rich_help_panel=COMPUTING, show_default=False,
+    ),
+]  # fmt: skip
+MeasuredLyapunov = Annotated[
+    int | None,
+    typer.Option(
+        "--lyapunov", metavar="N", help=_LYAPUNOV + "256 or more.", rich_help_panel=COMPUTING, show_default=False,
     ),
 ]  # fmt: skip
 Most = Annotated[

@@ -62,19 +62,17 @@ def write_all(kinds: Sequence[tuple[Path | None, Callable[[Path], Path]]]) -> li
     """
     from whirlmap.results.files import DiskFullError, elsewhere
 
-    written, kept, faults = list[Path](), list[Path](), list[str]()
+    written, faults = list[Path](), list[str]()
     for place, fill in kinds:
         if place is None:
             continue
         try:
             written.append(fill(place))
         except DiskFullError as error:
-            faults.append(str(error))
-            if (other := elsewhere(fill, place.name, place.parent)) is not None:
-                kept.append(other)
+            other = elsewhere(fill, place.name, place.parent)
+            faults.append(f"{error}; " + (f"kept instead: {other}" if other else "no other disk had room for it"))
     if faults:
-        end = f"; kept instead: {' '.join(map(str, kept))}" if kept else "; no other disk had room for it"
-        raise DiskFullError("; ".join(faults) + end)
+        raise DiskFullError("; ".join(faults))
     return written
 
 

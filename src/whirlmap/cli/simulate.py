@@ -112,7 +112,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
         "stop": ds.attrs.get("stop"),
         "start_found": bool(ds["start_found"]),
         "period": system.period,
-        "common_period": system.common_period,
+        "common_period": system.common_period if system.repeats else None,
         "samples": ds.sizes["time"],
         "time": [float(ds["time"][0]), float(ds["time"][-1])],
         "motion": {

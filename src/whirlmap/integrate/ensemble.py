@@ -18,9 +18,8 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
-from whirlmap.integrate.orders import common_multiple, strobe
 from whirlmap.integrate.scales import limits, tangent_sizes
-from whirlmap.integrate.system import periods
+from whirlmap.integrate.system import common_multiple, periods, strobe
 from whirlmap.kernels.lanes import UNKNOWN
 from whirlmap.kernels.methods import RK4, Method
 from whirlmap.kernels.root_choice import adopt, chosen

@@ -5,11 +5,10 @@ the ratio of two frequencies depends on a varied parameter, points are grouped b
 ensemble of its own.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from math import lcm
 from typing import Any
 
 import numpy as np
@@ -18,20 +17,9 @@ from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
-from whirlmap.integrate.system import LONGEST, System, frequencies, nearest_order
+from whirlmap.integrate.system import System, common_multiple, frequencies, nearest_order, strobe
 
 Array = NDArray[np.float64]
-
-
-def common_multiple(orders: Sequence[Fraction]) -> int:
-    """Number of T in the common period of harmonics with these orders over the fastest."""
-    return lcm(*(order.denominator for order in orders)) if orders else 1
-
-
-def strobe(orders: Sequence[Fraction]) -> int:
-    """Number of T between section points that show returns: the common period, or one T where it is above `LONGEST`."""
-    common = common_multiple(orders)
-    return common if common <= LONGEST else 1
 
 
 @dataclass(frozen=True)

@@ -113,6 +113,12 @@ def scales(
     return np.where(size > 0, size, 1.0)
 
 
+def scales_between(model: Model, period: Array, low: Array, high: Array) -> Array:
+    """`scales` of motions between extremes, shape (state, point); rows of outputs may follow those of the states."""
+    low, high = low[: model.dimension], high[: model.dimension]
+    return scales(model, period, high - low, np.maximum(np.abs(low), np.abs(high)))
+
+
 def start_sizes(model: Model, period: Array, x: Array) -> Array:
     """Sizes of the states that a start shows, shape (state, point): its own, or of those alike to it.
 

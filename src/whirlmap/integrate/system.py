@@ -1,6 +1,6 @@
 """A system: a model with numbers, ready to integrate."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
@@ -46,10 +46,35 @@ def exact_order(value: Any, name: str) -> Fraction | None:
 def nearest_order(value: float) -> Fraction:
     """Order of a harmonic whose frequency ratio is any number: `exact_order`, else the nearest ratio of integers.
 
-    Its denominator is at most `FINEST`, so that it is nearer than 1e-24: nothing that a run of any length could show.
+    Its denominator is at most `FINEST`, so that it is as near as rounding: nothing that a run of any length could show.
     """
     exact = exact_order(value, "order")
     return Fraction(value).limit_denominator(FINEST) if exact is None else exact
+
+
+def common_multiple(orders: Sequence[Fraction]) -> int:
+    """Number of T in the common period of harmonics with these orders over the fastest."""
+    return lcm(*(order.denominator for order in orders)) if orders else 1
+
+
+def strobe(orders: Sequence[Fraction]) -> int:
+    """Number of T between section points that show returns: `strobe_of` their common period."""
+    return strobe_of(common_multiple(orders))
+
+
+def strobe_of(common: int) -> int:
+    """Number of T between section points that show returns: the common period, or one T where that is above `LONGEST`."""
+    return common if common <= LONGEST else 1
+
+
+def repeats(orders: Sequence[Fraction]) -> bool:
+    """Whether harmonics with these orders have a common period: all are ratios of integers, and it can be counted."""
+    return all(order.denominator <= SIMPLE for order in orders) and common_multiple(orders) < 2**63
+
+
+def common_multiple_attribute(orders: Sequence[Fraction]) -> dict[str, int]:
+    """Attribute of a Dataset that says how many T the common period is; none where there is none."""
+    return {"common_multiple": common_multiple(orders)} if repeats(orders) else {}
 
 
 @dataclass(frozen=True, eq=False)
@@ -137,17 +162,17 @@ class System:
     @property
     def repeats(self) -> bool:
         """Whether the forcing has a common period: all orders are ratios of integers."""
-        return all(order.denominator <= SIMPLE for order in self.orders)
+        return repeats(self.orders)
 
     @property
     def common_multiple(self) -> int:
         """Number of T in the common period of all harmonics; beyond any time where the orders have none."""
-        return lcm(*(order.denominator for order in self.orders)) if self.orders else 1
+        return common_multiple(self.orders)
 
     @property
     def strobe(self) -> int:
         """Number of T between section points that show returns: the common period, or one T where that is too long."""
-        return self.common_multiple if self.common_multiple <= LONGEST else 1
+        return strobe(self.orders)
 
     @property
     def common_period(self) -> float:
@@ -244,7 +269,7 @@ def _ratios(harmonics: list[Expr], fastest: Expr, numbers: Mapping[Any, float]) 
     out = []
     for harmonic in harmonics:
         ratio = (harmonic / fastest).simplify()
-        if isinstance(ratio, Rational):
+        if isinstance(ratio, Rational) and ratio.q <= FINEST:  # the quotient of two other numbers' orders is finer
             out.append(Fraction(int(ratio.p), int(ratio.q)))
         else:
             out.append(nearest_order(float(ratio.subs(numbers))))

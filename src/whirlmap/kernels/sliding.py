@@ -60,6 +60,7 @@ def sliding_rates(
             r.store(r.sub(one, two), apart, i)
             r.store(r.mul(r.div(off, r.sub(down, up)), r.sub(one, two)), a["shift"], i)
             r.store(b.select(anywhere, mean(one, two), one), a["dy"], i)
+
         def kept(rates: Value, out: Value) -> None:
             """Write rates, or a vector's, less what would leave the surface along the jump of the rates."""
             r.call(guards, y=a["y"], c=a["c"], p=a["p"], modes=upper, v=rates, clock=clock, g=value, rate=above)

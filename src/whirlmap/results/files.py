@@ -116,7 +116,7 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
         os.close(handle)
         Path(trial).unlink()
     except OSError as error:
-        raise OutputError(f"{path}: the folder {folder} cannot be written ({reason(error)})") from None
+        raise _fault(error)(f"{path}: the folder {folder} cannot be written ({reason(error)})") from None
 
 
 def write(dataset: "xr.Dataset", path: str | Path, *, force: bool = False) -> Path:
@@ -125,7 +125,7 @@ def write(dataset: "xr.Dataset", path: str | Path, *, force: bool = False) -> Pa
     Raises
     ------
     OutputError
-        As `check_writable`; a suffix other than ``.nc``; or the disk refuses.
+        As `replace_file`; or a suffix other than ``.nc``.
     """
     path = Path(path)
     if path.suffix.lower() not in DATASETS:
@@ -144,6 +144,11 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
     """Have ``fill(temporary path)`` write a file, and give it its name when it is complete.
 
     The temporary file lies in the same folder, keeps the suffix, and is removed whatever happens.
+
+    Raises
+    ------
+    OutputError
+        As `check_writable`, or the disk refuses; `DiskFullError` where it has no room.
     """
     check_writable(path, force=force)
     trial = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
@@ -154,12 +159,15 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
         else:
             _claim(trial, path)
     except OSError as error:
-        kind = DiskFullError if error.errno in (errno.ENOSPC, errno.EDQUOT) else OutputError
-        raise kind(f"{path}: cannot be written ({reason(error)})") from error
+        raise _fault(error)(f"{path}: cannot be written ({reason(error)})") from error
     finally:
         trial.unlink(missing_ok=True)
     WRITTEN.append(path)
     return path
+
+
+def _fault(error: OSError) -> type[OutputError]:
+    return DiskFullError if error.errno in (errno.ENOSPC, errno.EDQUOT) else OutputError
 
 
 def _full(folder: Path) -> bool:
@@ -186,14 +194,15 @@ def elsewhere(fill: Callable[[Path], object], name: str, full: Path) -> Path | N
     Path or None
         The file; None where no other disk takes it.
     """
-    for folder in (Path(tempfile.gettempdir()), Path.home(), Path.cwd()):
+    for where in (tempfile.gettempdir, Path.home, Path.cwd):  # each may find nothing
         made = None
         try:
+            folder = Path(where())
             if _device(folder) == _device(full):
                 continue
             made = Path(tempfile.mkdtemp(prefix="whirlmap-", dir=folder))
             fill(made / name)
-        except (OSError, OutputError):
+        except (OSError, RuntimeError, OutputError):
             if made:
                 shutil.rmtree(made, ignore_errors=True)
             continue

@@ -96,11 +96,12 @@ def attractors(
        compared to ten tolerances of settling. Angles are compared modulo their period. The phases are those of the common
        period, or of what is left of it where a harmonic has no amplitude (`whirlmap.sweep.repeat`).
     2. Those that do not return belong to a known orbit where they flow into it. Of the others, `LANES` and then twice as
-       many each time are labelled (`label_points`). Those that come out chaotic or quasi-periodic are traced over 2048
-       common periods (`attractor_search.TRACE`), and the others are on the same attractor where 32 of their section points
-       (`RECORD`) lie on the trace (`on_set`). What has no label then runs on while it approaches a known orbit, and is
-       traced. Sets are one where their distributions do not differ beyond chance (`whirlmap.analysis.labels.distribution`);
-       two that do are traced over four times as many points, and must differ again.
+       many each time are labelled (`label_points`). Those that come out chaotic, quasi-periodic or locked (and cycles of
+       unforced models) are traced over 2048 section points (`attractor_search.TRACE`), and the others are on the same
+       attractor where 32 of their section points (`RECORD`) lie on the trace (`on_set`). What has no label then runs on
+       while it approaches a known orbit, and is traced. Sets are one where their distributions do not differ beyond chance
+       (`whirlmap.analysis.labels.distribution`); two that do are traced over four times as many points, and must differ
+       again.
     3. The label of every attractor comes from one more run with all indicators. A start that ends in contact or diverges,
        or whose label is undecided, has no attractor, and is counted as such.
 

@@ -140,21 +140,21 @@ class Job:
         return points_dataset(self.system, columns, measured, kept=self.labelling.kept)
 
 
+#: What must agree for a cell to be left alone, and below which number each stays: they are packed into one integer.
+PACKED = (("regime", 100), ("status", 100), ("period_common", 10**5), ("period_T", 10**9))
+
+
 def label_codes(ds: xr.Dataset) -> NDArray[np.int64]:
-    """What must agree for a cell to be left alone: regime, how the run ended, and the period, in T and in common periods."""
-    return np.asarray(
-        ds["regime"].values.astype(np.int64) + 100 * ds["status"].values.astype(np.int64)
-        + 10**4 * ds["period_common"].values.astype(np.int64) + 10**9 * ds["period_T"].values.astype(np.int64)
-    )  # fmt: skip
+    """Labels of cells as integers (`PACKED`): regime, how the run ended, and the period, in T and in common periods."""
+    numbers, below = [ds[name].values.astype(np.int64) for name, _ in PACKED], [most for _, most in PACKED]
+    return np.asarray(np.ravel_multi_index(tuple(numbers[::-1]), tuple(below[::-1])))
 
 
 def _infer(out: dict[str, NDArray[Any]], labels: NDArray[np.int64]) -> None:
     inferred = out[EVALUATION] == Evaluation.inferred
-    for name, code in (
-        ("regime", labels % 100), ("status", labels // 100 % 100), ("period_common", labels // 10**4 % 10**5),
-        ("period_T", labels // 10**9),
-    ):  # fmt: skip
-        out[name][inferred] = code[inferred]
+    numbers = np.unravel_index(labels[inferred], tuple(most for _, most in PACKED[::-1]))
+    for (name, _), number in zip(PACKED[::-1], numbers, strict=True):
+        out[name][inferred] = number
 
 
 def attempt(job: Job, number: int) -> Outcome:

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.points import cyclic_states
 from whirlmap.integrate.scales import scales
-from whirlmap.integrate.system import LONGEST, System
+from whirlmap.integrate.system import System, strobe_of
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import Status
@@ -72,7 +72,7 @@ def _once_per_common_period(ds: xr.Dataset, system: System, parameter: str) -> A
     multiple = ds["common_multiple"].values
     for common in np.unique(multiple):
         these = np.flatnonzero(multiple == common)
-        every = int(common) if common <= LONGEST else 1
+        every = strobe_of(int(common))
         rows = section[every - 1 :: every, :, these]
         out[: rows.shape[0], :, these] = rows
     return out

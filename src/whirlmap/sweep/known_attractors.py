@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.labels.closed_orbit import ClosedOrbit, flows_into
 from whirlmap.analysis.labels.same_attractor import same_set
 from whirlmap.analysis.points import cyclic_states
-from whirlmap.integrate.scales import scales
+from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System
 
 Array = NDArray[np.float64]
@@ -62,9 +62,8 @@ class KnownAttractors:
 
     def scale_of(self, trace: Array) -> Array:
         """What differences of each state are divided by, from a trace (time, state)."""
-        low, high = (trace.min(axis=0)[:, None], trace.max(axis=0)[:, None])
-        size = np.maximum(np.abs(low), np.abs(high))
-        return np.asarray(scales(self.model, np.array([self.period]), high - low, size)[:, 0])
+        low, high = trace.min(axis=0)[:, None], trace.max(axis=0)[:, None]
+        return scales_between(self.model, np.array([self.period]), low, high)[:, 0]
 
     def renumber(self, new: Mapping[int, int]) -> None:
         """Give attractors new numbers, and forget those that have none."""

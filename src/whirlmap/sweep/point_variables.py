@@ -14,7 +14,7 @@ from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import orders_vary
-from whirlmap.integrate.system import System
+from whirlmap.integrate.system import System, common_multiple_attribute
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable
 from whirlmap.results.status import flags
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
@@ -69,8 +69,8 @@ def section_variable(dim: str, system: System, measured: Measured, kept: Sequenc
 
 
 def shared_common_multiple(system: System, varied: Iterable[str], ensemble: Ensemble) -> dict[str, int]:
-    """Attribute that says how many T the common period is, where it is the same for all points."""
-    return {} if orders_vary(system.model, varied) else {"common_multiple": ensemble.common_multiple}
+    """Attribute that says how many T the common period is, where there is one, the same for all points."""
+    return {} if orders_vary(system.model, varied) else common_multiple_attribute(ensemble.orders)
 
 
 def common_multiple_variable(dim: str, system: System, varied: Iterable[str], measured: Measured) -> dict[str, Any]:

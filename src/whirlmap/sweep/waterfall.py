@@ -15,8 +15,8 @@ from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import status_variable, variable, with_attributes
 
-#: Turns of the slowest clock that pass before the record, and that it holds.
-SETTLED, SEEN = 100, 8
+#: Turns of the slowest clock that pass before the record, and that it holds: half of what one spectrum has, for many speeds.
+PASSED, HELD = 100, 8
 
 
 def waterfall(
@@ -41,9 +41,9 @@ def waterfall(
     values : array_like, shape (point,)
         Ascending.
     transient : int, optional
-        T dropped; where absent, `SETTLED` turns of the slowest clock.
+        T dropped; where absent, `PASSED` turns of the slowest clock, up to `record_length.LONGEST_SETTLED` T.
     periods : int
-        Least T of the record, which holds `SEEN` turns of the slowest clock and, where they are short, whole common
+        Least T of the record, which holds `HELD` turns of the slowest clock and, where they are short, whole common
         periods (`spectrum_periods`). A forced line then stands on a bin; else it may stand between two, and shows down to
         0.72 of its power, with the rest beside it.
     samples : int
@@ -63,10 +63,10 @@ def waterfall(
     ensemble, _ = make_ensemble(
         system, {parameter: points}, steps=steps, accuracy=accuracy, method=method, workers=workers
     )  # fmt: skip
-    ensemble.advance(settled_periods(system, SETTLED) if transient is None else transient, progress=progress)
+    ensemble.advance(settled_periods(system, PASSED) if transient is None else transient, progress=progress)
     # the same samples in every point: whole multiples of them, at least as many as the point's own steps
     ensemble = ensemble.subset(np.arange(points.size), steps=samples * -(-ensemble.point_steps // samples))
-    length = spectrum_periods(system, periods, SEEN)
+    length = spectrum_periods(system, periods, HELD)
     series = recorded(ensemble, length, Fraction(1, samples), [system.states.index(state)], progress)[:, 0]
     good = ensemble.running
     power = power_spectrum(np.where(good, series, 0.0), rate=samples, unit="T")

@@ -20,8 +20,9 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.closing import CLOSED, newton, wrapped
 from whirlmap.analysis.labels.distribution import own_scale
-from whirlmap.analysis.monodromy import sizes_over, spectral_radius, together
+from whirlmap.analysis.monodromy import spectral_radius, together
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales_between
 
 Array = NDArray[np.float64]
 
@@ -110,7 +111,9 @@ def closed_orbits(
             matrix[closed] = went.matrix[closed]
         begin = part.x.copy()
         segment = part.advance(m * part.strobe, save_periods=every, extremes=True)
-        points, scale = np.concatenate([begin[None], segment.saved[:-1]]), sizes_over(part, segment)
+        points = np.concatenate([begin[None], segment.saved[:-1]])
+        assert segment.extremes is not None
+        scale = scales_between(part.model, part.period, segment.extremes["minimum"], segment.extremes["maximum"])
         for k, run in enumerate(at):
             within = SETTLED * tolerance if np.isfinite(matrix[k]).all() else SAME_POINT
             out[int(run)] = ClosedOrbit(points[:, :, k], scale[:, k], matrix[k], within)

@@ -26,7 +26,7 @@ from whirlmap.analysis.settling import Settled, Settling
 from whirlmap.analysis.settling_accurately import settle_accurately
 from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.scales import scales
+from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 
@@ -208,8 +208,8 @@ class LabelledPoints:
         settled = Settled.none(part)
         settled.multiple[:], settled.distance[:] = multiple, distance
         if scale is None:
-            low, high = (self.returns.extremes[name][: len(x), points] for name in ("minimum", "maximum"))
-            scale = scales(part.model, part.period, high - low, np.maximum(np.abs(low), np.abs(high)))
+            low, high = (self.returns.extremes[name][:, points] for name in ("minimum", "maximum"))
+            scale = scales_between(part.model, part.period, low, high)
         settled.scale[:] = scale
         self._take(part, points, record(part, settled, self.settling, kept=self.kept, cyclic=self.cyclic))
         self.found.rule[points[~self._left(points)]] = rule
@@ -233,7 +233,7 @@ class LabelledPoints:
         part, start = self.ensemble.subset(points), self.ensemble.x[:, points]
         longest = np.full(points.size, max(FOLLOWED // part.strobe, FEWEST))
         settled = settle_accurately(part, self.settling, longest, self.cyclic, self.progress)
-        over = np.flatnonzero((settled.multiple > 0) | ~part.running | (not part.model.forced))  # or rests
+        over = np.flatnonzero((settled.multiple > 0) | ~part.running | (not part.model.forced))  # unforced motion may rest
         if over.size:
             ended = part.subset(over)
             found = record(

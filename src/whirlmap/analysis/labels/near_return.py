@@ -5,6 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.labels.closing import wrapped
 from whirlmap.analysis.return_search import ROUNDING
 
 Array = NDArray[np.float64]
@@ -41,7 +42,7 @@ def near_return(path: Array, size: Array, cyclic: Mapping[int, float], tolerance
     most = min(LONGEST, len(path) - 1)
     if most < 1:
         return 0, np.nan, False
-    distance = np.abs(_around(path[-1] - path[-2 : -2 - most : -1], cyclic) / size).max(axis=1)
+    distance = np.abs(wrapped(path[-1] - path[-2 : -2 - most : -1], cyclic, axis=1) / size).max(axis=1)
     for m in np.flatnonzero(distance <= tolerance) + 1:
         if _to_limit(path, int(m), size, cyclic) <= tolerance:
             return int(m), float(distance[m - 1]), True
@@ -54,16 +55,9 @@ def _to_limit(path: Array, m: int, size: Array, cyclic: Mapping[int, float]) -> 
     if len(path) < 3 * m:
         return np.inf
     late, early = (
-        float(np.abs(_around(path[k - m : k] - path[k - 2 * m : k - m], cyclic) / size).max())
+        float(np.abs(wrapped(path[k - m : k] - path[k - 2 * m : k - m], cyclic, axis=1) / size).max())
         for k in (len(path), len(path) - m)
     )  # fmt: skip
     if late <= ROUNDING:
         return late
     return late + late * late / (early - late) if late < early else np.inf
-
-
-def _around(away: Array, cyclic: Mapping[int, float]) -> Array:
-    """Differences, the shorter way round for angles."""
-    for k, period in cyclic.items():
-        away[:, k] -= period * np.rint(away[:, k] / period)
-    return away

@@ -25,7 +25,7 @@ from whirlmap.analysis.tangent_accuracy import tuned
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.analysis.unbounded import Trends
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.scales import scales
+from whirlmap.integrate.scales import scales_between
 from whirlmap.results.regime import Regime
 
 Array = NDArray[np.float64]
@@ -290,7 +290,7 @@ class _Judge:
         for point in stopped:
             at, path = self.members[point], self.record.strobed[int(point)]
             low, high = path.min(axis=0)[:, None], path.max(axis=0)[:, None]
-            size = scales(run.model, self.tangent.period[[at]], high - low, np.maximum(np.abs(low), np.abs(high)))[:, 0]
+            size = scales_between(run.model, self.tangent.period[[at]], low, high)[:, 0]
             near = near_return(path, size, self.cyclic, self.tolerance)
             self.found.nearest[at], self.found.nearness[at], self.found.returned[at] = near
             self.found.paths[int(at)] = path[-KEPT:]
