@@ -13,6 +13,7 @@ from whirlmap.analysis.record_length import (
     LONGEST,
     LONGEST_SETTLED,
     NUMBERS,
+    record_periods,
     recorded,
     settled_periods,
     shown_periods,
@@ -70,6 +71,16 @@ def test_lengths_are_turns_of_the_slowest_clock():
     assert spectrum_periods(system, 512) == 16 * 113  # no whole common period: it would be 164 times as long
     assert shown_periods(hunting(gear=Fraction(1, 10**9)), 100) * 100 * 2 <= NUMBERS
     assert spectrum_periods(hunting(gear=Fraction(1, 10**9)), 512) == LONGEST
+
+
+def test_the_record_of_a_point_holds_turns_of_the_slowest_harmonic():
+    orders = tuple(ORDERS.values())
+    assert record_periods((Fraction(1), *orders), 64) == 2 * 113
+    assert record_periods((Fraction(1), *orders), 64, turns=8) == 8 * 113
+    assert record_periods((Fraction(1), *orders), 1000) == 1000
+    assert record_periods((Fraction(1), Fraction(1, 10**6)), 64) == 8192
+    assert record_periods((Fraction(1), Fraction(1, 100)), 64, turns=8) == 200  # common periods
+    assert record_periods((), 64) == 64
 
 
 def test_a_record_holds_whole_common_periods_where_these_are_short():

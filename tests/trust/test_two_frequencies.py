@@ -111,6 +111,16 @@ def test_a_sweep_through_frequencies_without_a_common_period():
         assert float(ds["rms"].sel(quantity="x")[k]) == pytest.approx(size, rel=1e-2)
 
 
+@pytest.mark.parametrize("slow", [1 / 113, 1 / 187])
+def test_extremes_hold_a_turn_of_the_slow_wheel_and_nothing_of_the_start(slow):
+    system = whirlmap.load(THREE, a=1, b=1 / 37, g=slow, c=0.004, B=30)  # damped so little that 512 T forget a third
+    ds = whirlmap.bifurcation_diagram(system, "B", [20.0, 30.0])
+    assert [label(ds, k) for k in range(2)] == ["locked"] * 2
+    for k, force in enumerate((20, 30)):
+        amplitudes = [1 / 0.004, *(force / np.hypot(1 - w**2, 0.004 * w) for w in (1 / 37, slow))]
+        assert ds["peak_to_peak"].values[k, 0] == pytest.approx(2 * sum(amplitudes), rel=1e-3)
+
+
 def test_a_map_over_both_frequencies_and_labels_of_scattered_points():
     grid = {"a": np.array([1.0, 1.2]), "b": np.array([0.4, 0.6])}
     ds = whirlmap.regime_map(whirlmap.load(TWO, a=1, b=0.4, c=0.2, B=0.5), grid, lyapunov=0)

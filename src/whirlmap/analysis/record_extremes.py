@@ -2,8 +2,8 @@
 
 They are those of cubics between steps (`Ensemble.advance`), over one return, or the whole record where nothing returns.
 The steps are `FINER` times shorter than the accuracy asks for, and no longer than T/`EXTREMES_STEPS`: a peak is then missed
-by less than 1e-5 of the range. Where nothing returns they are `OPEN_FINER` times shorter, which misses it by less than 2e-4:
-a record of some 64 T misses the largest values of such a motion by more.
+by less than 1e-5 of the range. Where nothing returns they are `OPEN_FINER` times shorter, no longer than twice that, which
+misses it by less than 2e-4: the record itself misses the largest values of such a motion by more.
 
 A return of an unforced motion is no whole number of typical times: it is timed between crossings of the section, and the
 record has steps that divide it. A mean over some turns and a part of one would depend on where the record begins.
@@ -46,7 +46,7 @@ def extremes_of_record(
     """
     finer = np.where(multiple > 0, FINER, OPEN_FINER)
     least = KINKED_EXTREMES if sided(ensemble.model).surfaces else EXTREMES_STEPS
-    steps = np.maximum(finer * ensemble.point_steps[members], least)
+    steps = np.maximum(finer * ensemble.point_steps[members], np.where(multiple > 0, least, least // 2))
     once = multiple * ensemble.strobe  # one return
     if ensemble.model.forced:
         fine = ensemble.subset(members, steps=steps)

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.system import System, frequencies
+from whirlmap.integrate.system import System, common_multiple, frequencies, strobe
 from whirlmap.kernels.routine import LANES
 
 #: Turns of the slowest clock, and least T, of a time series whose length is not given; numbers that it holds at most.
@@ -26,8 +26,11 @@ LONGEST_SETTLED = 100_000
 #: Turns of the slowest clock in the record of a spectrum: a line stands four main lobes of Hann's window from zero frequency
 #: at the least (`spectral_lines`), and the shaft's own line should be among them.
 SEEN = 16
-#: T of the longest record of a spectrum, whatever its clocks.
+#: T of the longest record, whatever its clocks.
 LONGEST = 8192
+#: Common periods in the record of an operating point at least. Where there are none: turns of the slowest harmonic, and as
+#: many where extremes are to be those of the motion (beats of a hunting pair are longer: they are missed by some per cent).
+WHOLE, MANY = 2, 8
 #: How much longer a record may become for holding whole common periods, so that every forced line stands on a bin.
 STRETCHED = 1.5
 #: Numbers that one stretch of a record saves at most.
@@ -55,6 +58,19 @@ def slowest_turn(system: System) -> float:
 def settled_periods(system: System, turns: int = SETTLED) -> int:
     """T in so many turns of the slowest clock, up to `LONGEST_SETTLED`: a transient whose length is not given."""
     return min(_whole(turns * slowest_turn(system)), max(turns, LONGEST_SETTLED))
+
+
+def record_periods(orders: tuple[Fraction, ...], keep: int, turns: int = WHOLE) -> int:
+    """T of the record of an operating point from which its section and extremes are read, at least ``keep``.
+
+    Whole common periods, `WHOLE` at least. Where the forcing has none, so many turns of its slowest harmonic, up to
+    `LONGEST` T: the extremes of less than a turn of the slow shaft are not those of its motion.
+    """
+    cycle = strobe(orders)
+    if cycle == common_multiple(orders):
+        return cycle * max(-(-keep // cycle), WHOLE)
+    slowest = min(abs(order) for order in orders if order)
+    return max(keep, min(ceil(turns / slowest), LONGEST))
 
 
 def shown_periods(system: System, samples: int) -> int:

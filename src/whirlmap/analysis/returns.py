@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.goes_on import drift_goes_on
 from whirlmap.analysis.periodicity import period_in_T
 from whirlmap.analysis.record_extremes import empty_extremes, extremes_of_record
+from whirlmap.analysis.record_length import record_periods
 from whirlmap.analysis.rest import ROUNDING, carried, rate_of_rest, resting_places
 from whirlmap.analysis.settling import Settled, Settling
 from whirlmap.analysis.settling_accurately import settle_accurately
@@ -126,7 +127,7 @@ def record(
     """
     start = ensemble.x.copy() if start is None else start
     common, forced = ensemble.strobe, ensemble.model.forced
-    periods = common * max(-(-settling.keep // common), 2)
+    periods = record_periods(ensemble.orders, settling.keep)
     rows = list(range(ensemble.model.dimension) if kept is None else kept)
     section = np.full((periods, len(rows), ensemble.points), np.nan)
     multiple = np.where(ensemble.running, settled.multiple, 0)
@@ -137,8 +138,7 @@ def record(
     whole = np.full(shape, np.nan)  # once per common period
     for first in range(0, ensemble.points, RECORDED):  # a section of all states is held for these alone
         members = np.arange(first, min(first + RECORDED, ensemble.points))
-        found = extremes_of_record(ensemble, members, multiple[members], periods, progress)
-        saved = ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved
+        saved, found = section_and_extremes(ensemble, members, multiple[members], periods, progress)
         section[:, :, members] = saved[:, rows]
         if ensemble.model.stops:
             whole[:, :, members] = saved[common - 1 :: common]
@@ -176,6 +176,14 @@ def record(
         section, label, period, multiple, settled.distance, settled.waited, settled.accelerated, growth, drift, thinning,
         turn, extremes,
     )  # fmt: skip
+
+
+def section_and_extremes(
+    ensemble: Ensemble, members: NDArray[np.intp], multiple: Integers, periods: int, progress: Callable[[int], None] | None
+) -> tuple[Array, dict[str, Array]]:
+    """Section of all states, once per T, and extremes of so many T of some points, which end there."""
+    found = extremes_of_record(ensemble, members, multiple, periods, progress)
+    return ensemble.advance(periods, members=members, save_periods=1, progress=progress).saved, found
 
 
 def _thins(ensemble: Ensemble, point: int, section: Array, waited: int, start: Array) -> float:

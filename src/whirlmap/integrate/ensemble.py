@@ -250,20 +250,23 @@ class Ensemble:
         self._group()
 
     def subset(
-        self, members: NDArray[np.intp], *, steps: int | Integers | None = None, orth: int | Integers | None = None
-    ) -> "Ensemble":
+        self, members: NDArray[np.intp], *, steps: int | Integers | None = None, orth: int | Integers | None = None,
+        plain: bool = False,
+    ) -> "Ensemble":  # fmt: skip
         """Return an ensemble of some of the points, at their present states; `absorb` takes it back.
 
-        ``steps`` gives it other steps per T, ``orth`` other orthonormalisations.
+        ``steps`` gives it other steps per T, ``orth`` other orthonormalisations; a ``plain`` one has no tangent vectors.
         """
         part = Ensemble(
             self.model, self.values[:, members], self.x[:, members], orders=self.orders,
-            steps=self.point_steps[members] if steps is None else steps, method=self.method, tangents=self.tangents,
-            orthonormal=self.orthonormal, orth=self.point_orth[members] if orth is None else orth, workers=self.workers,
-            redo=self.redo, accuracy=self.accuracy, beyond=self.limits[:, members], turn=self.period[members],
+            steps=self.point_steps[members] if steps is None else steps, method=self.method,
+            tangents=0 if plain else self.tangents, orthonormal=self.orthonormal,
+            orth=self.point_orth[members] if orth is None else orth, workers=self.workers, redo=self.redo,
+            accuracy=self.accuracy, beyond=self.limits[:, members], turn=self.period[members],
             sizes=self.sizes[:, members],
         )  # fmt: skip
-        part._y = self._y[: part._y.shape[0], members].copy()
+        if not (plain and self.tangents):
+            part._y = self._y[: part._y.shape[0], members].copy()
         for name in _POINT_ARRAYS:
             setattr(part, name, getattr(self, name)[members].copy())
         return part

@@ -15,6 +15,7 @@ from sympy import sympify
 
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import parameter_values
+from whirlmap.analysis.record_length import record_periods
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import Series
 from whirlmap.errors import RangeError
@@ -104,7 +105,8 @@ def diagram_in_batches(
     settling = settling or Settling()
     if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    common = longest_strobe(system, {parameter: points})  # refuses now what the last batch would meet
+    groups = order_groups(system, parameter_values(system, {parameter: points}), [parameter])  # refuses now what the last
+    common = max(group.strobe for group in groups)  # batch would meet
     Labelling(settling, lyapunov)  # refuses a length that gives no error now
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
     size = batch or (BATCH * LANES * (workers or cores()) if follow is None else CHAIN)
@@ -112,7 +114,8 @@ def diagram_in_batches(
     if follow is not None and not even:
         size = points.size  # the last row of its section is not the state at the end of each record
     refuse_memory(
-        "the diagram", 2 * len(ways) * points.size * _kept(common, settling) * len(kept_states(system, states))
+        "the diagram", 2 * len(ways) * points.size * max(record_periods(g.orders, settling.keep) for g in groups)
+        * len(kept_states(system, states))
         + min(size, points.size) * 2 * settling.most * common * system.model.dimension,
     )  # fmt: skip
     options: dict[str, Any] = {
@@ -281,16 +284,7 @@ def expected_periods(
     each = settling.transient + min(settling.first_window, 2 * settling.most)
     groups = order_groups(system, parameter_values(system, vary or {}), vary or {})
     repeats = points // sum(g.members.size for g in groups)  # sweeps up and down
-    return repeats * sum(g.members.size * (each * g.strobe + _kept(g.strobe, settling)) for g in groups)
-
-
-def longest_strobe(system: System, vary: Mapping[str, ArrayLike]) -> int:
-    """Most T between the section points that show returns, of some points."""
-    return max(group.strobe for group in order_groups(system, parameter_values(system, vary), vary))
-
-
-def _kept(strobe: int, settling: Settling) -> int:
-    return strobe * max(-(-settling.keep // strobe), 2)
+    return repeats * sum(g.members.size * (each * g.strobe + record_periods(g.orders, settling.keep)) for g in groups)
 
 
 def refuse_start(system: System) -> None:

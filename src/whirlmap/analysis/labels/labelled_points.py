@@ -17,11 +17,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.closing import close_orbits
+from whirlmap.analysis.labels.forgetting import FORGOTTEN
 from whirlmap.analysis.labels.measured import RETURNS, Measured
-from whirlmap.analysis.labels.nonperiodic_points import OpenPoints, judge_open_points
-from whirlmap.analysis.labels.regime import FORGOTTEN, Rule
+from whirlmap.analysis.labels.nonperiodic_points import judge_open_points
+from whirlmap.analysis.labels.open_points import OpenPoints
+from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.points import cyclic_states, make_ensemble
-from whirlmap.analysis.returns import Returns, record, settle_and_record
+from whirlmap.analysis.record_length import MANY, record_periods
+from whirlmap.analysis.returns import RECORDED, Returns, record, section_and_extremes, settle_and_record
 from whirlmap.analysis.settling import Settled, Settling
 from whirlmap.analysis.settling_accurately import settle_accurately
 from whirlmap.analysis.unbounded import Trends, label_trends
@@ -74,6 +77,8 @@ class LabelledPoints:
         self.kept = [system.states.index(name) for name in kept]
         self.returns: Returns
         self.ends: Array  # states at the ends of the records
+        # Points whose judgement has left the place of their record, and where, after how many T.
+        self.left, self.turns = np.zeros(ensemble.points, dtype=bool), ensemble.turns.copy()
 
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
         """Settle, judge, close, settle on."""
@@ -92,13 +97,16 @@ class LabelledPoints:
             shrinks = self._open(open_points, found.shrinks)
             if shrinks.size and e.returns:
                 self._settle_on(shrinks)
-            again = self._open(open_points, (found.shrinks | found.closes) & (found.periods < self.longest))
+            early = found.shrinks | found.closes | (found.growth < 0)
+            again = self._open(open_points, early & (found.periods < self.longest))
             if again.size:  # they stopped early for an orbit that is not there
                 self._judge(again, contraction_ends=False)
                 if e.model.forced and e.returns:
                     self._close(again)
             found.regime[self._open(open_points, found.shrinks)] = Regime.not_settled
             self._follow(open_points[(found.regime[open_points] == Regime.chaotic) & e.running[open_points]])
+            if e.model.forced:
+                self._record_where_left(open_points[self.left[open_points] & e.running[open_points]])
         thins = np.isfinite(self.returns.thinning)
         found.winding[:] = np.where(thins, self.returns.turning, found.winding)
         period = np.where(found.regime == Regime.locked, found.multiple, self.returns.period)
@@ -146,8 +154,9 @@ class LabelledPoints:
         judged.shrinks[ends] = False
         found.take(judged, points)
         self._label_trends(points)
+        on = np.flatnonzero(~ends)
+        self.left[points[on]], self.turns[points[on]] = True, tangent.turns[on]
         if e.returns:
-            on = np.flatnonzero(~ends)
             e.put(points[on], judged.x[:, on])
             e.turns[points[on]] += judged.periods[on]
         if ends.any():  # such an end is believed once it is confirmed with finer steps, without a tangent vector
@@ -214,6 +223,29 @@ class LabelledPoints:
         self._take(part, points, record(part, settled, self.settling, kept=self.kept, cyclic=self.cyclic))
         self.found.rule[points[~self._left(points)]] = rule
 
+    def _record_where_left(self, points: Points) -> None:
+        """Record points that do not return anew, from where their judgement left them: less of their starts is left there.
+
+        Where the forcing has no common period the extremes are those of a longer record. Its last part is the section.
+        """
+        e = self.ensemble
+        phase = self.turns[points] % (e.strobe if e.returns else np.iinfo(np.int64).max)
+        periods = record_periods(e.orders, self.settling.keep, MANY)
+        section, extremes = self.returns.section.copy(), {k: v.copy() for k, v in self.returns.extremes.items()}
+        for turns in np.unique(phase):
+            for at in np.split(points[phase == turns], range(RECORDED, int((phase == turns).sum()), RECORDED)):
+                part = e.subset(at)
+                part.put(np.arange(at.size), self.found.x[:, at])
+                part.turns[:] = turns
+                none = np.zeros(at.size, dtype=np.int64)
+                saved, found = section_and_extremes(part, np.arange(at.size), none, periods, self.progress)
+                on = np.flatnonzero(part.running)
+                section[:, :, at[on]] = saved[-len(section) :, self.kept][:, :, on]
+                for name, values in found.items():
+                    extremes[name][:, at[on]] = values[:, on]
+                self.ends[:, at[on]] = part.x[:, on]
+        self.returns = replace(self.returns, section=section, extremes=extremes)
+
     def _settle_on(self, points: Points) -> None:
         """Settle points on whose motion contracts but has not returned, for the time that this takes at most.
 
@@ -251,7 +283,7 @@ class LabelledPoints:
         found, points = self.found, points[which]
         part = part if isinstance(which, slice) else part.subset(which)
         self.ensemble.absorb(part, points)
-        self.ends[:, points] = part.x
+        self.ends[:, points], self.left[points] = part.x, False
         values: dict[str, Any] = {name: getattr(self.returns, name).copy() for name in RETURNS}
         extremes = {k: v.copy() for k, v in self.returns.extremes.items()}
         for name, one in values.items():

@@ -7,14 +7,15 @@ stops. Its numbers depend on its own run alone.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, fields
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.divergence import shrinks_areas
+from whirlmap.analysis.labels.forgetting import LEFT, forget
 from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.near_return import near_return
+from whirlmap.analysis.labels.open_points import OpenPoints
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
 from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, windings_of
 from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
@@ -41,92 +42,10 @@ USUAL = 1024
 TRENDS = 64
 #: Section points, once per common period, that are kept of a point that contracts.
 KEPT = 4096
-#: Section points from which n of a locked motion is not sought in longer records: that takes as long as all else.
+#: Last section points from which n of a locked motion is sought at most: with more of them it takes as long as all else.
 SOUGHT = 2048
-#: Part of a start that may be left where n of a locked motion is sought.
-LEFT = 1e-7
 #: T between the section points that show trends where the forcing has no common period.
 SPARSE = 16
-
-
-@dataclass(frozen=True)
-class OpenPoints:
-    """What was found, each array of shape (point,).
-
-    Attributes
-    ----------
-    regime : array of int
-        `Regime`: quasi-periodic, chaotic, locked or undecided.
-    rule : array of int
-        `Rule` that decided.
-    confidence, winding : array
-        As of `whirlmap.analysis.labels.regime.regime`.
-    exponent, error : array
-        Largest Lyapunov exponent and one standard error, per unit of the model's time.
-    periods : array of int
-        T over which it was measured.
-    shrinks : array of bool
-        Whether the tangent vector shrinks for sure.
-    closes : array of bool
-        Whether its section comes near to a return, and nearer as time goes on.
-    growth : array
-        Rate per unit of time at which the section's range grows or falls steadily; NaN where it does not.
-    drift : array, shape (state, point)
-        Speed per unit of time at which the section's mean moves steadily; zero where it does not.
-    centre, reach : array, shape (state, point)
-        Of the section, as in `Trends`.
-    x : array, shape (state, point)
-        Where the run was left, at phase zero.
-    nearest : array of int
-        Return in common periods that the section comes nearest to, 0 where none was looked for.
-    nearness : array
-        Its scaled distance, by the last section point.
-    returned : array of bool
-        Whether the end of the run returns after so many, to the tolerance.
-    multiple : array of int
-        n of a locked motion.
-    paths : dict of array, shape (time, state)
-        Last section points of points that may return, once per common period.
-    """
-
-    regime: NDArray[np.int8]
-    rule: NDArray[np.int8]
-    confidence: Array
-    winding: Array
-    exponent: Array
-    error: Array
-    periods: NDArray[np.int64]
-    shrinks: NDArray[np.bool_]
-    closes: NDArray[np.bool_]
-    growth: Array
-    drift: Array
-    centre: Array
-    reach: Array
-    x: Array
-    nearest: NDArray[np.int64]
-    nearness: Array
-    returned: NDArray[np.bool_]
-    multiple: NDArray[np.int64]
-    paths: dict[int, Array] = field(default_factory=dict)
-
-    @classmethod
-    def none(cls, x: Array) -> "OpenPoints":
-        """Points of which nothing is known yet, at states of shape (state, point)."""
-        states, points = x.shape
-        zero, unknown = np.zeros((states, points)), np.full((5, points), np.nan)
-        whole, no = np.zeros((3, points), dtype=np.int64), np.zeros((3, points), dtype=bool)
-        return cls(
-            np.full(points, Regime.undecided, dtype=np.int8), np.full(points, Rule.none, dtype=np.int8), np.zeros(points),
-            unknown[0], unknown[1], unknown[2], whole[0], no[0], no[1], unknown[3], zero, zero.copy(), zero.copy(), x.copy(),
-            whole[1], unknown[4], no[2], whole[2],
-        )  # fmt: skip
-
-    def take(self, other: "OpenPoints", points: Points) -> None:
-        """Take over what was found of some points."""
-        for one in fields(self):
-            if one.name != "paths":
-                getattr(self, one.name)[..., points] = getattr(other, one.name)
-        self.paths.update({int(points[k]): path for k, path in other.paths.items()})
 
 
 def judge_open_points(
@@ -144,7 +63,8 @@ def judge_open_points(
     Parameters
     ----------
     tangent : Ensemble
-        At the settled states, at phase zero, with one tangent vector; its ``status`` is taken forward in place.
+        At the settled states, at phase zero, with one tangent vector. Its ``status`` and ``turns`` are taken forward in
+        place.
     most : int
         T (unforced: typical times) run at most; one stretch where that is less than `LEAST`.
     ranges : array, shape (state, point)
@@ -152,7 +72,8 @@ def judge_open_points(
     tolerance : float
         Of a return.
     contraction_ends : bool
-        Whether points that can return stop, undecided, once their tangent vectors have shrunk for sure.
+        Whether points that can return stop, undecided, once their tangent vectors have shrunk for sure, or their section
+        shrinks steadily or to a return.
     """
     n, states = tangent.points, tangent.model.dimension
     found = OpenPoints.none(tangent.x)
@@ -192,7 +113,7 @@ class _Judge:
             done += stretch
             self.record.keep(left, section)
             at = self.members[left]
-            self.tangent.status[at], self.tangent.end_time[at] = run.status, run.end_time
+            self.tangent.status[at], self.tangent.end_time[at], self.tangent.turns[at] = run.status, run.end_time, run.turns
             found.x[:, at] = run.x
             self._trends(left, done)
             found.exponent[at], error = mean_and_error(self.rates[:done, left], run.strobe)
@@ -204,7 +125,7 @@ class _Judge:
             sure = found.error[at] <= target
             # One with a label is judged anew when it stops: a label that an early stretch gave does not stay by itself.
             due = (found.regime[at] == Regime.undecided) | sure | (done >= self.most)
-            self._vote(run, np.flatnonzero(run.running & due), left, done, late)
+            self._vote(run, np.flatnonzero(run.running & due), left, done, late, final=done >= self.most)
             # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
             torus, forbidden = found.regime[at] == Regime.quasi_periodic, self.no_torus[left]
             changes = at[torus & (np.isfinite(found.growth[at]) | forbidden)]
@@ -212,14 +133,31 @@ class _Judge:
             found.closes[at[torus & forbidden]] = True
             open_ = found.regime[at] == Regime.undecided
             if contraction_ends:
-                open_ &= ~(found.shrinks[at] | found.closes[at])
+                open_ &= ~(found.shrinks[at] | found.closes[at] | (found.growth[at] < 0))
             stay = run.running & (open_ | (~sure & (found.regime[at] != Regime.locked)))
             stretch = min(done, self.most - done)
             if not stretch:
                 stay[:] = False
+            if not run.returns:
+                fades = np.flatnonzero(stay & open_ & found.shrinks[at])
+                self._forget(run, fades, left, done)
+                stay[fades] = False
             if run.returns and run.model.forced:
                 self._near_returns(run, left[~stay & run.running])
             left, run = left[stay], run.subset(np.flatnonzero(stay))
+
+    def _forget(self, run: Ensemble, lanes: Points, left: Points, done: int) -> None:
+        """Let points whose exponents are known to be negative forget their starts, and judge them."""
+        at, found, tangent = self.members[left[lanes]], self.found, self.tangent
+        plain, ran = forget(
+            run.subset(lanes), found.exponent[at], found.error[at], done=done, most=self.most, progress=self.progress,
+            keep=lambda which, section: self.record.keep(left[lanes[which]], section),
+        )  # fmt: skip
+        found.x[:, at] = plain.x
+        tangent.status[at], tangent.end_time[at], tangent.turns[at] = plain.status, plain.end_time, plain.turns
+        late = np.zeros(run.points)
+        late[lanes] = found.exponent[at] * ran * run.period[lanes] / 2
+        self._vote(run, lanes[plain.running], left, done, late, final=True)
 
     def _trends(self, left: Points, done: int) -> None:
         """Trends of the sections so far, once per common period."""
@@ -240,14 +178,14 @@ class _Judge:
                 for name in ("growth", "drift", "centre", "reach"):
                     getattr(self.found, name)[..., points] = getattr(seen, name)
 
-    def _vote(self, run: Ensemble, lanes: Points, left: Points, done: int, late: Array) -> None:
+    def _vote(self, run: Ensemble, lanes: Points, left: Points, done: int, late: Array, *, final: bool) -> None:
         """Judge points, each from as many section points as it has itself."""
-        found, final = self.found, done >= self.most
-        common = run.common_multiple
+        found, common = self.found, run.common_multiple
         count = np.array([self.record.watched[left[k]].shape[1] for k in lanes], dtype=np.int64)
         for rows in np.unique(count[count >= LEAST]):  # forced: all have the same
             these = lanes[count == rows]
-            at, duration = self.members[left[these]], done * run.period[these]
+            at = self.members[left[these]]
+            duration = (int(rows) if run.model.forced else done) * run.period[these]
             value, error = found.exponent[at], found.error[at]
             watched = np.stack([self.record.watched[left[k]] for k in these])
             seen = evidence_of(watched, common=common, grows=value > SURE * error, final=final)
@@ -271,18 +209,17 @@ class _Judge:
     def _locked(self, run: Ensemble, at: Points, watched: Array, grown: Array, *, final: bool) -> None:
         """Find n of locked points, from where nothing is left of their starts on; more of their run may be needed for it."""
         found, rows = self.found, watched.shape[2]
-        needed = np.ceil(rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT)))
-        begins = np.array([rows // 4, rows // 2, 3 * rows // 4])  # few, for what begins together is fitted together
-        begin = begins[np.searchsorted(begins, needed).clip(max=2)]
+        forgotten = rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT))
+        # Few begins, for what begins together is fitted together.
+        begin = np.maximum(np.ceil(forgotten / LEAST) * LEAST, rows - SOUGHT).astype(np.int64)
         orders = tuple(abs(order) for order in run.orders if order)
         n = np.zeros(at.size, dtype=np.int64)
-        for first in np.unique(begin):
-            those = np.flatnonzero((begin == first) & (needed <= first))
+        for first in np.unique(begin[begin <= rows - LEAST]):
+            those = np.flatnonzero(begin == first)
             points = np.moveaxis(watched[those][:, :, first:], 0, 2).swapaxes(0, 1)
-            if those.size and len(points) >= LEAST:
-                n[those] = locked_multiple(points, orders, scale=np.ptp(points, axis=0))[0]
+            n[those] = locked_multiple(points, orders, scale=np.ptp(points, axis=0))[0]
         found.multiple[at] = n
-        open_ = at[(n == 0) & ((rows - begin < SOUGHT) | (needed > begin)) & (not final)]
+        open_ = at[(n == 0) & (rows - begin < SOUGHT) & (not final)]
         found.regime[open_], found.confidence[open_], found.rule[open_] = Regime.undecided, 0.0, Rule.contracts
 
     def _near_returns(self, run: Ensemble, stopped: Points) -> None:

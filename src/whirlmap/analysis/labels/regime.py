@@ -20,6 +20,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.labels.forgetting import FORGOTTEN
 from whirlmap.analysis.labels.section_coordinates import Watch, windings_of
 from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
 from whirlmap.analysis.labels.votes import INDICATORS, Evidence, Vote, grows_plainly, rests, sure_of_zero, votes_of
@@ -71,8 +72,6 @@ class Rule(IntEnum):
 
 #: Section points, once per common period, from which a rotation number is sought; what is said where there are fewer.
 TURNED, UNKNOWN = 128, Winding(np.nan, np.nan, "not-finite")
-#: Part of a difference of start states that is left where nothing is.
-FORGOTTEN = 1e-9
 
 
 @gives_dataset

@@ -87,8 +87,8 @@ class Quality:
 
 
 QUALITIES = {
-    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 2048, Settling(transient=30, most=16), 4000, 800),
-    "full": Quality(600, Settling(transient=80, most=16, keep=64), 2048, Settling(transient=200, most=64), 20480, 12800),
+    "quick": Quality(32, Settling(transient=20, most=8, keep=16), 16384, Settling(transient=30, most=16), 4000, 800),
+    "full": Quality(600, Settling(transient=80, most=16, keep=64), 16384, Settling(transient=200, most=64), 20480, 12800),
 }
 
 
