@@ -1,7 +1,7 @@
 """One bibliography: complete entries, and no key anywhere that it does not have."""
 
 import re
-from itertools import product
+from itertools import combinations, product
 from pathlib import Path
 
 import pytest
@@ -25,11 +25,20 @@ def test_every_entry_has_author_and_title_and_reads_as_one_line(key):
     assert entry.bibtex.startswith(f"@{entry.kind}{{{key},") and entry.bibtex.endswith("}")
 
 
-def test_models_of_every_choice_of_switches_cite_known_keys():
+def with_every_pair(switches):
+    """The first and the last choices of all switches, and those with each pair of other choices: not all products."""
+    yield {}
+    for at in (0, -1):
+        base = {name: choices[at] for name, choices in switches.items()}
+        for one, other in combinations(switches, 2):
+            yield from (base | {one: a, other: b} for a, b in product(switches[one], switches[other]))
+
+
+def test_models_of_every_pair_of_choices_cite_known_keys():
     for family in FAMILIES.values():
-        for choices in product(*family.switches.values()):
+        for choices in {tuple(c.items()): c for c in with_every_pair(family.switches)}.values():
             try:
-                model = family.model(**dict(zip(family.switches, choices, strict=True)))
+                model = family.model(**choices)
             except ModelError:  # a combination that the family refuses
                 continue
             assert model.sources, model.name
