@@ -54,6 +54,7 @@ def campbell(
     if missing:
         say(f"no static equilibrium was found at {missing} of {swept.count} values: they are left out")
     facts = summary(system, ds, swept.name)
+    facts["assumptions"] = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
         report.print_json({**facts, "files": files})
         return

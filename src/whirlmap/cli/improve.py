@@ -1,7 +1,8 @@
 """``whirlmap improve``: which values of one or two design parameters give the widest safe window."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -87,11 +88,13 @@ def improve(
 
     refuse_points(r.count for r in ranges.values())
     allowed = limit_of(system, limit)
-    at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
+    low, high = range_of(system, span)
+    at, settling = np.linspace(low, high, points), Settling(transient=transient)
+    make = partial(load, case, start=dict(system.start), **settings)
     designs = int(np.prod([r.count for r in ranges.values()]))
     with Progress("improve", expected_periods(system, points * designs, settling), quiet=quiet) as progress:
         work = improve_in_batches(
-            partial(load, case, start=dict(system.start), **settings), {n: r.values for n, r in ranges.items()}, at, allowed,
+            make, {n: r.values for n, r in ranges.items()}, at, allowed,
             units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,
             method=method, workers=workers, progress=progress, on_batch=lambda done, total: progress.expect(
                 progress.done * total / done, f"{done} of {total} designs"
@@ -103,6 +106,8 @@ def improve(
     files = destination.write(ds, lambda made: _picture(system, made))
     report.say_doubts(ds.attrs)
     facts = summary(system, ds)
+    own = float(system.values["s"])
+    facts["assumptions"] = report.say_strains(_ends(make, ranges, units, (low / own, high / own)))
     if json:
         report.print_json({**facts, "files": files})
     else:
@@ -161,6 +166,16 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
             raise InputError(f"--vary: {name} has no dimension, found the unit {units[name]!r}")
         if name not in system.parameters and declared.unit != "1" and name not in units:
             raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {declared.unit}, on both ends")
+
+
+def _ends(
+    make: Callable[..., "System"], ranges: "dict[str, Range]", units: dict[str, str], speeds: tuple[float, float]
+) -> Iterator["System"]:
+    """The designs at the ends of their ranges, each at both ends of the range of speeds, over the machine's own speed."""
+    for values in product(*((r.start, r.stop) for r in ranges.values())):
+        changed = {n: f"{v!r} {units.get(n, '')}".strip() for n, v in zip(ranges, values, strict=True)}
+        design = make(**changed)
+        yield from (design.replace(s=share * float(design.values["s"])) for share in speeds)
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:

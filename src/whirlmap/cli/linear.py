@@ -52,10 +52,11 @@ def linear(
         for v in found.eigenvalues
     ]
     films = {name: _film(one) for name, one in film_coefficients(system).items()}
+    assumptions = report.say_assumptions(system, {bracket[0]: bracket[1]} if bracket else {})
     if json:
         report.print_json({
             "case": system.case, "model": system.model.name, "parameters": system.values, "equilibrium": equilibrium,
-            "stable": found.stable, "eigenvalues": modes, "films": films,
+            "stable": found.stable, "eigenvalues": modes, "films": films, "assumptions": assumptions,
             "threshold": {"parameter": bracket[0], "value": limit, "note": note} if bracket else None,
         })  # fmt: skip
         return

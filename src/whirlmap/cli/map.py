@@ -183,9 +183,10 @@ def map(  # noqa: A001 (the command's name)
     files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts)):
         say(f"accuracy not met: {doubts}")
+    assumptions = report.say_assumptions(system, {name: (values[0], values[-1]) for name, values in space.axes.items()})
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.names),
-        **watch.facts(space.points, refine), "store": store, "files": files,
+        **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
     }  # fmt: skip
     if json:
         report.print_json(facts)

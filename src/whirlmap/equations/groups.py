@@ -49,6 +49,28 @@ class Route:
 
 
 @dataclass(frozen=True)
+class Bearing:
+    """What a film law assumes of a bearing is judged by: inputs that say how large it is and which oil is in it.
+
+    Attributes
+    ----------
+    R, L, c, mu : Parameter
+        Radius, length, radial clearance, viscosity.
+    spin : Expr or int
+        Speed of the journal over the clock's; 0 for a damper.
+    eccentricity : str
+        Name of the model's output that is the eccentricity of the journal.
+    """
+
+    R: Parameter
+    L: Parameter
+    c: Parameter
+    mu: Parameter
+    spin: Expr | int
+    eccentricity: str
+
+
+@dataclass(frozen=True)
 class Groups:
     """Dimensional inputs of a family of models, and what follows from them.
 
@@ -64,6 +86,8 @@ class Groups:
     units : mapping of str to Expr
         What the model's units are worth, in inputs and parameters: ``force`` [N], ``length`` [m], ``speed`` of the clock
         [rad/s].
+    bearings : callable
+        ``bearings(switches) -> {name: Bearing}``.
     routes : tuple of Route
         Other ways to give some inputs. An input is given in one way alone.
     shared : mapping of str to tuple of str
@@ -80,6 +104,7 @@ class Groups:
     declare: Callable[[Switches], Mapping[Parameter, Expr]]
     quantities: Callable[[Switches], Mapping[str, Output]] = lambda _: {}
     units: Mapping[str, Expr] = field(default_factory=dict)
+    bearings: Callable[[Switches], Mapping[str, Bearing]] = lambda _: {}
     routes: tuple[Route, ...] = ()
     shared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     sections: Mapping[str, tuple[str, ...]] = field(default_factory=dict)

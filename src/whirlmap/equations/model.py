@@ -110,6 +110,9 @@ class Model:
         Whether a run starts from the states' own start values, or from the static equilibrium with all forcing off.
     start_where_none : mapping of State to float
         Added to the states' start values where no equilibrium is found.
+    equilibrium : mapping of State to Expr
+        The static equilibrium in parameters, where the rates have no derivative at it, so that it is not found from them.
+        States that are left out are zero; empty for all other models.
     bound : float, optional
         A state beyond this has diverged. Where absent, one that has grown far beyond any motion that could be seen has
         (`whirlmap.integrate.scales.limits`), whatever the units are.
@@ -144,6 +147,7 @@ class Model:
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
     start_where_none: Mapping[State, float] = field(default_factory=dict)
+    equilibrium: Mapping[State, Expr] = field(default_factory=dict)
     bound: float | None = None
     tables: tuple[Table, ...] = ()
     plain: Mapping[Parameter, Callable[[], "Model"]] = field(default_factory=dict)

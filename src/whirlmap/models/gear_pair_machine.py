@@ -11,7 +11,7 @@ from fractions import Fraction
 
 from sympy import Abs, Expr, Rational, cos, pi, sign, sqrt
 
-from whirlmap.equations.groups import Groups, Route
+from whirlmap.equations.groups import Bearing, Groups, Route
 from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
@@ -223,6 +223,9 @@ GEAR_PAIR_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
+        bearings=lambda _: {
+            "1": Bearing(R_1, L_1, c, mu, pair.j_p, "eps_1"), "2": Bearing(R_2, L_2, c, mu, pair.j_g, "eps_2"),
+        },
         units={"force": K_p * c, "length": c, "speed": pair.s * omega_0},
         routes=ROUTES,
         shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},
