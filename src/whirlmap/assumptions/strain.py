@@ -9,7 +9,7 @@ import numpy as np
 from sympy import sympify
 
 from whirlmap.cases import Settled
-from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.equilibrium import rest_state
 from whirlmap.integrate.system import System, frequencies
 
 if TYPE_CHECKING:
@@ -161,14 +161,3 @@ class Facts:
         rest = self.rest
         names = [n for n in self.system.model.outputs if n == "eps" or n.startswith("eps_")]
         return {n: self.output(n, rest) for n in names} if rest is not None else {}
-
-
-def rest_state(system: System) -> dict[str, float] | None:
-    """States of the static equilibrium; None where the model declares none, or none is found."""
-    if system.model.equilibrium:
-        numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
-        return {s.name: float(sympify(system.model.equilibrium.get(s, 0)).subs(numbers)) for s in system.model.states}
-    if system.model.start != "equilibrium":
-        return None
-    x, found = start_states(system.plain_model(), system.vector[:, None])
-    return dict(zip(system.states, map(float, x[:, 0]), strict=True)) if found[0] else None
