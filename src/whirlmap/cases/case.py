@@ -131,6 +131,9 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         family = base.family
     else:
         raise CaseError(f'{file}: found no model, expected model = "..." or extends = "..."')
+    told = head.description
+    if not told and base and base.description:
+        told = f"extends {base.name}: {base.description}"  # which says the numbers of that case
     switches, layer = _body(file, raw, table, head.switches, family)
     digest = hashlib.sha256(raw.encode()).hexdigest()
     if not base:
@@ -139,7 +142,7 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         name=name,
         path=path,
         family=family,
-        description=" ".join((head.description or base.description).split()),
+        description=" ".join(told.split()),
         switches={**base.switches, **switches},
         layers=(*base.layers, layer),
         start={**base.start, **start_values(head.start, place(file, raw, "start") + ": start")},

@@ -10,13 +10,14 @@ a lower
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 from whirlmap.cases import ways
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
+from whirlmap.cases.reasons import History, Mark
 from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
@@ -52,6 +53,8 @@ class Settled:
         Dimensional inputs, where the case has them.
     quantities : mapping of str to (float, Output)
         Dimensional results worth showing; those whose inputs are not all known are left out.
+    marks : mapping of str to Mark
+        Numbers that have been changed by hand, and reasons that name a number which is another now.
     """
 
     case: Case
@@ -61,6 +64,7 @@ class Settled:
     notes: Mapping[str, str]
     inputs: Mapping[str, Input]
     quantities: Mapping[str, tuple[float, Output]]
+    marks: Mapping[str, Mark] = field(default_factory=dict)
 
 
 def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
@@ -118,6 +122,8 @@ class _Work:
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
         self.routes: dict[str, Route] = {}
+        self.layers = 0
+        self.history = History(family.groups.shared if family.groups else {})
 
     def add(self, layer: Layer, *, by_hand: bool, strict: bool) -> None:
         """Put a layer on top.
@@ -125,12 +131,14 @@ class _Work:
         What is asked for by hand must have an effect. Symbols of a strict layer must be read; in others they
         may belong to switches that have been replaced since.
         """
+        self.layers += 1
         symbols = {name: given for name, given in layer.items() if not self._input(name)}
         for name, given in symbols.items():
             self._refuse_unread(given, strict=strict)
             if name in self.read:
                 self.explicit[name] = given
                 self.values[name] = self._number(given, self.model.parameter(name))
+                self.history.add(self.layers, name, self.values[name], given)
         if self.groups:
             self._choose_ways(self.groups.routes, layer)
         for name, given in layer.items():
@@ -138,6 +146,7 @@ class _Work:
             if parameter:
                 self.inputs[name] = Fraction(self._number(given, parameter))
                 self.given_inputs[name] = given
+                self.history.add(self.layers, name, self.inputs[name], given)
                 self._give_way(given, frozenset(symbols), by_hand=by_hand)
 
     def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
@@ -259,6 +268,7 @@ class _Work:
         """Evaluate groups and defaults."""
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
+        written = set(self.given_inputs)
         for target, (value, made) in ways.follow(self.routes, self.inputs, self.given_inputs, case.name).items():
             self.inputs[target], self.given_inputs[target] = value, made
         for check in self.groups.checks if self.groups else ():
@@ -288,6 +298,7 @@ class _Work:
             notes=notes,
             inputs=self._shown_inputs(),
             quantities=self._quantities({**self.inputs, **values}),
+            marks=self.history.marks(n for n in self.history.given if n not in self.explicit and n not in written),
         )
 
     def _shown_inputs(self) -> dict[str, Input]:

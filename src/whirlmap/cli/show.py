@@ -84,11 +84,12 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "file": settled.case.path,
         "description": settled.case.description,
         "model": model.name,
+        "changed": [name for name, mark in settled.marks.items() if mark.instead_of],
         "switches": _switches(settled.case.family, model),
         "inputs": {
             name: {
                 "value": given.value, "unit": given.parameter.unit, "written": given.written,
-                "meaning": given.parameter.meaning, "source": given.note,
+                "meaning": given.parameter.meaning, "source": given.note, **_mark(settled, name),
             }
             for name, given in settled.inputs.items()
         },
@@ -96,6 +97,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
             p.name: {
                 "value": system.values[p.name], "exact": exact(system.values[p.name]), "unit": p.unit,
                 "meaning": p.meaning, "source": system.notes.get(p.name, ""), "read": p.name in used,
+                **_mark(settled, p.name),
             }
             for p in model.parameters
         },
@@ -126,6 +128,12 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     if equations:
         facts["equations"] = {s.name: str(model.equations[s]) for s in model.states}
     return facts
+
+
+def _mark(settled: Any, name: str) -> dict[str, Any]:
+    """What a number was before it was changed by hand, and which numbers its reason was written for."""
+    mark = settled.marks.get(name)
+    return {"instead_of": mark.instead_of or None, "written_for": dict(mark.written_for)} if mark else {}
 
 
 def _switches(family: Any, model: Any) -> dict[str, Any]:
@@ -198,11 +206,14 @@ def _print(facts: dict[str, Any]) -> None:
     typer.echo(f"{facts['case']}: model {facts['model']}")
     if facts["description"]:
         typer.echo(facts["description"])
+    if facts["changed"]:
+        what = ", ".join(facts["changed"])
+        typer.echo(f"changed: {what}; what the case says in words was written for its own numbers")
     for text in facts["warnings"]:
         typer.echo(f"warning: {text}")
     tables = []
     if facts["inputs"]:
-        rows = [(n, _small_e(i["written"]), i["meaning"], i["source"]) for n, i in facts["inputs"].items()]
+        rows = [(n, _small_e(i["written"]), i["meaning"], _origin(i)) for n, i in facts["inputs"].items()]
         tables.append(report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,)))
     rows = [
         (n, (p["exact"] or report.number(p["value"])) + _unit(p["unit"]), p["meaning"], _origin(p))
@@ -271,4 +282,10 @@ def _unit(unit: str) -> str:
 
 
 def _origin(parameter: dict[str, Any]) -> str:
-    return str(parameter["source"]) + ("" if parameter["read"] else " (not read)")
+    said = str(parameter["source"])
+    if parameter.get("instead_of"):
+        said += f"; the case has {_small_e(parameter['instead_of'])}"
+    if parameter.get("written_for"):
+        then = ", ".join(f"{name} = {_small_e(value)}" for name, value in parameter["written_for"].items())
+        said += f" [written for {then}]"
+    return said + ("" if parameter.get("read", True) else " (not read)")
