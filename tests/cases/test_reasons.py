@@ -34,6 +34,7 @@ def test_nothing_is_marked_where_nothing_was_changed():
         ("gear-psfd/machine", {"m_p": "12 kg"}, {"K_p": {"m_p": "10 kg"}}, {"m_p": "10 kg"}),
         (TURBO, {"R_1": "40 mm"}, {"c": {"R_1": "35 mm"}, "L_1": {"R_1": "35 mm"}}, {"R_1": "35 mm"}),
         (TURBO, {"alpha": "25 deg"}, {}, {"alpha": "20 deg"}),
+        (TURBO, {"speed": "4500 rpm"}, {}, {"speed": "9000 rpm"}),  # "rated speed" is no symbol
     ],
 )
 def test_a_change_by_hand_marks_the_reasons_that_name_it(case, changes, written_for, instead_of):

@@ -14,6 +14,8 @@ from whirlmap.units import COMMON
 
 #: Names that reasons use and no case gives, and the input that they are of: L/D is said of a bearing's radius.
 OTHER_NAMES = {"D": "R"}
+#: Letters from which on a name is also a word of the language, and meant where "=" follows alone.
+WORD = 4
 #: What written reasons begin with; all others say how a number came about and are always new.
 WRITTEN = ("source: ", "assumed: ")
 
@@ -71,7 +73,9 @@ class History:
     def _named(self, name: str, text: str) -> list[str]:
         """Numbers of the case, other than ``name``, that a reason names."""
         found: dict[str, None] = {}
-        for word in re.findall(r"[A-Za-z]\w*", _without_units(text.partition(": ")[2])):
+        for word, equals in re.findall(r"([A-Za-z]\w*)(\s*=)?", _without_units(text.partition(": ")[2])):
+            if len(word) >= WORD and word.isalpha() and word.islower() and not equals:
+                continue  # the rated speed, a limit: words of the language
             word = OTHER_NAMES.get(word, word)
             several = self.shared.get(word, ())
             place = next((i for names in self.shared.values() for i, n in enumerate(names) if n == name), None)

@@ -122,6 +122,7 @@ class _Work:
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
         self.routes: dict[str, Route] = {}
+        self.held: dict[str, dict[str, ways.Held]] = {}
         self.layers = 0
         self.history = History(family.groups.shared if family.groups else {})
 
@@ -148,6 +149,11 @@ class _Work:
                 self.given_inputs[name] = given
                 self.history.add(self.layers, name, self.inputs[name], given)
                 self._give_way(given, frozenset(symbols), by_hand=by_hand)
+        for target, route in self.routes.items():
+            if route.key in layer:
+                self.held[target] = {
+                    q.name: (self.inputs[q.name], self.given_inputs[q.name]) for q in route.held if q.name in self.inputs
+                }
 
     def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
         """Take the way in which a layer gives an input, and forget how the layers below gave it."""
@@ -163,7 +169,7 @@ class _Work:
         """Whether an input serves ways of giving others alone, none of which is taken."""
         if not self.groups or name in self.groups.operation:
             return False
-        serving = [r for r in self.groups.routes if name in {q.name for q in r.reads}]
+        serving = [r for r in self.groups.routes if name in r.names]
         if not serving or any(self.routes.get(r.target.name) is r for r in serving):
             return False
         others = [{**self.switches, k: choice} for k, choices in self.family.switches.items() for choice in choices]
@@ -183,7 +189,7 @@ class _Work:
         """Rule 2 of the module."""
         assert self.groups
         if by_hand and self._idle(given.name):
-            served = next(r for r in self.groups.routes if given.name in {q.name for q in r.reads})
+            served = next(r for r in self.groups.routes if given.name in r.names)
             raise CaseError(
                 f"{given.name} has no effect: {served.target.name} is not given by {served.key} here, but itself or in"
                 " another way"
@@ -269,7 +275,8 @@ class _Work:
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
         written = set(self.given_inputs)
-        for target, (value, made) in ways.follow(self.routes, self.inputs, self.given_inputs, case.name).items():
+        made_by = ways.follow(self.routes, self.inputs, self.given_inputs, self.held, case.name)
+        for target, (value, made) in made_by.items():
             self.inputs[target], self.given_inputs[target] = value, made
         for check in self.groups.checks if self.groups else ():
             if fault := check(self.inputs):

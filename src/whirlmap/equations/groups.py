@@ -35,17 +35,27 @@ class Route:
         ``follow(*values) -> value`` in the declared units.
     rule : str
         What it is, with its source.
+    held : mapping of Parameter to Parameter
+        Inputs among ``reads`` that say for which operation the first one is given, such as the speed at which a power
+        counts, each with the input that says nothing else. They keep the value that they have where the first one is given,
+        whatever a later layer makes of them.
     """
 
     target: Parameter
     reads: tuple[Parameter, ...]
     follow: Callable[..., Fraction | float]
     rule: str
+    held: Mapping[Parameter, Parameter] = field(default_factory=dict)
 
     @property
     def key(self) -> str:
         """Name of the input that chooses this way."""
         return self.reads[0].name
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of all inputs that it may follow from."""
+        return frozenset(q.name for q in (*self.reads, *self.held.values()))
 
 
 @dataclass(frozen=True)
@@ -131,7 +141,7 @@ class Groups:
         ``routes`` are the ways in which other inputs are given.
         """
         reads = self.reads(switches)
-        start = {name} | {r.target.name for r in routes if name in {q.name for q in r.reads}}
+        start = {name} | {r.target.name for r in routes if name in r.names}
         fed: set[str] = set()
         while True:
             more = {g for g, names in reads.items() if g not in explicit | fed and names & (fed | start)}
