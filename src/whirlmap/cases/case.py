@@ -26,6 +26,7 @@ from typing import Any
 
 from whirlmap.cases import entries, origin
 from whirlmap.cases.entries import Given, place
+from whirlmap.equations import hints
 from whirlmap.equations.model import Family
 from whirlmap.errors import CaseError, nearest
 from whirlmap.units import read as read_number
@@ -104,9 +105,19 @@ def _locate(name: str | Path, folder: Path, where: str = "") -> tuple[Path, str]
             raise CaseError(f"{where}case file {path} {reason}")
         return path, text
     raise CaseError(
-        f"{where}there is no case {text!r}.{nearest(text, names())}\n  cases: {', '.join(names())};"
+        f"{where}there is no case {text!r}.{_meant(text, path)}\n  cases: {', '.join(names())};"
         " or the path of a file that ends in .toml"
     )
+
+
+def _meant(text: str, path: Path) -> str:
+    """Suggest a case or a file for a name that is neither."""
+    if path.with_name(f"{path.name}.toml").is_file():
+        return f" Did you mean the file '{text}.toml'?"
+    ends = [name for name in names() if name.rpartition("/")[2].casefold() == text.casefold()]
+    begins = [name for name in names() if len(text) > 2 and text.casefold() in name.casefold()]
+    same = ends or ([] if nearest(text, names()) else begins)
+    return f" Did you mean {same[0]!r}?" if same else nearest(text, names())
 
 
 def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
@@ -183,7 +194,7 @@ def _body(
             if value not in family.switches[key]:
                 raise CaseError(
                     f"{place(file, raw, key)}: {key}: found {value!r}, expected one of"
-                    f" {' | '.join(family.switches[key])}.{family.hint(str(value), family.switches[key])}"
+                    f" {' | '.join(family.switches[key])}.{hints.of_choice(family, key, value)}"
                 )
             switches[key] = value
             continue

@@ -18,6 +18,7 @@ from whirlmap.cases import ways
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
 from whirlmap.cases.reasons import History, Mark
+from whirlmap.equations import hints
 from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
@@ -237,15 +238,14 @@ class _Work:
             if not strict:
                 return
             raise CaseError(f"{given.where}: " + self._unread(given.name, f" does not read {given.name!r}"))
-        parameters = [p.name for p in self.model.parameters if p.name in self.read]
-        inputs = [q.name for q in self.groups.inputs] if self.groups else []
-        known = [*parameters, *inputs, *self.family.switches]
-        lines = [f"parameters: {' '.join(parameters)}"]
-        lines += [f"dimensional inputs: {' '.join(inputs)}"] if inputs else []
+        parameters = [p for p in self.model.parameters if p.name in self.read]
+        inputs = self.groups.inputs if self.groups else ()
+        lines = [f"parameters: {' '.join(p.name for p in parameters)}"]
+        lines += [f"dimensional inputs: {' '.join(q.name for q in inputs)}"] if inputs else []
         lines += [f"switches: {' '.join(self.family.switches)}"] if self.family.switches else []
         raise CaseError(
             f"{given.where}: {self.family.name} has no symbol {given.name!r}."
-            f"{self.family.hint(given.name, known, given.value)}\n  "
+            f"{hints.of_symbol(self.family, self.model, given.name, (*parameters, *inputs), given.value)}\n  "
             + "\n  ".join(lines)
         )
 

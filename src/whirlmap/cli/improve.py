@@ -13,7 +13,7 @@ from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
-from whirlmap.errors import CaseError, InputError, RangeError, nearest
+from whirlmap.errors import CaseError, InputError, RangeError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -147,14 +147,17 @@ def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
 
 def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], units: dict[str, str]) -> None:
     """Refuse what is no parameter or input; numbers of teeth and orders change the common period."""
+    from whirlmap.equations import hints
+    from whirlmap.units import such_as
+
     settled = system.details
     inputs = {q.name: q for q in settled.case.family.groups.inputs} if settled.case.family.groups else {}
     shared = settled.case.family.groups.shared if inputs else {}
     for name in names:
         if name not in inputs and name not in shared and name not in system.parameters:
-            known = [*system.parameters, *(settled.inputs or {})]
+            said = hints.of_symbol(settled.case.family, system.model, name, [*system.model.parameters, *inputs.values()])
             raise InputError(
-                f"--vary: {system.case} has no {name!r}.{nearest(name, known)}\n  parameters: {' '.join(system.parameters)}"
+                f"--vary: {system.case} has no {name!r}.{said}\n  parameters: {' '.join(system.parameters)}"
                 + (f"\n  dimensional inputs: {' '.join(settled.inputs)}" if settled.inputs else "")
             )
         if inputs and name in settled.case.family.groups.operation:
@@ -165,7 +168,8 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
         if declared.unit == "1" and name in units:
             raise InputError(f"--vary: {name} has no dimension, found the unit {units[name]!r}")
         if name not in system.parameters and declared.unit != "1" and name not in units:
-            raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {declared.unit}, on both ends")
+            unit = such_as(declared.unit)
+            raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {unit}, on both ends")
 
 
 def _ends(

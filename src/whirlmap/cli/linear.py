@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
+from whirlmap.cli.bifurcation import refuse_input
 
 if TYPE_CHECKING:
     from whirlmap.analysis.film_coefficients import FilmCoefficients
@@ -38,6 +39,8 @@ def linear(
     """Linearise CASE about its static equilibrium, with all forcing off."""
     bracket = next(iter(options.brackets([threshold], "--threshold").items())) if threshold else None
     system = options.open_system(case, changes, None)
+    if bracket:
+        refuse_input(system, bracket[0], "--threshold")
     from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import NotLinearError, linear_analysis
     from whirlmap.analysis.threshold import NoThresholdError, stability_threshold

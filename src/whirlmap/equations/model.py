@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sympy import Expr, Symbol, sympify
 
+from whirlmap.equations import hints
 from whirlmap.equations.declaration import parts, refuse_contradictions
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State
@@ -250,7 +251,7 @@ class Family:
                 allowed = " | ".join(self.switches[name])
                 raise ModelError(
                     f"switch {name!r} of {self.name!r} cannot be {value!r}; it is one of {allowed}."
-                    f"{self.hint(str(value), self.switches[name])}"
+                    f"{hints.of_choice(self, name, value)}"
                 )
         settled = {name: choices[0] for name, choices in self.switches.items()}
         settled |= self.default(settled | chosen)
@@ -265,7 +266,7 @@ class Family:
         asked = re.findall(r"[a-z]+", f"{name} {value}".casefold().replace("_", " "))
         for word in asked:
             for begins, sentence in self.absent.items():
-                if word.startswith(begins):
+                if word.startswith(begins) if len(begins) > 1 else word == begins and "_" not in name:
                     return f" {sentence[:1].upper()}{sentence[1:]}."
         return nearest(name, known)
 
