@@ -166,9 +166,14 @@ class _Work:
             if route:
                 self.routes[target] = route
 
+    def _effective(self, name: str) -> bool:
+        """Whether an input says something though it need not change any parameter: its operation, its oil's density."""
+        assert self.groups
+        return name in (*self.groups.operation, *(b.rho.name for b in self.groups.bearings(self.switches).values()))
+
     def _idle(self, name: str) -> bool:
         """Whether an input serves ways of giving others alone, none of which is taken."""
-        if not self.groups or name in self.groups.operation:
+        if not self.groups or self._effective(name):
             return False
         serving = [r for r in self.groups.routes if name in r.names]
         if not serving or any(self.routes.get(r.target.name) is r for r in serving):
@@ -195,7 +200,7 @@ class _Work:
                 f"{given.name} has no effect: {served.target.name} is not given by {served.key} here, but itself or in"
                 " another way"
             )
-        if given.name in self.groups.operation:
+        if self._effective(given.name):
             by_hand = False
         fed = self._fed(given.name) & self.read
         if self._fed(given.name, frozenset(self.explicit)) & self.read:

@@ -64,8 +64,8 @@ class Bearing:
 
     Attributes
     ----------
-    R, L, c, mu : Parameter
-        Radius, length, radial clearance, viscosity.
+    R, L, c, mu, rho : Parameter
+        Radius, length, radial clearance, viscosity and density of the oil. The density changes no parameter.
     spin : Expr or int
         Speed of the journal over the clock's; 0 for a damper.
     eccentricity : str
@@ -76,6 +76,7 @@ class Bearing:
     L: Parameter
     c: Parameter
     mu: Parameter
+    rho: Parameter
     spin: Expr | int
     eccentricity: str
 

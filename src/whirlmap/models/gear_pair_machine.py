@@ -16,7 +16,7 @@ from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
 from whirlmap.models import mesh, rub, torsion
-from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, speed_max, viscosity_routes
+from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, rho, speed_max, viscosity_routes
 
 z_p = Parameter("z_p", "1", "teeth of the pinion", above=0, order=True)
 z_g = Parameter("z_g", "1", "teeth of the gear", above=0, order=True)
@@ -225,7 +225,8 @@ GEAR_PAIR_MACHINE = replace(
         declare=groups,
         quantities=quantities,
         bearings=lambda _: {
-            "1": Bearing(R_1, L_1, c, mu, pair.j_p, "eps_1"), "2": Bearing(R_2, L_2, c, mu, pair.j_g, "eps_2"),
+            "1": Bearing(R_1, L_1, c, mu, rho, pair.j_p, "eps_1"),
+            "2": Bearing(R_2, L_2, c, mu, rho, pair.j_g, "eps_2"),
         },
         units={"force": K_p * c, "length": c, "speed": pair.s * omega_0},
         routes=ROUTES,

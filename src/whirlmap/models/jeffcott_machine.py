@@ -91,7 +91,7 @@ JEFFCOTT_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
-        bearings=lambda switches: {"1": Bearing(R, L, c, mu, 0 if switches["bearing"] == "damper" else 1, "eps")},
+        bearings=lambda switches: {"1": Bearing(R, L, c, mu, rho, 0 if switches["bearing"] == "damper" else 1, "eps")},
         units={"force": W, "length": c, "speed": rotor.s * sqrt(g / c)},
         routes=ROUTES,
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()},
