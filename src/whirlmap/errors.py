@@ -57,6 +57,12 @@ class CacheError(WhirlmapError):
 
 def nearest(name: str, known: Iterable[str]) -> str:
     """Suggest the known name nearest to ``name``: `` Did you mean 'psi'?``, or nothing where none is near."""
+    same = closest(name, known)
+    return f" Did you mean {same!r}?" if same is not None else ""
+
+
+def closest(name: str, known: Iterable[str]) -> str | None:
+    """Find the known name nearest to ``name``: the same in another case, else one that is spelt nearly so."""
     names = list(known)
     folded: dict[str, str] = {}
     for known_name in names:
@@ -66,4 +72,4 @@ def nearest(name: str, known: Iterable[str]) -> str:
         close = get_close_matches(name, names, n=1, cutoff=CLOSE)
         close = close or [folded[k] for k in get_close_matches(name.casefold(), folded, n=1, cutoff=CLOSE)]
         same = close[0] if close else None
-    return f" Did you mean {same!r}?" if same is not None else ""
+    return same

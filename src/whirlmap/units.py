@@ -92,12 +92,13 @@ def example(unit: str) -> str:
     return _EXAMPLES.get(unit, f"1 {unit}")
 
 
-def _such_as(unit: str) -> str:
-    return "rpm" if unit == "rad/s" else unit  # no data sheet has radians
+def such_as(unit: str) -> str:
+    """Return a unit in which engineers write quantities of this one: ``rpm`` for rad/s."""
+    return {"rad/s": "rpm", "W": "kW", "kg*m": "g*mm", "m/s": "mm/s"}.get(unit, unit)
 
 
 #: What people write for units of temperature. To pint C is a coulomb and F a farad, but no temperature is given in them.
-_TEMPERATURES = {"C": "degC", "°C": "degC", "℃": "degC", "F": "degF", "°F": "degF", "℉": "degF"}
+_TEMPERATURES = {"degK": "K", "°K": "K", "C": "degC", "°C": "degC", "℃": "degC", "F": "degF", "°F": "degF", "℉": "degF"}
 
 
 def split(text: str, unit: str = "1") -> tuple[Fraction, str]:
@@ -112,10 +113,13 @@ def split(text: str, unit: str = "1") -> tuple[Fraction, str]:
     """
     if _NOT_FINITE.match(text):
         raise CaseError(f"found {text!r}, expected a finite number")
+    if re.match(r"\s*[+-]?\d*,\d", text):
+        raise CaseError(f"found {text!r} with a comma, expected a decimal point, as in {example(unit)!r}")
     found = _QUANTITY.fullmatch(text)
     if not found:
-        what = "a number" if unit in ("1", "rad") else "a number with its unit"
-        raise CaseError(f"found {text!r}, expected {what}, as in {example(unit)!r}")
+        bare = unit in ("1", "rad")  # 0.3 is an example of no grade, and of no number of teeth
+        expected = "a number" if bare else f"a number with its unit, as in {example(unit)!r}"
+        raise CaseError(f"found {text!r}, expected {expected}")
     number, _, divisor = found["number"].partition("/")
     exact = _exact(number.strip())
     if divisor:
@@ -188,7 +192,7 @@ def read(value: Any, unit: str, *, given: str | None = None) -> Fraction:
     if not given:
         if unit in ("1", "rad"):
             return number
-        expected = f"a unit such as {_such_as(unit)}, as in {example(unit)!r}"
+        expected = f"a unit such as {such_as(unit)}, as in {example(unit)!r}"
         raise CaseError(f"found {_shown(value)} without a unit, expected {expected}")
     if unit == "degC":
         return _temperature(number, given)
@@ -227,7 +231,11 @@ def factor(unit: str, to: str) -> Fraction:
         hint = ""
         if {**dimensions, "radian": 1} == dimensions_to:
             hint = "; write rpm, turn/s or rad/s, so that it is clear whether turns or radians are meant"
-        expected = "no unit" if to == "1" else f"a unit such as {_such_as(to)}"
+        elif unit not in _SI:  # nobody's unit, though a registry can read it: Pas are petaseconds
+            hint = "." + near if (near := _nearest(unit, to)) else ""
+        elif (dimensions, to) == (_root("m^2/s", "")[1], "Pa*s"):
+            hint = "; this is a kinematic viscosity, which is a dynamic one over the density of the oil"
+        expected = "no unit" if to == "1" else f"a unit such as {such_as(to)}"
         raise CaseError(f"found the unit {unit!r}, expected {expected}{hint}")
     return scale / scale_to
 
@@ -249,7 +257,7 @@ def _looked_up(unit: str, expected: str) -> tuple[Fraction, dict[str, Fraction]]
     except Exception as error:
         # pint raises its own errors, and for broken text those of Python's tokenizer: all mean the same here.
         raise CaseError(
-            f"found the unknown unit {unit!r}, expected one such as {_such_as(expected)}.{_nearest(unit, expected)}"
+            f"found the unknown unit {unit!r}, expected one such as {such_as(expected)}.{_nearest(unit, expected)}"
         ) from error
     if any(not registry._units[name].is_multiplicative for name in parsed._units):
         raise CaseError(f"found the unit {unit!r}, which has an offset, expected one such as {expected}")
@@ -263,6 +271,16 @@ def _nearest(unit: str, expected: str) -> str:
     if expected not in _SI:
         return nearest(unit, COMMON)
     return nearest(unit, [name for name in COMMON if name in _SI and _SI[name][1] == _SI[expected][1]])
+
+
+def is_written(text: str) -> bool:
+    """Whether a text is a unit that engineers write, of more than one letter."""
+    return len(text) > 1 and text in _SI
+
+
+def of_dimension(unit: str, other: str) -> bool:
+    """Whether a unit that engineers write is of the dimension of another one."""
+    return other in _SI and _SI[unit][1] == _SI[other][1]
 
 
 def known(unit: str) -> bool:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
+from whirlmap.analysis.linear import NotLinearError
 from whirlmap.errors import CaseError, RangeError
 from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared
 
@@ -55,6 +56,17 @@ def test_bracket_without_a_threshold_is_refused(bracket, words):
 def test_model_without_equilibrium_is_refused():
     with pytest.raises(RangeError, match="no static equilibrium"):
         whirlmap.linear_analysis(whirlmap.load("lorenz"))
+
+
+def test_the_declared_equilibrium_of_a_damper_is_one():
+    from whirlmap.integrate.equilibrium import rest_state
+    from whirlmap.kernels.reference import reference_rates
+
+    damper = whirlmap.load("machines/aero-damper", speed="9000 rpm")
+    rest = np.array(list(rest_state(damper).values()))
+    np.testing.assert_allclose(reference_rates(damper.model, forced=False)(0.0, rest, damper.vector), 0.0, atol=1e-12)
+    with pytest.raises(NotLinearError, match="no eigenvalues"):
+        whirlmap.linear_analysis(damper)
 
 
 def test_unknown_parameter_is_refused():

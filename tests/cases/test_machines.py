@@ -88,6 +88,27 @@ def test_torque_follows_from_power():
     assert settle(read(TURBO), {"T_p": "30 N*m"}).values["phi_m"] == pytest.approx(pi / 2 - pi / 9, rel=1e-12)
 
 
+def torque(case, **changes):
+    made = settle(read(case), changes)
+    return made.inputs["T_p"].value, made.inputs["T_p"].note
+
+
+def test_power_counts_at_the_speed_it_is_given_for(tmp_path):
+    """60 kW at 9000 rpm are the same torque, whatever range of speeds is asked for; and the note says the speed."""
+    rated = -60e3 / (9000 * pi / 30)
+    assert torque(TURBO)[0] == pytest.approx(rated, rel=1e-14)
+    for changes in ({"speed_max": "12000 rpm"}, {"speed": "4500 rpm"}):
+        value, note = torque(TURBO, **changes)
+        assert value == pytest.approx(rated, rel=1e-14)
+        assert "speed_max = 9000 rpm" in note and ("where P_t is given" in note) == ("speed_max" in changes)
+    wider = tmp_path / "wider.toml"
+    wider.write_text(f'extends = "{TURBO}"\n[operation]\n' + entry("speed_max", 12000, "rpm"))
+    assert torque(wider)[0] == pytest.approx(rated, rel=1e-14)
+    assert torque(wider, P_t="-80 kW")[0] == pytest.approx(-80e3 / (12000 * pi / 30), rel=1e-14)
+    value, note = torque(TURBO, speed_P="6000 rpm", speed_max="12000 rpm")
+    assert value == pytest.approx(1.5 * rated, rel=1e-14) and "speed_P = 6000 rpm" in note
+
+
 def test_how_a_machine_is_run_is_there_for_speeds():
     for name, low, high, limit in ((TURBO, 3000, 9000, 25e-6), (RIG, 600, 6000, 60e-6), (AERO, 2000, 15000, 100e-6)):
         inputs = load(name).details.inputs
@@ -164,6 +185,7 @@ BAD = [
     ("[lubricant]\n" + entry("VG", 40) + entry("VI", 95) + entry("T_oil", 60, "degC") + entry("rho", 860, "kg/m^3"),
      "nearest is 46"),
     ("[unbalance]\n" + entry("G_p", 2.5, "mm/s"), "also needs speed_max"),
+    ("[mesh]\n" + entry("P_t", 20, "kW"), "also needs speed_P or speed_max"),
     ("[lubricant]\n" + entry("VG", 46) + entry("VI", 95) + entry("T_oil", 500, "degC") + entry("rho", 860, "kg/m^3"),
      "VG: found an oil at 500 degC, expected -70 to 340"),
     ("[bearings]\nc = 50\n", r"line 3: c: found 50, expected an entry such as c = \{"),

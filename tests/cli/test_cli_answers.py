@@ -25,6 +25,40 @@ def test_that_stability_is_kept_is_an_answer():
     assert found["value"] is None and "stable" in found["note"]
 
 
+DAMPER = "machines/aero-damper"
+
+
+@pytest.mark.parametrize("line", ["linear CASE", "linear CASE --threshold s=1:5", "campbell CASE --vary s=1:5:4"])
+def test_that_a_damper_has_no_eigenvalues_is_an_answer(line):
+    line = line.replace("CASE", DAMPER)
+    said = " ".join(run(line, 0).stdout.split())
+    for words in ("no eigenvalues: the film of a damper", "whirlmap diagnose machines/aero-damper", "whirlmap show"):
+        assert words in said
+    found = json.loads(run(f"{line} --json", 0).stdout)
+    assert "no eigenvalues" in found["note"]
+    if line.startswith("linear"):  # the sag in the cages, W/K_c and W/K, over c = 120 um
+        load = 40 * 9.81 / 2
+        assert found["equilibrium"]["uy"] == pytest.approx(-load / 4e6 / 120e-6)
+        assert found["equilibrium"]["y"] == pytest.approx(-(load / 4e6 + load / 2e7) / 120e-6)
+        assert found["stable"] is None and found["eigenvalues"] == []
+    else:
+        assert found["frequency"] == [] and len(found["values"]) == 4
+
+
+def test_who_asks_for_a_picture_that_cannot_be_drawn_gets_an_error(tmp_path):
+    assert "no eigenvalues" in run(f"campbell {DAMPER} --vary s=1:5:4 --out {tmp_path / 'c.png'}", 2).stderr
+
+
+def test_an_oscillator_is_sent_to_the_commands_that_answer():
+    said = run("linear duffing", 2).stderr
+    assert "diagnose" in said and "bifurcation" in said and "film" not in said
+
+
+def test_a_damper_without_a_closed_equilibrium_says_why_none_is_found():
+    line = "linear gear-psfd/machine --set j_p=0 --set j_g=0 --set centring=spring --set k_c=1e6N/m"
+    assert "carries nothing at rest" in run(line, 2).stderr
+
+
 def test_a_bracket_that_cannot_be_is_still_refused():
     assert "must" in run("linear machines/jeffcott-rig --threshold s=-1:0.05", 2).stderr
 

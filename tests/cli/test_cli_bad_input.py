@@ -48,6 +48,33 @@ WRONG = [
     (f"{MACHINE} --set PSI=1e-3", "'psi'"),
     (f"{MACHINE} --set edition=litteral", "edition", "litteral", "'literal'"),
     (f"{MACHINE} --set editon=literal", "'editon'", "'edition'"),
+    (f"{MACHINE} --set 'clearance=50 um'", "Did you mean 'c'? (radial clearance of both bearings)"),
+    (f"{MACHINE} --set 'viscosity=0.02 Pa*s'", "'mu' (viscosity of the lubricant)"),
+    (f"{MACHINE} --set 'density=870 kg/m^3'", "Did you mean 'rho'"),
+    ("show machines/turbo-gearbox --set 'power=60 kW'", "'P_t'? (power through the mesh"),
+    ("show machines/turbo-gearbox --set 'beta=20 deg'", "'beta_c'? (direction from pinion to gear"),
+    ("show machines/turbo-gearbox --set 'backlash=150 um'", "takes no number; j_n: backlash along the line of action"),
+    ("show machines/turbo-gearbox --set 'stiffness=1e9 N/m'", "takes no number; K_m: lateral stiffness of the mesh"),
+    (f"{MACHINE} --set rpm=1500", "rpm is a unit, as in speed = 1500 rpm", "!Did you mean"),
+    (f"{MACHINE} --set 'D=50 mm'", "radius (R, R_1, R_2), half of the diameter", "!Did you mean"),
+    (f"{MACHINE} --set 'k_d=50 mm'", "no symbol 'k_d'", "!diameter"),
+    (f"{MACHINE} --set 'diameter=50 mm'", "half of the diameter"),
+    (f"{MACHINE} --set 'omega=100 rad/s'", "is called speed"),
+    ("show machines/jeffcott-rig --set 'supply_pressure=2 bar'", "how oil comes in is not modelled", "!Did you mean"),
+    ("show machines/jeffcott-rig --set ux=0.5", "ux is a state", "--start", "!Did you mean"),
+    ("show machines/jeffcott-rig --set eps=0.5", "eps is an output", "!Did you mean"),
+    (f"{MACHINE} --set 'c=0,05 mm'", "found '0,05 mm' with a comma, expected a decimal point, as in '0.05 mm'"),
+    (f"{MACHINE} --set 'mu=20 cSt'", "this is a kinematic viscosity"),
+    (f"{MACHINE} --set 'mu=20 mPas'", "expected a unit such as Pa*s. Did you mean 'mPa*s'?"),
+    ("show machines/jeffcott-rig --set VG=ISO32", "VG: found 'ISO32', expected a number (ISO VG", "!0.3"),
+    ("show machines/jeffcott-rig --set 'T_oil=60 degR'", "expected one of degC, K, degF"),
+    ("show machines/turbo-gearbox --set 'P_t=60 PS'", "expected a unit such as kW"),
+    ("diagnose jeffcott-rig", "Did you mean 'machines/jeffcott-rig'?"),
+    ("diagnose turbo", "Did you mean 'machines/turbo-gearbox'?"),
+    ("linear machines/jeffcott-rig --threshold speed=1000:2000", "dimensional input 'speed'", "feeds s"),
+    ("improve machines/jeffcott-rig --vary c=60:140:5", "expected its unit, such as m"),
+    ("improve machines/jeffcott-rig --vary clearance=60um:140um:5", "'c'? (radial clearance of both bearings)"),
+    ("bifurcation machines/jeffcott-rig --vary c=50um:100um:9", "numbers without units", "by improve"),
     (f"{MACHINE} --start u1x=1.2", "u1x = 1.2", "touches its bearing"),
     (f"{MACHINE} --start u1z=0.2", "no state 'u1z'", "u1x u1y"),
     (f"{MACHINE} --start u1x=nan", "u1x: found 'nan', expected a finite number"),
@@ -121,6 +148,18 @@ def test_a_name_in_another_case_comes_before_one_with_other_letters():
     assert nearest("MU_1", ["MU_2", "mu_1"]) == " Did you mean 'mu_1'?"
 
 
+def test_a_file_named_without_its_ending_is_suggested(tmp_path):
+    (tmp_path / "my_rotor.toml").write_text('model = "duffing"')
+    assert "Did you mean the file 'my_rotor.toml'?" in refused("show my_rotor")
+
+
+def test_kelvins_are_written_in_two_ways():
+    lines = [f"show machines/jeffcott-rig --set 'T_oil=300 {unit}' --json" for unit in ("K", "degK")]
+    one, other = (CliRunner().invoke(app, shlex.split(line)) for line in lines)
+    assert one.exit_code == other.exit_code == 0
+    assert '"value": 26.85' in one.stdout and '"value": 26.85' in other.stdout
+
+
 @pytest.mark.parametrize("line", ["show duffing", "simulate duffing --periods 1"])
 def test_an_option_may_be_repeated_with_the_same_value(line):
     result = CliRunner().invoke(app, shlex.split(f"{line} --set gamma=0.3 --set gamma=0.3"))
@@ -138,6 +177,11 @@ def test_an_option_may_be_repeated_with_the_same_value(line):
         ('extends = "duffing"\ngamma = { value = 1 }', "exactly one of"),
         ('extends = "duffing"\ngamma = { value = 1 }\ngamma = { value = 2 }', "key 'gamma' twice, in lines 2 and 3"),
         ('extends = "gear-psfd/machine"\n[gears]\n[film]\n[gears]\n', "found the table [gears] twice, in lines 2 and 4"),
+        ("model = gear_pair", 'text stands in quotes, "gear_pair"'),
+        ('extends = "gear-psfd/machine"\npsi = { value = 0,05, assumed = "x" }', "numbers have a decimal point, 0.05"),
+        ('extends = "gear-psfd/machine"\npsi = { value = 1 assumed = "x" }', "separated by commas"),
+        ('extends = "gear-psfd/machine"\npsi = { Value = 1, assumed = "x" }', "found no 'value' but 'Value'"),
+        ('extends = "gear-psfd/machine"\n[switches]\nstiffness = "1e9"', "It is a switch, and takes no number; K_m"),
         ('extends = "gear-psfd/machine"\n[operation]\nspeed = 3', 'speed = { value = 1500, unit = "rpm", assumed = "why" }'),
         ('extends = "gear-psfd/machine"\n[bearings]\nR = 3', 'R = { value = 0.05, unit = "mm", assumed = "why" }'),
         ('extends = "gear-psfd/machine"\n[tilting_pads]\nn = { value = 3, assumed = "x" }', "tilting pads are not modelled"),

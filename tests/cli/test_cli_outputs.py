@@ -122,8 +122,9 @@ def test_show_lists_inputs_groups_switches_clocks_and_sources():
 def test_show_warns_where_a_rotor_strains_its_model():
     changes = "--set 'L=8 mm' --set 'mu=0.004 Pa*s' --set 'speed=6000 rpm'"
     content = json.loads(done(f"show machines/jeffcott-rig {changes} --json").stdout)
-    assert [w.split()[0] for w in content["warnings"]] == ["slenderness", "film_inertia"]
-    assert json.loads(done("show machines/jeffcott-rig --json").stdout)["warnings"] == []
+    assert [w.split(":")[0] for w in content["warnings"]] == ["slenderness", "clearance", "film_inertia"]
+    plain = json.loads(done("show machines/jeffcott-rig --json").stdout)["warnings"]
+    assert [w.split(":")[0] for w in plain] == ["clearance"]
 
 
 def test_show_warns_of_a_damper_that_carries_nothing():

@@ -123,7 +123,13 @@ def test_an_oscillator_too_fast_for_the_ladder_is_stiff():
     rungs = choose_steps(e, 1e-8)
     assert list(rungs.verdict) == [Verdict.met, Verdict.stiff]
     assert rungs.steps[1] == LADDER[-1]
-    assert "stiff" in Verdict.stiff.advice
+    assert "stiff" in Verdict.stiff.advice(e.model)
+
+
+def test_only_a_model_with_a_fixed_arc_is_told_about_arcs():
+    assert "arc" not in Verdict.nonsmooth.advice(load("gear_backlash").model)
+    assert "arc" not in Verdict.nonsmooth.advice(load("jeffcott", rotor="flexible", arc="positive").model)
+    assert "arc of positive pressure" in Verdict.nonsmooth.advice(load("jeffcott").model)
 
 
 def test_orbits_through_the_centre_are_nonsmooth_with_the_fixed_arc():

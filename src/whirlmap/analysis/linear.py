@@ -4,9 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from sympy import sympify
 
 from whirlmap.analysis.points import first_sizes
-from whirlmap.equations.model import Model
+from whirlmap.equations.model import Film, Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import variants
 from whirlmap.integrate.equilibrium import start_states
@@ -17,6 +18,10 @@ from whirlmap.integrate.system import System
 STEP = 1e-6
 #: Change of the derivatives from one side to the other, over their own size, that is a kink: smooth ones change by `STEP`.
 KINK = 1e-3
+
+
+class NotLinearError(RangeError):
+    """An equilibrium at which the rates have no derivative: an answer, for who asks for small motions about it."""
 
 
 @dataclass(frozen=True)
@@ -59,17 +64,26 @@ def linear_analysis(system: System) -> LinearAnalysis:
 
     Raises
     ------
+    NotLinearError
+        Where there is a static equilibrium, but no linear system for small motions about it.
     RangeError
         Where the model declares no static equilibrium, or none is found.
     """
     x, jacobian, found = linearised(system.plain_model(), system.vector[:, None])
     if not found[0]:
-        raise RangeError(f"{system.model.name}: no static equilibrium was found at these values")
+        still = [name for name, film in system.model.films.items() if _standing(system, film)]
+        why = "; a film whose journal does not turn carries nothing at rest, and has no derivative there" if still else ""
+        raise RangeError(f"{system.model.name}: no static equilibrium was found at these values{why}")
     eigenvalues, vectors = np.linalg.eig(jacobian[0])
     order = np.argsort(-eigenvalues.real, kind="stable")
     return LinearAnalysis(
         x[:, 0], jacobian[0], eigenvalues[order].astype(complex), vectors[:, order].astype(complex)
     )
+
+
+def _standing(system: System, film: Film) -> bool:
+    """Whether the journal of a film does not turn."""
+    return float(sympify(film.spin).subs({p: float(system.values[p.name]) for p in system.model.parameters})) == 0.0
 
 
 def linearised(
@@ -80,8 +94,17 @@ def linearised(
     Jacobians are those of the compiled kernel, in closed form; at a kink of the rates, where there is no derivative, central
     differences over both of its sides. Those of points without an equilibrium are NaN.
     """
+    if model.equilibrium:
+        raise NotLinearError(
+            "no eigenvalues: the film of a damper carries nothing at rest, and resists the smallest motion by a force that"
+            " is proportional to its speed, but with another factor in each direction (the pressure is positive on the side"
+            " to which the ring moves); no linear system stands for that"
+        )
     if model.start != "equilibrium":
-        raise RangeError(f"{model.name} declares no static equilibrium (start = {model.start}) to linearise about")
+        raise RangeError(
+            f"{model.name} declares no static equilibrium to linearise about (start = {model.start}): diagnose says how it"
+            " moves, and bifurcation how that changes along a parameter"
+        )
     x, found = start_states(model, values)
     n = x.shape[0]
     jacobian = np.full((values.shape[1], n, n), np.nan)

@@ -216,7 +216,7 @@ def run_attributes(system: System, ensemble: Ensemble, **settings: Any) -> dict[
     cyclic = {s.name: s.cyclic for s in system.model.states if s.cyclic is not None}
     if ensemble.accuracy is not None:
         settings = {"accuracy": ensemble.accuracy, **settings}
-        if doubts := doubtful(ensemble.step_verdict):
+        if doubts := doubtful(ensemble.step_verdict, system.model):
             settings["accuracy_not_met"] = doubts
     return {**origin, **compiled, **settings, **({"cyclic": json.dumps(cyclic)} if cyclic else {})}
 

@@ -44,7 +44,7 @@ def series_steps(
     With them the attribute that says where the accuracy is not met.
     """
     chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0]
-    doubts = doubtful(chosen.step_verdict)
+    doubts = doubtful(chosen.step_verdict, system.model)
     return chosen.steps if steps is not None else max(SAMPLES, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
 
 

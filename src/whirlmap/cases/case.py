@@ -26,6 +26,7 @@ from typing import Any
 
 from whirlmap.cases import entries, origin
 from whirlmap.cases.entries import Given, place
+from whirlmap.equations import hints
 from whirlmap.equations.model import Family
 from whirlmap.errors import CaseError, nearest
 from whirlmap.units import read as read_number
@@ -104,9 +105,19 @@ def _locate(name: str | Path, folder: Path, where: str = "") -> tuple[Path, str]
             raise CaseError(f"{where}case file {path} {reason}")
         return path, text
     raise CaseError(
-        f"{where}there is no case {text!r}.{nearest(text, names())}\n  cases: {', '.join(names())};"
+        f"{where}there is no case {text!r}.{_meant(text, path)}\n  cases: {', '.join(names())};"
         " or the path of a file that ends in .toml"
     )
+
+
+def _meant(text: str, path: Path) -> str:
+    """Suggest a case or a file for a name that is neither."""
+    if path.with_name(f"{path.name}.toml").is_file():
+        return f" Did you mean the file '{text}.toml'?"
+    ends = [name for name in names() if name.rpartition("/")[2].casefold() == text.casefold()]
+    begins = [name for name in names() if len(text) > 2 and text.casefold() in name.casefold()]
+    same = ends or ([] if nearest(text, names()) else begins)
+    return f" Did you mean {same[0]!r}?" if same else nearest(text, names())
 
 
 def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
@@ -131,6 +142,9 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         family = base.family
     else:
         raise CaseError(f'{file}: found no model, expected model = "..." or extends = "..."')
+    told = head.description
+    if not told and base and base.description:
+        told = f"extends {base.name}: {base.description}"  # which says the numbers of that case
     switches, layer = _body(file, raw, table, head.switches, family)
     digest = hashlib.sha256(raw.encode()).hexdigest()
     if not base:
@@ -139,7 +153,7 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         name=name,
         path=path,
         family=family,
-        description=" ".join((head.description or base.description).split()),
+        description=" ".join(told.split()),
         switches={**base.switches, **switches},
         layers=(*base.layers, layer),
         start={**base.start, **start_values(head.start, place(file, raw, "start") + ": start")},
@@ -180,7 +194,7 @@ def _body(
             if value not in family.switches[key]:
                 raise CaseError(
                     f"{place(file, raw, key)}: {key}: found {value!r}, expected one of"
-                    f" {' | '.join(family.switches[key])}.{family.hint(str(value), family.switches[key])}"
+                    f" {' | '.join(family.switches[key])}.{hints.of_choice(family, key, value)}"
                 )
             switches[key] = value
             continue

@@ -128,9 +128,9 @@ def _example(unit: str) -> str:
 
 def toml_fault(text: str, problem: str) -> str:
     """Say what is wrong with a text that is not TOML; a key that is given twice is named, with both lines."""
-    if not ("overwrite" in problem or "Cannot declare" in problem):
-        return f"is not valid TOML: {problem}"
     at, lines = re.search(r"line (\d+)", problem), text.splitlines()
+    if not ("overwrite" in problem or "Cannot declare" in problem):
+        return f"is not valid TOML: {problem}{_toml_hint(lines[int(at[1]) - 1] if at and int(at[1]) <= len(lines) else '')}"
     again = min(int(at[1]), len(lines)) if at else len(lines)
     key, table = _key(lines[again - 1]), lines[again - 1].lstrip().startswith("[")
     for number in range(again - 1, 0, -1):
@@ -141,6 +141,17 @@ def toml_fault(text: str, problem: str) -> str:
         if other and not table:
             break  # above it stands another table, where the key may come too
     return f"is not valid TOML: {problem}; a switch and a table of the same name: write the switch in a table [switches]"
+
+
+def _toml_hint(line: str) -> str:
+    """What people write in other files, and TOML does not take."""
+    if found := re.search(r"=\s*([-+]?\d+),(\d+)", line):
+        return f"; numbers have a decimal point, {found[1]}.{found[2]}"
+    if found := re.search(r"""=\s*([A-Za-z][\w./-]*)""", line):
+        return f'; text stands in quotes, "{found[1]}"'
+    if "{" in line:
+        return "; what stands in { } is separated by commas, on one line"
+    return ""
 
 
 def _key(line: str) -> str:
@@ -161,7 +172,8 @@ def _sentence(problem: Any, table: Mapping[str, Any]) -> str:
         known = list(Entry.model_fields)
         return f"found the unknown key {key!r}, expected one of {', '.join(known)}.{nearest(key, known)}"
     if problem["type"] == "missing":
-        return f"found no {key!r}, expected {key} = a number"
+        other = [name for name in table if name.casefold() == key]
+        return f"found no {key!r}{f' but {other[0]!r}' if other else ''}, expected {key} = a number"
     if problem["type"] == "value_error":
         return str(problem["ctx"]["error"])
     expected = "a number, or text such as '50 um' or '1/4'" if key == "value" else "text that is not empty"

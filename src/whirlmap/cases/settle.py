@@ -10,13 +10,15 @@ a lower
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
 from whirlmap.cases import ways
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
+from whirlmap.cases.reasons import History, Mark
+from whirlmap.equations import hints
 from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
@@ -52,6 +54,8 @@ class Settled:
         Dimensional inputs, where the case has them.
     quantities : mapping of str to (float, Output)
         Dimensional results worth showing; those whose inputs are not all known are left out.
+    marks : mapping of str to Mark
+        Numbers that have been changed by hand, and reasons that name a number which is another now.
     """
 
     case: Case
@@ -61,6 +65,7 @@ class Settled:
     notes: Mapping[str, str]
     inputs: Mapping[str, Input]
     quantities: Mapping[str, tuple[float, Output]]
+    marks: Mapping[str, Mark] = field(default_factory=dict)
 
 
 def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
@@ -118,6 +123,9 @@ class _Work:
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
         self.routes: dict[str, Route] = {}
+        self.held: dict[str, dict[str, ways.Held]] = {}
+        self.layers = 0
+        self.history = History(family.groups.shared if family.groups else {})
 
     def add(self, layer: Layer, *, by_hand: bool, strict: bool) -> None:
         """Put a layer on top.
@@ -125,12 +133,14 @@ class _Work:
         What is asked for by hand must have an effect. Symbols of a strict layer must be read; in others they
         may belong to switches that have been replaced since.
         """
+        self.layers += 1
         symbols = {name: given for name, given in layer.items() if not self._input(name)}
         for name, given in symbols.items():
             self._refuse_unread(given, strict=strict)
             if name in self.read:
                 self.explicit[name] = given
                 self.values[name] = self._number(given, self.model.parameter(name))
+                self.history.add(self.layers, name, self.values[name], given)
         if self.groups:
             self._choose_ways(self.groups.routes, layer)
         for name, given in layer.items():
@@ -138,7 +148,13 @@ class _Work:
             if parameter:
                 self.inputs[name] = Fraction(self._number(given, parameter))
                 self.given_inputs[name] = given
+                self.history.add(self.layers, name, self.inputs[name], given)
                 self._give_way(given, frozenset(symbols), by_hand=by_hand)
+        for target, route in self.routes.items():
+            if route.key in layer:
+                self.held[target] = {
+                    q.name: (self.inputs[q.name], self.given_inputs[q.name]) for q in route.held if q.name in self.inputs
+                }
 
     def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
         """Take the way in which a layer gives an input, and forget how the layers below gave it."""
@@ -150,11 +166,16 @@ class _Work:
             if route:
                 self.routes[target] = route
 
+    def _effective(self, name: str) -> bool:
+        """Whether an input says something though it need not change any parameter: its operation, its oil's density."""
+        assert self.groups
+        return name in (*self.groups.operation, *(b.rho.name for b in self.groups.bearings(self.switches).values()))
+
     def _idle(self, name: str) -> bool:
         """Whether an input serves ways of giving others alone, none of which is taken."""
-        if not self.groups or name in self.groups.operation:
+        if not self.groups or self._effective(name):
             return False
-        serving = [r for r in self.groups.routes if name in {q.name for q in r.reads}]
+        serving = [r for r in self.groups.routes if name in r.names]
         if not serving or any(self.routes.get(r.target.name) is r for r in serving):
             return False
         others = [{**self.switches, k: choice} for k, choices in self.family.switches.items() for choice in choices]
@@ -174,12 +195,12 @@ class _Work:
         """Rule 2 of the module."""
         assert self.groups
         if by_hand and self._idle(given.name):
-            served = next(r for r in self.groups.routes if given.name in {q.name for q in r.reads})
+            served = next(r for r in self.groups.routes if given.name in r.names)
             raise CaseError(
                 f"{given.name} has no effect: {served.target.name} is not given by {served.key} here, but itself or in"
                 " another way"
             )
-        if given.name in self.groups.operation:
+        if self._effective(given.name):
             by_hand = False
         fed = self._fed(given.name) & self.read
         if self._fed(given.name, frozenset(self.explicit)) & self.read:
@@ -222,15 +243,14 @@ class _Work:
             if not strict:
                 return
             raise CaseError(f"{given.where}: " + self._unread(given.name, f" does not read {given.name!r}"))
-        parameters = [p.name for p in self.model.parameters if p.name in self.read]
-        inputs = [q.name for q in self.groups.inputs] if self.groups else []
-        known = [*parameters, *inputs, *self.family.switches]
-        lines = [f"parameters: {' '.join(parameters)}"]
-        lines += [f"dimensional inputs: {' '.join(inputs)}"] if inputs else []
+        parameters = [p for p in self.model.parameters if p.name in self.read]
+        inputs = self.groups.inputs if self.groups else ()
+        lines = [f"parameters: {' '.join(p.name for p in parameters)}"]
+        lines += [f"dimensional inputs: {' '.join(q.name for q in inputs)}"] if inputs else []
         lines += [f"switches: {' '.join(self.family.switches)}"] if self.family.switches else []
         raise CaseError(
             f"{given.where}: {self.family.name} has no symbol {given.name!r}."
-            f"{self.family.hint(given.name, known, given.value)}\n  "
+            f"{hints.of_symbol(self.family, self.model, given.name, (*parameters, *inputs), given.value)}\n  "
             + "\n  ".join(lines)
         )
 
@@ -259,7 +279,9 @@ class _Work:
         """Evaluate groups and defaults."""
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
-        for target, (value, made) in ways.follow(self.routes, self.inputs, self.given_inputs, case.name).items():
+        written = set(self.given_inputs)
+        made_by = ways.follow(self.routes, self.inputs, self.given_inputs, self.held, case.name)
+        for target, (value, made) in made_by.items():
             self.inputs[target], self.given_inputs[target] = value, made
         for check in self.groups.checks if self.groups else ():
             if fault := check(self.inputs):
@@ -288,6 +310,7 @@ class _Work:
             notes=notes,
             inputs=self._shown_inputs(),
             quantities=self._quantities({**self.inputs, **values}),
+            marks=self.history.marks(n for n in self.history.given if n not in self.explicit and n not in written),
         )
 
     def _shown_inputs(self) -> dict[str, Input]:

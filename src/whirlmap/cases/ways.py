@@ -8,6 +8,9 @@ from whirlmap.cases.entries import Given
 from whirlmap.equations.groups import Route
 from whirlmap.errors import CaseError
 
+#: Value and writing of an input.
+Held = tuple[Fraction, Given]
+
 
 def chosen(routes: tuple[Route, ...], layer: Layer) -> dict[str, Route | None]:
     """The way in which a layer gives each input that has several: a route, or None where the input itself stands there.
@@ -33,9 +36,15 @@ def chosen(routes: tuple[Route, ...], layer: Layer) -> dict[str, Route | None]:
 
 
 def follow(
-    routes: Mapping[str, Route], inputs: Mapping[str, Fraction], written: Mapping[str, Given], case: str
+    routes: Mapping[str, Route],
+    inputs: Mapping[str, Fraction],
+    written: Mapping[str, Given],
+    held: Mapping[str, Mapping[str, Held]],
+    case: str,
 ) -> dict[str, tuple[Fraction, Given]]:
     """Evaluate the inputs that follow from others: value, and what stands for what was written.
+
+    ``held`` are, by target, the inputs that keep the value which they had where the way was chosen.
 
     Raises
     ------
@@ -45,17 +54,22 @@ def follow(
     made: dict[str, tuple[Fraction, Given]] = {}
     for target, route in routes.items():
         where = written[route.key].where
-        missing = [q.name for q in route.reads if q.name not in inputs]
+        instead = {q: by for q, by in route.held.items() if by.name in inputs}
+        reads = [instead.get(q, q) for q in route.reads]
+        known = {name: (inputs[name], written[name]) for name in inputs} | dict(held.get(target, {}))
+        missing = [f"{route.held[q].name} or {q.name}" if q in route.held else q.name for q in reads if q.name not in known]
         if missing:
             raise CaseError(
                 f"{where}: {target} is to follow from {route.key} by {route.rule}, which also needs {', '.join(missing)};"
                 f" {case} does not give {'it' if len(missing) == 1 else 'them'}"
             )
         try:
-            value = Fraction(route.follow(*(inputs[q.name] for q in route.reads)))
+            value = Fraction(route.follow(*(known[q.name][0] for q in reads)))
         except CaseError as error:
             raise CaseError(f"{where}: {error}") from None
-        origin = ", ".join(f"{q.name} = {written[q.name].written}" for q in route.reads)
-        note = f"follows: {origin}; {route.rule}"
+        origin = ", ".join(f"{q.name} = {known[q.name][1].written}" for q in reads)
+        older = [q.name for q in reads if q.name in inputs and known[q.name][0] != inputs[q.name]]
+        beside = f" ({', '.join(older)} where {route.key} is given)" if older else ""
+        note = f"follows: {origin}{beside}; {route.rule}"
         made[target] = value, Given(target, f"{float(value):.6g}", route.target.unit, note)
     return made

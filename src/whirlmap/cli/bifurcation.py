@@ -110,6 +110,7 @@ def bifurcation(
     files = destination.write(work.dataset, lambda ds: pictures.diagram(system, ds, states))
     report.say_doubts(work.dataset.attrs)
     facts = summary(system, work.dataset, swept.name)
+    facts["assumptions"] = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
         report.print_json({**facts, "files": files})
     else:

@@ -6,6 +6,7 @@ import typer
 
 from whirlmap.cli import options, pictures, report
 from whirlmap.cli.bifurcation import refuse_input
+from whirlmap.cli.linear import instead
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.errors import RangeError
@@ -14,12 +15,14 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from whirlmap.integrate.system import System
+    from whirlmap.sweep.grid import Range
 
 EXAMPLES = (
     "whirlmap campbell jeffcott --vary s=0.3:5:100 --out campbell.png",
     "whirlmap campbell machines/turbo-gearbox --vary s=0.1:2:200 --json",
 )
 
+CURVES = ("frequency", "growth", "damping_ratio", "whirl", "line", "status")
 WHIRL = {1: "forward", -1: "backward", 0: "none"}
 
 
@@ -47,13 +50,21 @@ def campbell(
     system = options.open_system(case, changes, None)
     refuse_input(system, swept.name, "--vary")
     from whirlmap.analysis.campbell import campbell as compute
+    from whirlmap.analysis.linear import NotLinearError
 
-    ds = compute(system, swept.name, swept.values)
+    try:
+        ds = compute(system, swept.name, swept.values)
+    except NotLinearError as error:
+        if out is not None:  # who asked for a file gets none
+            raise
+        _say_why_none(system, swept, f"{error}. {instead(system)}", json=json)
+        return
     files = destination.write(ds, lambda made: pictures.campbell(system, made))
     missing = int((ds["status"] != 0).sum())
     if missing:
         say(f"no static equilibrium was found at {missing} of {swept.count} values: they are left out")
     facts = summary(system, ds, swept.name)
+    facts["assumptions"] = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
         report.print_json({**facts, "files": files})
         return
@@ -69,6 +80,19 @@ def campbell(
     report.print_written(files)
 
 
+def _say_why_none(system: "System", swept: "Range", note: str, *, json: bool) -> None:
+    """Answer for a machine whose small motions are not those of a linear system."""
+    assumptions = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
+    if json:
+        empty: dict[str, Any] = {key: [] for key in (*CURVES, "clocks", "critical", "files")}
+        report.print_json({
+            "case": system.case, "model": system.model.name, "varied": swept.name, "values": swept.values, **empty,
+            "note": note, "assumptions": assumptions,
+        })  # fmt: skip
+    else:
+        typer.echo(f"{system.case}: {note}")
+
+
 def summary(system: "System", ds: "xr.Dataset", name: str) -> dict[str, Any]:
     """Say what a Campbell diagram holds."""
     keys = ("critical", "critical_clock", "critical_mode", "critical_whirl", "critical_damping_ratio")
@@ -78,6 +102,6 @@ def summary(system: "System", ds: "xr.Dataset", name: str) -> dict[str, Any]:
     ]
     return {
         "case": system.case, "model": system.model.name, "varied": name, "values": ds[name].values,
-        **{key: ds[key].values for key in ("frequency", "growth", "damping_ratio", "whirl", "line", "status")},
-        "clocks": [str(c) for c in ds["clock"].values], "critical": found,
+        **{key: ds[key].values for key in CURVES},
+        "clocks": [str(c) for c in ds["clock"].values], "critical": found, "note": None,
     }  # fmt: skip

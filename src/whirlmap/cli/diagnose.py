@@ -117,10 +117,11 @@ def diagnose(
             steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
     report.say_doubts(found.attrs)
+    assumptions = report.say_assumptions(system)
     verdict = verdict_json(found)
     files = destination.write(found, lambda made: pictures.diagnosis(system, made))
     if json:
-        report.print_json({**verdict, "case": system.case, "files": files})
+        report.print_json({**verdict, "case": system.case, "assumptions": assumptions, "files": files})
     else:
         typer.echo(f"{system.case}: {headline(verdict)}")
         _print(verdict)

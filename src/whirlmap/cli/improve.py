@@ -1,7 +1,8 @@
 """``whirlmap improve``: which values of one or two design parameters give the widest safe window."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
+from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -12,7 +13,7 @@ from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
-from whirlmap.errors import CaseError, InputError, RangeError, nearest
+from whirlmap.errors import CaseError, InputError, RangeError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -87,11 +88,13 @@ def improve(
 
     refuse_points(r.count for r in ranges.values())
     allowed = limit_of(system, limit)
-    at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
+    low, high = range_of(system, span)
+    at, settling = np.linspace(low, high, points), Settling(transient=transient)
+    make = partial(load, case, start=dict(system.start), **settings)
     designs = int(np.prod([r.count for r in ranges.values()]))
     with Progress("improve", expected_periods(system, points * designs, settling), quiet=quiet) as progress:
         work = improve_in_batches(
-            partial(load, case, start=dict(system.start), **settings), {n: r.values for n, r in ranges.items()}, at, allowed,
+            make, {n: r.values for n, r in ranges.items()}, at, allowed,
             units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,
             method=method, workers=workers, progress=progress, on_batch=lambda done, total: progress.expect(
                 progress.done * total / done, f"{done} of {total} designs"
@@ -103,6 +106,8 @@ def improve(
     files = destination.write(ds, lambda made: _picture(system, made))
     report.say_doubts(ds.attrs)
     facts = summary(system, ds)
+    own = float(system.values["s"])
+    facts["assumptions"] = report.say_strains(_ends(make, ranges, units, (low / own, high / own)))
     if json:
         report.print_json({**facts, "files": files})
     else:
@@ -142,14 +147,17 @@ def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
 
 def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], units: dict[str, str]) -> None:
     """Refuse what is no parameter or input; numbers of teeth and orders change the common period."""
+    from whirlmap.equations import hints
+    from whirlmap.units import such_as
+
     settled = system.details
     inputs = {q.name: q for q in settled.case.family.groups.inputs} if settled.case.family.groups else {}
     shared = settled.case.family.groups.shared if inputs else {}
     for name in names:
         if name not in inputs and name not in shared and name not in system.parameters:
-            known = [*system.parameters, *(settled.inputs or {})]
+            said = hints.of_symbol(settled.case.family, system.model, name, [*system.model.parameters, *inputs.values()])
             raise InputError(
-                f"--vary: {system.case} has no {name!r}.{nearest(name, known)}\n  parameters: {' '.join(system.parameters)}"
+                f"--vary: {system.case} has no {name!r}.{said}\n  parameters: {' '.join(system.parameters)}"
                 + (f"\n  dimensional inputs: {' '.join(settled.inputs)}" if settled.inputs else "")
             )
         if inputs and name in settled.case.family.groups.operation:
@@ -160,7 +168,18 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
         if declared.unit == "1" and name in units:
             raise InputError(f"--vary: {name} has no dimension, found the unit {units[name]!r}")
         if name not in system.parameters and declared.unit != "1" and name not in units:
-            raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {declared.unit}, on both ends")
+            unit = such_as(declared.unit)
+            raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {unit}, on both ends")
+
+
+def _ends(
+    make: Callable[..., "System"], ranges: "dict[str, Range]", units: dict[str, str], speeds: tuple[float, float]
+) -> Iterator["System"]:
+    """The designs at the ends of their ranges, each at both ends of the range of speeds, over the machine's own speed."""
+    for values in product(*((r.start, r.stop) for r in ranges.values())):
+        changed = {n: f"{v!r} {units.get(n, '')}".strip() for n, v in zip(ranges, values, strict=True)}
+        design = make(**changed)
+        yield from (design.replace(s=share * float(design.values["s"])) for share in speeds)
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:

@@ -16,7 +16,7 @@ from whirlmap.cli.progress import Progress, clock
 from whirlmap.errors import InputError, RangeError, nearest
 
 if TYPE_CHECKING:
-
+    from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.stored import Progress as Chunks
@@ -181,11 +181,12 @@ def map(  # noqa: A001 (the command's name)
     finally:
         signal.signal(signal.SIGTERM, before)
     files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
-    if watch.last is not None and (doubts := doubtful(watch.last.verdicts)):
+    if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
         say(f"accuracy not met: {doubts}")
+    assumptions = report.say_assumptions(system, {name: (values[0], values[-1]) for name, values in space.axes.items()})
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.names),
-        **watch.facts(space.points, refine), "store": store, "files": files,
+        **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
     }  # fmt: skip
     if json:
         report.print_json(facts)
@@ -197,11 +198,11 @@ def map(  # noqa: A001 (the command's name)
         raise typer.Exit(1)
 
 
-def doubtful(verdicts: Mapping[int, int]) -> str:
+def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
     """Say how many points do not meet the accuracy, and what to try."""
     from whirlmap.integrate.accuracy import Verdict
 
-    return "; ".join(f"{n} points: {Verdict(v).advice}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
+    return "; ".join(f"{n} points: {Verdict(v).advice(model)}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
 
 
 def _interrupt(signum: int, frame: object) -> None:  # noqa: ARG001 (a signal's handler)

@@ -7,13 +7,17 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from fractions import Fraction
+from itertools import product
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 from whirlmap.cli.messages import say
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
+
+    from whirlmap.integrate.system import System
 
 #: Columns of a table that is piped into a file, where neither a terminal nor COLUMNS says how wide it is.
 WIDE = 160
@@ -103,6 +107,25 @@ def say_doubts(attributes: Mapping[Any, Any]) -> None:
         say(f"accuracy not met: {doubts}")
     if grazing := attributes.get("grazing"):
         say(f"grazing: {grazing}")
+
+
+def say_assumptions(system: "System", ends: Mapping[str, Sequence[float]] = MappingProxyType({})) -> list[str]:
+    """Say on standard error which assumptions of the model are strained, as `show` does, and return these texts.
+
+    ``ends`` are the first and the last value of every parameter that was swept: all their combinations count.
+    """
+    points: list[dict[str, Any]] = [dict(zip(ends, map(float, v), strict=True)) for v in product(*ends.values())]
+    return say_strains([system.replace(**at) for at in points])
+
+
+def say_strains(systems: Iterable["System"]) -> list[str]:
+    """Say on standard error which assumptions any of these systems strains, and return these texts."""
+    from whirlmap.assumptions.strained import repeated
+
+    texts = repeated(systems)
+    for text in texts:
+        say(f"assumption strained: {text}")
+    return texts
 
 
 def print_written(files: Sequence[Path]) -> None:

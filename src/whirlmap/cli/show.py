@@ -2,7 +2,6 @@
 
 import re
 from fractions import Fraction
-from math import hypot
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -21,13 +20,6 @@ EXAMPLES = (
     "whirlmap show duffing --equations",
     "whirlmap show my_rotor.toml --json",
     "whirlmap show --series run7.csv",
-)
-
-#: Dimensional results of models without a list of assumptions of their own: name, limit, what is beyond it.
-LIMITS = (
-    ("slenderness", 0.25, "the film is that of a short bearing, and carries too much in a longer one"),
-    ("taylor", 41.2, "the flow in the film has vortices, and resists more than the model's laminar one"),
-    ("film_inertia", 1.0, "the oil's inertia, which the film law leaves out, is felt at the speed of the shaft"),
 )
 
 #: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
@@ -92,11 +84,12 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "file": settled.case.path,
         "description": settled.case.description,
         "model": model.name,
+        "changed": [name for name, mark in settled.marks.items() if mark.instead_of],
         "switches": _switches(settled.case.family, model),
         "inputs": {
             name: {
                 "value": given.value, "unit": given.parameter.unit, "written": given.written,
-                "meaning": given.parameter.meaning, "source": given.note,
+                "meaning": given.parameter.meaning, "source": given.note, **_mark(settled, name),
             }
             for name, given in settled.inputs.items()
         },
@@ -104,6 +97,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
             p.name: {
                 "value": system.values[p.name], "exact": exact(system.values[p.name]), "unit": p.unit,
                 "meaning": p.meaning, "source": system.notes.get(p.name, ""), "read": p.name in used,
+                **_mark(settled, p.name),
             }
             for p in model.parameters
         },
@@ -129,10 +123,17 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "clocks": _clocks(system),
         "sources": {key: references()[key].text for key in model.sources if key in references()},
     }  # fmt: skip
+    facts["oil_not_judged"] = _oil(system, facts)
     facts["warnings"] = warnings(system, facts)
     if equations:
         facts["equations"] = {s.name: str(model.equations[s]) for s in model.states}
     return facts
+
+
+def _mark(settled: Any, name: str) -> dict[str, Any]:
+    """What a number was before it was changed by hand, and which numbers its reason was written for."""
+    mark = settled.marks.get(name)
+    return {"instead_of": mark.instead_of or None, "written_for": dict(mark.written_for)} if mark else {}
 
 
 def _switches(family: Any, model: Any) -> dict[str, Any]:
@@ -163,37 +164,40 @@ def _rpm(value: float, unit: str) -> float | None:
 
 def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
     """List what a reader should know before trusting a result."""
+    from whirlmap.assumptions.strained import repeated
+
     made = []
-    values = {name: p["value"] for name, p in facts["parameters"].items()}
-    switches = {name: s["value"] for name, s in facts["switches"].items()}
-    still = [name for name in ("j_p", "j_g") if name in values and float(values[name]) == 0.0]
-    sprung = switches.get("centring") == "spring"
     if not facts["start_found"]:
-        why = "; a film that carries nothing at rest has no derivative there" if still and sprung else ""
+        still = [p for p in ("j_p", "j_g") if float(system.values.get(p, 1.0)) == 0.0]
+        why = "; a film that carries nothing at rest has no derivative there" if still else ""
         made.append(f"no static equilibrium was found: a run begins beside the clearance centre instead{why}")
     if facts["common_multiple"] is None:
         made.append(
             "the forcing has no common period (an order of a harmonic is no ratio p/q with q up to 10000): no return is"
             " sought, and motion that has no frequency but the forcing's is called locked"
         )
-    if still and switches.get("arc") == "positive" and not sprung:
-        made.append(
-            f"{' and '.join(still)} = 0: a damper that does not rotate carries no weight; without a centring"
-            " spring (centring = spring) gravity drives the journal to the wall"
-        )
-    if system.model.name == "gear_pair":
-        from whirlmap.studies.gear_psfd.assumptions import strained
+    return made + repeated([system])
 
-        left = {"static_equilibrium", "not_evaluated"}  # said above; and what a result would have to say
-        made += [f"{strain.name}: {strain.sentence}" for strain in strained(system) if strain.name not in left]
-    for name, limit, meaning in LIMITS:
-        value = facts["quantities"].get(name, {"value": 0.0})["value"]
-        if value > limit:
-            made.append(f"{name} = {value:.3g} is above {limit:g}: {meaning}")
-    rest = [facts["states"][name]["start"] for name in ("ux", "uy") if name in facts["states"]]
-    if len(rest) == 2 and facts["start"] == "static equilibrium" and hypot(*rest) > 0.9:
-        made.append(f"the journal rests at an eccentricity of {hypot(*rest):.3g}: beyond 0.9 roughness decides")
-    return made
+
+def _oil(system: "System", facts: dict[str, Any]) -> str:
+    """Add the heat balance of every film to the dimensional results; return why there is none, where one is expected."""
+    from whirlmap.assumptions.oil_heat import oil_heat, why_none
+    from whirlmap.assumptions.strain import Facts
+    from whirlmap.assumptions.strained import JUDGED
+
+    if system.model.name not in JUDGED:
+        return ""
+    numbers = Facts.of(system, [])
+    for name, heat in oil_heat(numbers).items():
+        at = f"at {_rpm(heat.omega, 'rad/s'):.5g} rpm"
+        for key, value, unit, meaning in (
+            (f"film_power{name}", heat.power, "W", f"power loss of one film {at}, plain short bearing"),
+            (f"side_flow{name}", heat.flow, "m^3/s", f"oil that leaves one bearing at its ends {at}"),
+            (f"oil_rise{name}", heat.rise, "K", f"rise of the oil's temperature {at} if all heat goes with the side flow"),
+            (f"oil_thinning{name}", heat.thinning, "1", f"part of its viscosity that the oil loses so; {heat.law}"),
+        ):
+            facts["quantities"][key] = {"value": value, "unit": unit, "meaning": meaning, "rpm": None}
+    return why_none(numbers)
 
 
 def _print(facts: dict[str, Any]) -> None:
@@ -202,11 +206,14 @@ def _print(facts: dict[str, Any]) -> None:
     typer.echo(f"{facts['case']}: model {facts['model']}")
     if facts["description"]:
         typer.echo(facts["description"])
+    if facts["changed"]:
+        what = ", ".join(facts["changed"])
+        typer.echo(f"changed: {what}; what the case says in words was written for its own numbers")
     for text in facts["warnings"]:
         typer.echo(f"warning: {text}")
     tables = []
     if facts["inputs"]:
-        rows = [(n, _small_e(i["written"]), i["meaning"], i["source"]) for n, i in facts["inputs"].items()]
+        rows = [(n, _small_e(i["written"]), i["meaning"], _origin(i)) for n, i in facts["inputs"].items()]
         tables.append(report.table("Dimensional inputs", ("symbol", "value", "meaning", "from"), rows, numbers=(1,)))
     rows = [
         (n, (p["exact"] or report.number(p["value"])) + _unit(p["unit"]), p["meaning"], _origin(p))
@@ -236,6 +243,8 @@ def _print(facts: dict[str, Any]) -> None:
     ]
     rest.append(report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,)))
     report.show(*rest)
+    if facts["oil_not_judged"]:
+        typer.echo(f"temperature of the oil: not judged, for {facts['oil_not_judged']}")
     _print_periods(facts)
     for name, text in facts["stops"].items():
         typer.echo(f"a run ends with {name}: {text}")
@@ -273,4 +282,10 @@ def _unit(unit: str) -> str:
 
 
 def _origin(parameter: dict[str, Any]) -> str:
-    return str(parameter["source"]) + ("" if parameter["read"] else " (not read)")
+    said = str(parameter["source"])
+    if parameter.get("instead_of"):
+        said += f"; the case has {_small_e(parameter['instead_of'])}"
+    if parameter.get("written_for"):
+        then = ", ".join(f"{name} = {_small_e(value)}" for name, value in parameter["written_for"].items())
+        said += f" [written for {then}]"
+    return said + ("" if parameter.get("read", True) else " (not read)")

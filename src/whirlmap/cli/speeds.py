@@ -118,6 +118,7 @@ def speeds(
     files = destination.write(ds, lambda made: speed_report.picture(system, made))
     report.say_doubts(ds.attrs)
     facts = speed_report.summary(system, ds)
+    facts["assumptions"] = report.say_assumptions(system, {"s": (low, high)})
     if json:
         report.print_json({**facts, "files": files})
     else:

@@ -28,6 +28,7 @@ def parts(model: Model) -> dict[str, list[Any]]:
         "the films": of_films,
         "the teeth": [] if model.teeth is None else [model.teeth],
         "the clocks": list(model.clocks.values()),
+        "the equilibrium": list(model.equilibrium.values()),
         "the section": [model.section.surface] if model.section else [],
         "the typical time": [model.typical_time],
     }
@@ -52,7 +53,7 @@ def refuse_contradictions(model: Model) -> None:
     states, parameters = set(model.states), set(model.parameters)
     tables = {Symbol(table.name) for table in model.tables}
     with_time = {"the equations", "the switchings", "the teeth"}
-    of_parameters = {"the harmonics", "the defaults", "the clocks", "the typical time"}
+    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time"}
     for where, expressions in parts(model).items():
         if found := allowed.fault(expressions):
             raise ModelError(f"model {model.name!r}: {where} cannot be used: {found}")

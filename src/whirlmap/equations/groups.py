@@ -35,17 +35,50 @@ class Route:
         ``follow(*values) -> value`` in the declared units.
     rule : str
         What it is, with its source.
+    held : mapping of Parameter to Parameter
+        Inputs among ``reads`` that say for which operation the first one is given, such as the speed at which a power
+        counts, each with the input that says nothing else. They keep the value that they have where the first one is given,
+        whatever a later layer makes of them.
     """
 
     target: Parameter
     reads: tuple[Parameter, ...]
     follow: Callable[..., Fraction | float]
     rule: str
+    held: Mapping[Parameter, Parameter] = field(default_factory=dict)
 
     @property
     def key(self) -> str:
         """Name of the input that chooses this way."""
         return self.reads[0].name
+
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of all inputs that it may follow from."""
+        return frozenset(q.name for q in (*self.reads, *self.held.values()))
+
+
+@dataclass(frozen=True)
+class Bearing:
+    """What a film law assumes of a bearing is judged by: inputs that say how large it is and which oil is in it.
+
+    Attributes
+    ----------
+    R, L, c, mu, rho : Parameter
+        Radius, length, radial clearance, viscosity and density of the oil. The density changes no parameter.
+    spin : Expr or int
+        Speed of the journal over the clock's; 0 for a damper.
+    eccentricity : str
+        Name of the model's output that is the eccentricity of the journal.
+    """
+
+    R: Parameter
+    L: Parameter
+    c: Parameter
+    mu: Parameter
+    rho: Parameter
+    spin: Expr | int
+    eccentricity: str
 
 
 @dataclass(frozen=True)
@@ -64,6 +97,8 @@ class Groups:
     units : mapping of str to Expr
         What the model's units are worth, in inputs and parameters: ``force`` [N], ``length`` [m], ``speed`` of the clock
         [rad/s].
+    bearings : callable
+        ``bearings(switches) -> {name: Bearing}``.
     routes : tuple of Route
         Other ways to give some inputs. An input is given in one way alone.
     shared : mapping of str to tuple of str
@@ -80,6 +115,7 @@ class Groups:
     declare: Callable[[Switches], Mapping[Parameter, Expr]]
     quantities: Callable[[Switches], Mapping[str, Output]] = lambda _: {}
     units: Mapping[str, Expr] = field(default_factory=dict)
+    bearings: Callable[[Switches], Mapping[str, Bearing]] = lambda _: {}
     routes: tuple[Route, ...] = ()
     shared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     sections: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
@@ -106,7 +142,7 @@ class Groups:
         ``routes`` are the ways in which other inputs are given.
         """
         reads = self.reads(switches)
-        start = {name} | {r.target.name for r in routes if name in {q.name for q in r.reads}}
+        start = {name} | {r.target.name for r in routes if name in r.names}
         fed: set[str] = set()
         while True:
             more = {g for g, names in reads.items() if g not in explicit | fed and names & (fed | start)}

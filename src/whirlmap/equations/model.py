@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Literal, TypeVar
 
 from sympy import Expr, Symbol, sympify
 
+from whirlmap.equations import hints
 from whirlmap.equations.declaration import parts, refuse_contradictions
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State
@@ -110,6 +111,9 @@ class Model:
         Whether a run starts from the states' own start values, or from the static equilibrium with all forcing off.
     start_where_none : mapping of State to float
         Added to the states' start values where no equilibrium is found.
+    equilibrium : mapping of State to Expr
+        The static equilibrium in parameters, where the rates have no derivative at it, so that it is not found from them.
+        States that are left out are zero; empty for all other models.
     bound : float, optional
         A state beyond this has diverged. Where absent, one that has grown far beyond any motion that could be seen has
         (`whirlmap.integrate.scales.limits`), whatever the units are.
@@ -144,6 +148,7 @@ class Model:
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
     start_where_none: Mapping[State, float] = field(default_factory=dict)
+    equilibrium: Mapping[State, Expr] = field(default_factory=dict)
     bound: float | None = None
     tables: tuple[Table, ...] = ()
     plain: Mapping[Parameter, Callable[[], "Model"]] = field(default_factory=dict)
@@ -246,7 +251,7 @@ class Family:
                 allowed = " | ".join(self.switches[name])
                 raise ModelError(
                     f"switch {name!r} of {self.name!r} cannot be {value!r}; it is one of {allowed}."
-                    f"{self.hint(str(value), self.switches[name])}"
+                    f"{hints.of_choice(self, name, value)}"
                 )
         settled = {name: choices[0] for name, choices in self.switches.items()}
         settled |= self.default(settled | chosen)
@@ -261,7 +266,7 @@ class Family:
         asked = re.findall(r"[a-z]+", f"{name} {value}".casefold().replace("_", " "))
         for word in asked:
             for begins, sentence in self.absent.items():
-                if word.startswith(begins):
+                if word.startswith(begins) if len(begins) > 1 else word == begins and "_" not in name:
                     return f" {sentence[:1].upper()}{sentence[1:]}."
         return nearest(name, known)
 

@@ -12,6 +12,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.trials import Trials
@@ -45,22 +46,23 @@ class Verdict(IntEnum):
     nonsmooth = 1
     stiff = 2
 
-    @property
-    def advice(self) -> str:
-        """What the verdict means, and what to try."""
+    def advice(self, model: Model) -> str:
+        """What the verdict means, and what to try; a model without a fixed film arc is told nothing about arcs."""
+        fixed = model.switches.get("arc") == "fixed"
+        near, instead = (" (with the fixed film arc, close to the bearing's centre)", "the arc of positive pressure, or ")
         return {
             Verdict.met: "the asked accuracy is met",
             Verdict.nonsmooth: "the error falls slowly with the steps: the right-hand side is not smooth along this orbit"
-            " (with the fixed film arc, close to the bearing's centre); try the arc of positive pressure, or less accuracy",
+            f"{near if fixed else ''}; try {instead if fixed else ''}less accuracy",
             Verdict.stiff: "the highest rung of the ladder is not enough: the system is too stiff here for an explicit"
             " method; try more steps by hand, less stiffness, or a lower accuracy",
         }[self]
 
 
-def doubtful(verdicts: NDArray[np.int8]) -> str:
+def doubtful(verdicts: NDArray[np.int8], model: Model) -> str:
     """Say how many points do not meet the accuracy, and what to try; empty where all do."""
     counts = {v: int((verdicts == v).sum()) for v in Verdict if v != Verdict.met}
-    return "; ".join(f"{count} of {verdicts.size} points: {v.advice}" for v, count in counts.items() if count)
+    return "; ".join(f"{count} of {verdicts.size} points: {v.advice(model)}" for v, count in counts.items() if count)
 
 
 @dataclass(frozen=True)

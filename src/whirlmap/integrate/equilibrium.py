@@ -2,13 +2,14 @@
 
 import numpy as np
 from numpy.typing import NDArray
+from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.ensemble import variants
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.rescue import stop_function
 from whirlmap.integrate.scales import largest_of, likeness
-from whirlmap.integrate.system import periods
+from whirlmap.integrate.system import System, periods
 
 Array = NDArray[np.float64]
 
@@ -47,6 +48,18 @@ def start_states(model: Model, values: Array) -> tuple[Array, NDArray[np.bool_]]
     offset = np.array([model.start_where_none.get(s, 0.0) for s in model.states])[:, None]
     x, found = equilibrium(model, values, fixed + offset)
     return np.where(found, x, fixed + offset), found
+
+
+def rest_state(system: System) -> dict[str, float] | None:
+    """States of a system's static equilibrium, all forcing off; None where its model declares none, or none is found."""
+    model = system.model
+    if model.equilibrium:
+        numbers = {p: float(system.values[p.name]) for p in model.parameters}
+        return {s.name: float(sympify(model.equilibrium.get(s, 0)).subs(numbers)) for s in model.states}
+    if model.start != "equilibrium":
+        return None
+    x, found = start_states(system.plain_model(), system.vector[:, None])
+    return dict(zip(system.states, map(float, x[:, 0]), strict=True)) if found[0] else None
 
 
 def equilibrium(model: Model, values: Array, guess: Array) -> tuple[Array, NDArray[np.bool_]]:

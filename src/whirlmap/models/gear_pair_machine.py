@@ -11,12 +11,12 @@ from fractions import Fraction
 
 from sympy import Abs, Expr, Rational, cos, pi, sign, sqrt
 
-from whirlmap.equations.groups import Groups, Route
+from whirlmap.equations.groups import Bearing, Groups, Route
 from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
 from whirlmap.models import mesh, rub, torsion
-from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, speed_max, viscosity_routes
+from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, rho, speed_max, viscosity_routes
 
 z_p = Parameter("z_p", "1", "teeth of the pinion", above=0, order=True)
 z_g = Parameter("z_g", "1", "teeth of the gear", above=0, order=True)
@@ -57,7 +57,8 @@ k_tg = Parameter("k_tg", "N*m/rad", "torsional stiffness between gear and load",
 c_tp = Parameter("c_tp", "N*m*s/rad", "torsional damping between pinion and driver", at_least=0)
 c_tg = Parameter("c_tg", "N*m*s/rad", "torsional damping between gear and load", at_least=0)
 T_p = Parameter("T_p", "N*m", "torque into the pinion along its rotation; negative where the gear drives")
-P_t = Parameter("P_t", "W", "power through the mesh at speed_max; negative where the gear drives")
+P_t = Parameter("P_t", "W", "power through the mesh at speed_P; negative where the gear drives")
+speed_P = Parameter("speed_P", "rad/s", "speed of the pinion for which P_t is given; speed_max where absent", above=0)
 module = Parameter("module", "m", "transverse module of the teeth", above=0)
 alpha = Parameter("alpha", "rad", "transverse pressure angle", latex=r"\alpha", at_least=0, below=float(pi / 2))
 beta_c = Parameter("beta_c", "rad", "direction from pinion to gear, from x (horizontal)", latex=r"\beta_c")
@@ -74,7 +75,7 @@ G_g = Parameter("G_g", "m/s", "balance quality grade of the gear, e omega at its
 SECTIONS = {
     "pinion": (z_p, m_p, J_p),
     "gear": (z_g, m_g, J_g),
-    "mesh": (K_m, C_m, e_TE, T_p, P_t, module, alpha, beta_c, j_n),
+    "mesh": (K_m, C_m, e_TE, T_p, P_t, speed_P, module, alpha, beta_c, j_n),
     "shafts": (K_p, K_g, C_p, C_g, k_tp, k_tg, c_tp, c_tg),
     "bearings": (c, R_1, L_1, R_2, L_2, H, Phi, K_r, h_r),
     "dampers": (k_c1, k_c2),
@@ -91,7 +92,7 @@ SHARED = {
 
 INPUTS = (
     z_p, z_g, m_p, m_g, m_1, m_2, K_p, K_g, C_p, C_g, k_11, k_21, k_12, k_22, c_1, c_2, K_m, C_m,
-    e_TE, e_up, e_ug, mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g, T_p, P_t, module, alpha, beta_c, j_n,
+    e_TE, e_up, e_ug, mu, c, R_1, L_1, R_2, L_2, H, Phi, speed, g, T_p, P_t, speed_P, module, alpha, beta_c, j_n,
     J_p, J_g, k_tp, k_tg, c_tp, c_tg, k_c1, k_c2, K_r, h_r, U_p, U_g, G_p, G_g, *LUBRICANT, *OPERATION,
 )  # fmt: skip
 
@@ -101,7 +102,7 @@ ROUTES = (
     Route(e_ug, (U_g, m_g), lambda U, m: U / m, "e = U/m"),
     Route(e_up, (G_p, speed_max), lambda G, w: G / w, "e = G/omega at speed_max, ISO 21940-11"),
     Route(e_ug, (G_g, speed_max, z_p, z_g), lambda G, w, zp, zg: G * zg / (w * zp), "e = G/omega, ISO 21940-11"),
-    Route(T_p, (P_t, speed_max), lambda P, w: P / w, "T = P/omega at speed_max"),
+    Route(T_p, (P_t, speed_max), lambda P, w: P / w, "T = P/omega at that speed", {speed_max: speed_P}),
 )
 
 def torque_fault(inputs: Mapping[str, Fraction]) -> str:
@@ -192,7 +193,7 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     clock = pair.s * omega_0
     loaded = {
         "mesh_load": Output(Abs(T_p) / R_bp, "N", "transmitted tooth force T_p/R_bp along the line of action"),
-        "transmitted_power": Output(T_p * pair.r_p * clock, "W", "torque times speed of the pinion"),
+        "transmitted_power": Output(T_p * pair.r_p * clock, "W", "torque times speed of the pinion, at pinion_speed"),
         "base_radius_p": Output(R_bp, "m", "base radius of the pinion"),
     }
     return {
@@ -223,6 +224,10 @@ GEAR_PAIR_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
+        bearings=lambda _: {
+            "1": Bearing(R_1, L_1, c, mu, rho, pair.j_p, "eps_1"),
+            "2": Bearing(R_2, L_2, c, mu, rho, pair.j_g, "eps_2"),
+        },
         units={"force": K_p * c, "length": c, "speed": pair.s * omega_0},
         routes=ROUTES,
         shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},

@@ -94,6 +94,7 @@ def flexible(arc: str, bearing: str) -> Model:
         films={} if damper else {"1": FILM},
         # A film that carries nothing at rest has no derivative there, so that no Newton step finds the sag in the cage.
         start="states" if damper else "equilibrium",
+        equilibrium={uy: -1 / k_c, y: -1 / k_c - 1 / k} if damper else {},
         start_where_none={} if damper else {ux: 0.1},
         tables=law.tables,
         switches={"rotor": "flexible", "arc": arc, "bearing": bearing},

@@ -8,7 +8,7 @@ from dataclasses import replace
 
 from sympy import Expr, pi, sqrt
 
-from whirlmap.equations.groups import Groups, Route
+from whirlmap.equations.groups import Bearing, Groups, Route
 from whirlmap.equations.model import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import jeffcott as rotor
@@ -91,6 +91,7 @@ JEFFCOTT_MACHINE = replace(
         inputs=INPUTS,
         declare=groups,
         quantities=quantities,
+        bearings=lambda switches: {"1": Bearing(R, L, c, mu, rho, 0 if switches["bearing"] == "damper" else 1, "eps")},
         units={"force": W, "length": c, "speed": rotor.s * sqrt(g / c)},
         routes=ROUTES,
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()},

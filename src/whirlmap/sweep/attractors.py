@@ -156,7 +156,7 @@ def _one_step(
     steps = int(max(ensemble.point_steps.max(), TANGENT_STEPS))
     if (ensemble.step_verdict == Verdict.nonsmooth).any():
         steps = LADDER[-1]
-    return replace(labelling, steps=steps, accuracy=None), doubtful(ensemble.step_verdict) or None
+    return replace(labelling, steps=steps, accuracy=None), doubtful(ensemble.step_verdict, system.model) or None
 
 
 def _evidence(

@@ -106,7 +106,7 @@ def bifurcation_diagram(
     }  # fmt: skip
     attributes = run_attributes(system, ensemble, **facts)
     attributes.pop("accuracy_not_met", None)  # of the last point of a chain; this is of all
-    ds = with_attributes(ds, attributes | doubts(ds))
+    ds = with_attributes(ds, attributes | doubts(ds, system.model))
     return with_hysteresis(ds, system, parameter) if follow == "both" else ds
 
 

@@ -1,5 +1,6 @@
 """Ranges of a varied parameter, as they are written on the command line: ``s=0.3:4:600`` or ``psi=1e-5:1:50:log``."""
 
+import re
 from dataclasses import dataclass
 
 import numpy as np
@@ -54,7 +55,10 @@ class Range:
         try:
             start, stop = float(parts[0]), float(parts[1])
         except ValueError:
-            raise RangeError(f"cannot read the range {text!r}: start and stop must be numbers; expected {form}") from None
+            written = all(re.match(r"\s*[-+.]?\d", part) for part in parts[:2])
+            why = " without units (inputs with units are varied by improve)" if written else ""
+            fault = f"start and stop must be numbers{why}; expected {form}"
+            raise RangeError(f"cannot read the range {text!r}: {fault}") from None
         try:
             count = int(parts[2])
         except ValueError:

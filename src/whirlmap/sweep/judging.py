@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.points import make_ensemble, parameter_values
 from whirlmap.analysis.teeth import tooth_contact
+from whirlmap.assumptions.strain import SHAFT
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
@@ -23,8 +24,6 @@ Array = NDArray[np.float64]
 
 #: Parameter that is the speed.
 SPEED = "s"
-#: Quantities of a case that are the speed of its first shaft [rad/s].
-SHAFT = ("pinion_speed", "shaft_speed")
 
 
 class Verdict(IntEnum):

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.labels.measured import Measured
 from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.returns import first_drift
+from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import Verdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble
@@ -114,11 +115,11 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def doubts(ds: xr.Dataset) -> dict[str, str]:
+def doubts(ds: xr.Dataset, model: Model) -> dict[str, str]:
     """Attributes that say of how many points the accuracy is not met, and how many graze a surface; none where none does."""
     grazing, points = int((ds["grazings"].values > 0).sum()), ds["grazings"].size
     said = {
-        "accuracy_not_met": doubtful(ds["step_verdict"].values),
+        "accuracy_not_met": doubtful(ds["step_verdict"].values, model),
         "grazing": f"{grazing} of {points} points touch a surface at which their rates change without crossing it plainly:"
         " exponents and multipliers may be wrong there, and a neighbouring point may move otherwise" if grazing else "",
     }  # fmt: skip

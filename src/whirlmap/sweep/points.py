@@ -116,4 +116,4 @@ def label_points(
         lyapunov_periods=labelling.longest(ensemble.strobe), **shared_common_multiple(system, columns, ensemble),
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the last batch; this is of all
-    return with_attributes(ds, attributes | doubts(ds))
+    return with_attributes(ds, attributes | doubts(ds, system.model))

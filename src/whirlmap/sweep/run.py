@@ -18,6 +18,7 @@ from whirlmap.analysis.points import parameter_values
 from whirlmap.analysis.record_length import record_periods
 from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import Series
+from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.equilibrium import start_states
@@ -136,7 +137,7 @@ def diagram_in_batches(
                     on_batch(done, total)
     except KeyboardInterrupt:
         pass
-    ds = _joined(sweeps, parameter, points, follow)
+    ds = _joined(sweeps, parameter, points, follow, system.model)
     if ds is not None and "direction" in ds.dims:
         ds = with_hysteresis(ds, system, parameter)
     if ds is not None and done < total:
@@ -209,7 +210,9 @@ class _Sweep:
         return self._rest.assign(made).assign_coords({self.dim: coordinate})
 
 
-def _joined(sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow | None) -> xr.Dataset | None:
+def _joined(
+    sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow | None, model: Model
+) -> xr.Dataset | None:
     made = [ds for sweep in sweeps if (ds := sweep.dataset()) is not None]
     if not made:
         return None
@@ -222,7 +225,7 @@ def _joined(sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow 
                 made[1][name].attrs = own
         ds = _concat(made, "direction")
     kept = {k: v for k, v in sweeps[0].attrs.items() if k not in ("accuracy_not_met", "grazing")}
-    ds.attrs = kept | {"follow": follow or "none"} | doubts(ds)
+    ds.attrs = kept | {"follow": follow or "none"} | doubts(ds, model)
     return ds
 
 

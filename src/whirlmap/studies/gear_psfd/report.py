@@ -11,7 +11,7 @@ from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
-from whirlmap.studies.gear_psfd.assumptions import strained
+from whirlmap.assumptions.strained import strained
 from whirlmap.studies.gear_psfd.claims import claims
 from whirlmap.studies.gear_psfd.evidence import Evidence
 from whirlmap.studies.gear_psfd.verdicts import Verdict

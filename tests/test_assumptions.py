@@ -9,9 +9,10 @@ import pytest
 import xarray as xr
 
 import whirlmap
+from whirlmap.assumptions.strain import Strain
+from whirlmap.assumptions.strained import repeated, strained
 from whirlmap.errors import CaseError
 from whirlmap.integrate.system import System
-from whirlmap.studies.gear_psfd.assumptions import Strain, strained
 
 MACHINE, REFERENCE, LITERAL = "gear-psfd/machine", "gear-psfd/reference", "gear-psfd/literal"
 
@@ -240,3 +241,49 @@ def test_a_density_that_is_given_is_used():
     sentences = [s.sentence for s in found(system(TURBO), CALM).values() if "kg/m3" in s.sentence]
     assert sentences
     assert all("845 kg/m3)" in text for text in sentences)
+
+
+# --- rotors of other models, and how a machine is run ------------------------------------------------------
+
+RIG = "machines/jeffcott-rig"
+
+
+@pytest.mark.parametrize(
+    ("changes", "names"),
+    [
+        ({"c": "20 um"}, set()),
+        ({"c": "20 um", "L": "17 mm"}, {"slenderness"}),
+        ({"c": "5 um", "U": "1 g*mm"}, {"clearance"}),
+        ({"c": "40 um"}, {"clearance"}),
+        ({"c": "20 um", "U": "16 g*mm"}, {"unbalance_b"}),
+        ({"c": "20 um", "speed": "500 rpm"}, {"speed_min"}),
+        ({"c": "20 um", "speed": "6001 rpm"}, {"speed_max"}),
+        ({"c": "20 um", "speed": "6000 rpm"}, set()),
+    ],
+)
+def test_a_rotor_strains_what_its_numbers_say(changes, names):
+    strains = found(system(RIG, VG=22, **changes))
+    assert set(strains) - {"not_evaluated", "oil_temperature", "rest_eccentricity"} == names
+
+
+@pytest.mark.parametrize("case", [MACHINE, RIG])
+def test_the_density_of_the_oil_counts_beside_a_viscosity(case):
+    strains = found(system(case, mu="0.0005 Pa*s", rho="1000 kg/m^3"))
+    assert "(oil of 1000 kg/m3)" in strains["film_inertia"].sentence
+
+
+def test_vortices_in_the_film_of_a_fast_rotor():
+    strains = found(system(RIG, mu="0.001 Pa*s", speed="30000 rpm"))
+    w = 30000 * pi / 30
+    assert strains["film_reynolds"].value == pytest.approx(850 * w * 0.0125 * 1e-4 / 0.001)
+    assert strains["film_reynolds"].limit == pytest.approx(41.2 * sqrt(125))
+    assert strains["film_inertia"].value == pytest.approx(850 * w * 1e-8 / 0.001)
+
+
+def test_the_end_of_a_sweep_that_strains_most_is_said_once():
+    here = system(RIG)
+    texts = repeated([here.replace(s=s) for s in (0.05, 0.1, 4.0, 8.0)])
+    assert [t.split(":")[0] for t in texts if t.startswith("speed")] == ["speed_min", "speed_max"]
+    assert any("23927 rpm" in t for t in texts) and any("149.55 rpm" in t for t in texts)
+    assert not any("not_evaluated" in t for t in texts)
+    assert repeated([whirlmap.load("duffing")]) == []

@@ -1,0 +1,1 @@
+"""What the models of machines assume, and where a system or its results leave that: `strained.strained` decides it."""

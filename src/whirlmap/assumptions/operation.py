@@ -1,0 +1,41 @@
+"""Numbers of a machine's operation that its model answers, though nobody would run it so."""
+
+from collections.abc import Iterator
+
+from whirlmap.assumptions.strain import Facts, Strain
+from whirlmap.units import convert
+
+#: Unbalance eccentricities over the clearance, and whose they are.
+UNBALANCES = {"b": "rotor", "b_p": "pinion", "b_g": "gear"}
+#: Speeds are compared with the ends of a range that were read from text.
+ROUNDING = 1e-9
+
+
+def unbalance(facts: Facts) -> Iterator[Strain]:
+    """A centre of mass that lies further out than the journal can move."""
+    for name, rotor in UNBALANCES.items():
+        value = facts.values.get(name, 0.0)
+        if value >= 1.0:
+            yield Strain(
+                f"unbalance_{name}", value, 1.0,
+                f"The centre of mass of the {rotor} is {value:.3g} clearances off its axis ({name}): a rotor is balanced to"
+                " a small part of the clearance.",
+            )  # fmt: skip
+
+
+def speed_range(facts: Facts) -> Iterator[Strain]:
+    """Speeds outside of those for which the case was written."""
+    per_s = facts.shaft_speed
+    if per_s is None:
+        return
+    for name, end, s in (("speed_min", "lowest", facts.values["s"]), ("speed_max", "highest", facts.s)):
+        value, limit = per_s * s, facts.inputs.get(name)
+        if limit is None:
+            continue
+        outside = value < limit * (1 - ROUNDING) if name == "speed_min" else value > limit * (1 + ROUNDING)
+        if outside:
+            rpm, bound = (convert(w, "rad/s", "rpm") for w in (value, limit))
+            yield Strain(
+                name, value, limit,
+                f"The machine is run at {rpm:.5g} rpm; the {end} speed for which the case was written is {bound:.5g} rpm.",
+            )  # fmt: skip

@@ -1,0 +1,163 @@
+"""One assumption that does not hold, and the numbers of a system by which that is decided."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+from sympy import sympify
+
+from whirlmap.cases import Settled
+from whirlmap.integrate.equilibrium import rest_state
+from whirlmap.integrate.system import System, frequencies
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    import xarray as xr
+
+#: Quantities that are the speed of the first shaft, which a case's range of speeds is of.
+SHAFT = ("pinion_speed", "shaft_speed")
+
+Results = Union["xr.Dataset", Mapping[Any, "xr.Dataset"], "Iterable[xr.Dataset]", None]
+
+
+@dataclass(frozen=True)
+class Strain:
+    """One assumption of the model that does not hold.
+
+    Attributes
+    ----------
+    name : str
+        What is strained: ``"slenderness_1"``, ``"mesh_load"``, ...; ``"not_evaluated"`` stands for all that
+        could not be looked at.
+    value, limit : float
+        What was found, and where the assumption ends; NaN where there is no number.
+    sentence : str
+        What it means, for people.
+    """
+
+    name: str
+    value: float
+    limit: float
+    sentence: str
+
+    @property
+    def text(self) -> str:
+        """Name and sentence, as commands print them."""
+        return f"{self.name}: {self.sentence}"
+
+
+@dataclass(frozen=True)
+class BearingNumbers:
+    """Dimensions and oil of one bearing in SI, and the speed of its journal over the clock's.
+
+    ``name`` is what strains end in: ``"_1"``, or nothing where all bearings are alike. ``words`` name it in a sentence.
+    """
+
+    name: str
+    words: str
+    R: float
+    L: float
+    c: float
+    mu: float
+    spin: float
+    eccentricity: str
+
+
+@dataclass(frozen=True)
+class Facts:
+    """Numbers of one system, and of the results that were computed with it.
+
+    Attributes
+    ----------
+    system : System
+    values, switches, inputs, quantities : mapping
+        Parameters; choices; dimensional inputs and results in SI, where the case has them.
+    s : float
+        The largest speed ratio that was run.
+    """
+
+    system: System
+    values: Mapping[str, float]
+    switches: Mapping[str, str]
+    inputs: Mapping[str, float]
+    quantities: Mapping[str, float]
+    s: float
+
+    @classmethod
+    def of(cls, system: System, runs: "list[xr.Dataset]") -> "Facts":
+        """Read a system, and the largest speed of its results."""
+        settled = system.details if isinstance(system.details, Settled) else None
+        values = {name: float(value) for name, value in system.values.items()}
+        speeds = [float(run["s"].max()) for run in runs if "s" in run.coords]
+        return cls(
+            system=system,
+            values=values,
+            switches=dict(system.model.switches),
+            inputs={name: given.value for name, given in settled.inputs.items()} if settled else {},
+            quantities={name: value for name, (value, _) in settled.quantities.items()} if settled else {},
+            s=max([values["s"], *speeds]),
+        )
+
+    @property
+    def clock(self) -> float | None:
+        """Speed of the clock in rad/s."""
+        return self.s * self.quantities["omega_0"] if "omega_0" in self.quantities else None
+
+    @property
+    def shaft_speed(self) -> float | None:
+        """Speed of the first shaft in rad/s at s = 1."""
+        settled = self.system.details
+        for name in SHAFT:
+            if name in self.quantities:
+                return self.quantities[name] / float(settled.values["s"])
+        return None
+
+    @property
+    def fastest(self) -> float:
+        """Angular frequency of the fastest harmonic over the clock's."""
+        return float(np.abs(frequencies(self.system.model, self.system.vector[:, None])).max())
+
+    @cached_property
+    def bearings(self) -> tuple[BearingNumbers, ...]:
+        """Bearings whose dimensions the case gives."""
+        settled = self.system.details
+        groups = settled.case.family.groups if isinstance(settled, Settled) else None
+        declared = groups.bearings(self.switches) if groups else {}
+        found = []
+        for name, b in declared.items():
+            if not {q.name for q in (b.R, b.L, b.c, b.mu)} <= self.inputs.keys():
+                continue
+            ending, words = ("", "The bearing") if len(declared) == 1 else (f"_{name}", f"Bearing {name}")
+            R, L, c, mu = (self.inputs[q.name] for q in (b.R, b.L, b.c, b.mu))
+            found.append(BearingNumbers(ending, words, R, L, c, mu, self.value(b.spin), b.eccentricity))
+        return tuple(found)
+
+    def value(self, expression: Any) -> float:
+        """Evaluate an expression of parameters."""
+        return float(sympify(expression).subs({p: self.values[p.name] for p in self.system.model.parameters}))
+
+    @cached_property
+    def rest(self) -> Mapping[str, float] | None:
+        """States of the static equilibrium at the system's own speed; None where there is none."""
+        return rest_state(self.system)
+
+    @cached_property
+    def rest_at_speed(self) -> Mapping[str, float] | None:
+        """The same at the largest speed that was run."""
+        return self.rest if self.s == self.values["s"] else rest_state(self.system.replace(s=self.s))
+
+    def output(self, name: str, rest: Mapping[str, float]) -> float:
+        """Evaluate an output of the model at rest."""
+        model = self.system.model
+        at = {state: rest[state.name] for state in model.states}
+        at |= {p: self.values[p.name] for p in model.parameters}
+        return float(model.outputs[name].expression.subs(at))
+
+    def eccentricities(self) -> dict[str, float]:
+        """Eccentricity of every journal at rest, by the name of its output."""
+        rest = self.rest
+        names = [n for n in self.system.model.outputs if n == "eps" or n.startswith("eps_")]
+        return {n: self.output(n, rest) for n in names} if rest is not None else {}

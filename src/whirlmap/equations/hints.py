@@ -1,0 +1,56 @@
+"""What is meant by a name or a choice that a model does not have: by what it is, by its meaning, or by its spelling."""
+
+from __future__ import annotations
+
+import re
+from typing import TYPE_CHECKING
+
+from whirlmap.errors import closest
+from whirlmap.units import example, is_written, of_dimension
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from whirlmap.equations.model import Family, Model
+    from whirlmap.equations.quantities import Parameter
+
+#: Quantities that one hint names.
+SHOWN = 4
+
+
+def of_symbol(family: Family, model: Model, name: str, quantities: Iterable[Parameter], value: object = "") -> str:
+    """Say what an unknown symbol is instead, or what the model lacks, else which quantities mean it or are spelt so."""
+    if name in {s.name for s in model.states}:
+        return f" {name} is a state: its start value is given in start, by --start on the command line."
+    if name in model.outputs:
+        return f" {name} is an output, which follows from the motion."
+    if lacking := family.hint(name, (), value):
+        return lacking
+    known = {q.name: q for q in quantities}
+    if is_written(name):
+        fitting = next((q for q in known.values() if q.unit != "1" and of_dimension(name, q.unit)), None)
+        return f" {name} is a unit{f', as in {fitting.name} = {example(fitting.unit)}' if fitting else ''}."
+    near = closest(name, [*known, *family.switches])
+    if near is None or near.casefold() != name.casefold():
+        words = re.findall(r"[a-z]{4,}", name.casefold().replace("_", " "))
+        meant = [q for q in known.values() if any(_says(q, word) for word in words)][:SHOWN]
+        if len(meant) > 1:
+            return f" Did you mean one of {', '.join(f'{q.name!r} ({q.meaning})' for q in meant)}?"
+        near = meant[0].name if meant else near
+    if near is None:
+        return ""
+    return f" Did you mean {near!r}?{f' ({known[near].meaning})' if near in known else ''}"
+
+
+def of_choice(family: Family, switch: str, value: object) -> str:
+    """Say which choice of a switch is near to one that it does not have, or which inputs take the number it was given."""
+    if not re.match(r"\s*[-+.]?\d", str(value)) or family.groups is None:
+        return family.hint(str(value), family.switches[switch])
+    words = re.findall(r"[a-z]{4,}", family.meanings.get(switch, ""))  # of the mesh: its stiffness before the shafts'
+    meant = [q for q in family.groups.inputs if _says(q, switch)]
+    meant = sorted(meant, key=lambda q: -sum(_says(q, word) for word in words))[:SHOWN]
+    return " It is a switch, and takes no number" + "".join(f"; {q.name}: {q.meaning}" for q in meant) + "."
+
+
+def _says(quantity: Parameter, word: str) -> bool:
+    return bool(re.search(rf"\b{re.escape(word)}\b", quantity.meaning.casefold()))
