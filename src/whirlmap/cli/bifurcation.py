@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, pictures, report
-from whirlmap.cli.messages import choice, say
+from whirlmap.cli.messages import choice
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import RangeError, nearest
@@ -116,8 +116,10 @@ def bifurcation(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        say(f"interrupted after {work.done} of {work.total} points; these were kept")
-        raise typer.Exit(130)
+        go_on = "the same command computes all points anew"
+        if follow is None and work.dataset.sizes[swept.name] < swept.count:
+            go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"
+        report.interrupted(facts["incomplete"], files, go_on)
 
 
 def _states(system: "System", plot: str | None) -> list[str]:

@@ -8,7 +8,6 @@ import typer
 
 from whirlmap.cli import options, report
 from whirlmap.cli.machine_input import limit_of, range_of
-from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
@@ -109,8 +108,7 @@ def improve(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        say(f"{facts['incomplete']}; these were kept")
-        raise typer.Exit(130)
+        report.interrupted(facts["incomplete"], files, "the same command tries all designs anew")
 
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:

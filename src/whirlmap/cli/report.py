@@ -8,8 +8,11 @@ from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from fractions import Fraction
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
+import typer
+
+from whirlmap.cli.interrupts import INTERRUPTED
 from whirlmap.cli.messages import say
 
 if TYPE_CHECKING:
@@ -109,3 +112,20 @@ def print_written(files: Sequence[Path]) -> None:
     """Say which files were written."""
     for file in files:
         sys.stdout.write(f"written: {file}\n")
+
+
+def interrupted(incomplete: str, files: Sequence[Path], go_on: str) -> NoReturn:
+    """Say what was kept and where, and how to go on; ends with the exit code of Ctrl-C.
+
+    Parameters
+    ----------
+    incomplete : str
+        The attribute of that name: ``interrupted after 64 of 200 points``.
+    files : sequence of Path
+        Those written.
+    go_on : str
+        How to get the rest, as a sentence.
+    """
+    where = f"in {' '.join(map(str, files))}" if files else "in what is printed alone, for --out named no place"
+    say(f"{incomplete}; the results so far were kept {where}\n  {go_on}")
+    raise typer.Exit(INTERRUPTED)

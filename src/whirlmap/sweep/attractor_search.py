@@ -29,7 +29,9 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.known_attractors import KnownAttractors
 from whirlmap.sweep.points import POOLS
 from whirlmap.sweep.repeat import repeat_of_forcing
+from whirlmap.sweep.run import FIRST
 from whirlmap.sweep.starts import repeated
+from whirlmap.sweep.work import batches
 
 Array = NDArray[np.float64]
 Starts = NDArray[np.intp]
@@ -53,6 +55,7 @@ class Found:
     representative: list[Array]  # a state on each attractor, at phase zero
     multiple: list[int]  # its return in common periods, 0 where none
     outcome: NDArray[np.int8]  # drifting, growing or not settled, else undecided
+    settled: int = 0  # starts that have settled, the first ones
 
 
 class Search:
@@ -74,7 +77,7 @@ class Search:
         )  # fmt: skip
 
     def run(self) -> Found:
-        """Gather all starts."""
+        """Gather all starts; `KeyboardInterrupt` leaves what was ``found`` until then."""
         self._settle()
         f, block = self.found, LANES
         forced = self.system.model.forced
@@ -99,23 +102,23 @@ class Search:
         return np.flatnonzero((self.found.of < 0) & (self.found.status == Status.ok))
 
     def _settle(self) -> None:
-        """Settle all starts, in batches that a pool holds."""
-        n = self.x.shape[1]
-        size = POOLS * POOL * LANES * (self.labelling.workers or cores())
+        """Settle all starts in batches."""
+        n, block = self.x.shape[1], LANES * (self.labelling.workers or cores())
         settling = replace(self.labelling.settling, keep=1)
-        for first in range(0, n, size):
-            batch = np.arange(first, min(first + size, n))
+        for place in batches(n, first=FIRST * block, most=POOLS * POOL * block):
+            batch = np.arange(place.start, place.stop)
             ensemble = self.ensemble(self.starts[:, batch])
             returns = settle_and_record(ensemble, settling, cyclic=self.cyclic, progress=self.progress)
             self.multiple[batch], self.x[:, batch] = returns.multiple, ensemble.x
             self.found.status[batch] = ensemble.status
-            if first == 0:
+            if not place.start:
                 self.every = repeat_of_forcing(self.system, ensemble.x[:, ensemble.running])
             open_ones = np.flatnonzero(ensemble.running & ((returns.multiple == 0) | (not self.system.model.forced)))
             if open_ones.size:
                 saved = self._advance(ensemble, RECORD, open_ones)
                 self.records |= {int(batch[k]): saved[:, :, i] for i, k in enumerate(open_ones)}
                 self.found.status[batch], self.x[:, batch] = ensemble.status, ensemble.x
+            self.found.settled = place.stop
 
     def _advance(self, ensemble: Ensemble, count: int, members: Starts | None = None) -> Array:
         """Run for so many section points, shape (time, state, member)."""
@@ -295,7 +298,7 @@ class Search:
         return np.moveaxis(self._advance(self.ensemble(self.x[:, starts]), count), 2, 0)
 
     def _take(self, members: Starts, state: Array, multiple: int) -> None:
-        f = self.found
-        f.of[members] = len(f.representative)
-        f.representative.append(state.copy())
+        f, number = self.found, len(self.found.representative)
         f.multiple.append(multiple)
+        f.representative.append(state.copy())
+        f.of[members] = number  # last of all: Ctrl-C may come in between

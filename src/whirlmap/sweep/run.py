@@ -5,7 +5,6 @@ to the next, and a stretch of a simulation goes on from the end of the one befor
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -28,18 +27,18 @@ from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, sel
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
 from whirlmap.sweep.point_variables import doubts
+from whirlmap.sweep.work import OnBatch, Work, batches
 
 Array = NDArray[np.float64]
 
-#: Blocks of lanes in a batch, for each worker. An interrupt keeps whole batches: fewer than a pool settles at once, so that
-#: a diagram of some hundred points is not lost.
-BATCH = 32
+#: Blocks of lanes in a batch at most, and in the first one, for each worker.
+BATCH, FIRST = 32, 4
 
-#: Points of a chain in one batch; a chain walks them one by one.
+#: Points of a chain in one batch at most; a chain walks them one by one.
 CHAIN = 16
 
-#: Stretches of a simulation.
-STRETCHES = 16
+#: Stretches of a simulation at least, seconds in one at most, and T in the first one.
+STRETCHES, STRETCH, SHORT = 16, 1.0, 16
 
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
 NOT_REACHED = {
@@ -47,28 +46,6 @@ NOT_REACHED = {
     "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
     "grazings": 0,
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Work:
-    """What was done of a piece of work: all of it, or what was finished when Ctrl-C came.
-
-    Attributes
-    ----------
-    dataset : xr.Dataset or None
-        None where nothing was finished. Carries the attribute ``incomplete`` where something is missing.
-    done, total : int
-        Points, or T.
-    """
-
-    dataset: xr.Dataset | None
-    done: int
-    total: int
-
-    @property
-    def complete(self) -> bool:
-        """Whether all was done."""
-        return self.done == self.total
 
 
 def diagram_in_batches(
@@ -86,14 +63,15 @@ def diagram_in_batches(
     workers: int | None = None,
     batch: int | None = None,
     progress: Callable[[int], None] | None = None,
-    on_batch: Callable[[int, int], None] | None = None,
+    on_batch: OnBatch | None = None,
 ) -> Work:
     """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it with what is finished.
 
     Parameters
     ----------
     batch : int, optional
-        Points in a batch; where absent `BATCH` blocks of lanes for each worker, or `CHAIN` where the state is followed.
+        Points in a batch; where absent as many as take some seconds (`work.batches`), `BATCH` blocks of lanes for each
+        worker at most, or `CHAIN` where the state is followed.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in points.
 
@@ -107,10 +85,12 @@ def diagram_in_batches(
     common = longest_strobe(system, {parameter: points})  # refuses now what the last batch would meet
     Labelling(settling, lyapunov)  # refuses a length that gives no error now
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
-    size = batch or (BATCH * LANES * (workers or cores()) if follow is None else CHAIN)
+    block = LANES * (workers or cores())
+    size = batch or (BATCH * block if follow is None else CHAIN)
+    first = batch or (FIRST * block if follow is None else 1)
     even = system.model.forced and not orders_vary(system.model, [parameter])
     if follow is not None and not even:
-        size = points.size  # the last row of its section is not the state at the end of each record
+        first = size = points.size  # the last row of its section is not the state at the end of each record
     refuse_memory(
         "the diagram", 2 * len(ways) * points.size * _kept(common, settling) * len(kept_states(system, states))
         + min(size, points.size) * 2 * settling.most * common * system.model.dimension,
@@ -126,7 +106,7 @@ def diagram_in_batches(
     done, total = 0, points.size * len(ways)
     try:
         for way, sweep in zip(ways, sweeps, strict=True):
-            for part in _batches(system, parameter, points, way, size, dict(options)):
+            for part in _parts(system, parameter, points, way, (first, size), dict(options)):
                 sweep.take(part)
                 done += part.sizes[parameter]
                 if on_batch:
@@ -141,18 +121,16 @@ def diagram_in_batches(
     return Work(ds, done, total)
 
 
-def _batches(
-    system: System, parameter: str, points: Array, way: Follow | None, size: int, options: dict[str, Any]
+def _parts(
+    system: System, parameter: str, points: Array, way: Follow | None, sizes: tuple[int, int], options: dict[str, Any]
 ) -> Iterator[xr.Dataset]:
-    parts = [points[i : i + size] for i in range(0, points.size, size)]
-    if way == "down":
-        parts = [points[max(i - size, 0) : i] for i in range(points.size, 0, -size)]
     now, kept = system, options.pop("states")
     every = kept if way is None else system.states  # a chain goes on from the whole state
-    for part in parts:
+    for place in batches(points.size, first=sizes[0], most=sizes[1]):
+        part = points[::-1][place][::-1] if way == "down" else points[place]
         ds = bifurcation_diagram(now, parameter, part, follow=way, states=every, **options)
         yield ds if way is None else select_states(ds, system, kept)
-        if way is not None and part is not parts[-1]:
+        if way is not None and place.stop < points.size:
             last = ds.isel({parameter: 0 if way == "down" else -1})
             state = last["section"].isel(period=-1).values
             ran = int(last["status"]) == Status.ok
@@ -247,26 +225,34 @@ def simulation_in_stretches(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
+    expect: Callable[[int], None] | None = None,
 ) -> Work:
     """Simulate stretch by stretch; `KeyboardInterrupt` ends it with what is finished.
 
-    Parameters, and the Dataset, are those of `simulate`.
+    ``expect`` is told the T that are run in all. The other parameters, and the Dataset, are those of `simulate`.
     """
     series = Series(
         system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
         workers=workers, progress=progress,
     )  # fmt: skip
     refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
-    share = max(-(-series.periods // (STRETCHES * series.least)), 1) * series.least
-    series.stretch = min(series.stretch, share)
+    if expect:
+        expect(series.transient + series.periods)
     try:
-        while series.done < series.periods:
+        for part in batches(series.transient, first=SHORT, most=series.transient, seconds=STRETCH):
+            series.pass_by(part.stop - part.start)
+        unit = series.least  # T after which a sample falls on a whole one
+        most = min(series.stretch // unit, max(-(-series.periods // (STRETCHES * unit)), 1))
+        for part in batches(series.periods // unit, first=max(SHORT // unit, 1), most=most, seconds=STRETCH):
+            series.stretch = (part.stop - part.start) * unit
             series.advance()
     except KeyboardInterrupt:
-        if not series.done:
+        if not series.passed + series.done:
             return Work(None, 0, series.periods)
         ds = series.dataset()
-        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T"
+        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T" if series.done else (
+            f"interrupted after {series.passed} of {series.transient} T of the transient: only the state there is known"
+        )  # fmt: skip
         return Work(ds, series.done, series.periods)
     return Work(series.dataset(), series.done, series.periods)
 

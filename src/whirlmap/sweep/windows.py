@@ -27,7 +27,9 @@ class Edge:
     why: Verdict
 
 
-def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, follow: bool) -> dict[int, Edge]:
+def refined_edges(
+    judge: Judge, at: Array, met: xr.Dataset, limit: float, *, follow: bool, rounds: int = ROUNDS
+) -> dict[int, Edge]:
     """Edges between the speeds i and i + 1, one of them safe and the other not.
 
     Parameters
@@ -36,6 +38,8 @@ def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, fol
         Motions met at the speeds `at`, those of the cold starts first.
     follow : bool
         Whether speeds in between start from the motions met at both ends as well as cold.
+    rounds : int
+        How often the ends are drawn closer; 0: they are those of the cells.
     """
     verdict = outcome(met, at.size)["verdict"].values
     safe = verdict == Verdict.safe
@@ -44,7 +48,7 @@ def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, fol
     ends, why = at[places], verdict[places[1]]
     known = [_at(met, side) for side in places]
     shares, every = np.arange(1, PARTS + 1) / (PARTS + 1), np.arange(cells.size)
-    for _ in range(ROUNDS if cells.size else 0):
+    for _ in range(rounds if cells.size else 0):
         whole = ends[0][:, None] + (ends[1] - ends[0])[:, None] * np.concatenate([[0], shares, [1]])
         whole[:, -1] = ends[1]
         trial = whole[:, 1:-1].ravel()
