@@ -45,6 +45,13 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], 
     return made
 
 
+def regimes_table(regimes: Mapping[str, int]) -> Any:
+    """Table of how many points each regime has."""
+    total = max(sum(regimes.values()), 1)
+    rows = [(label, str(n), f"{100 * n / total:.3g} %") for label, n in regimes.items()]
+    return table("Regimes", ("regime", "points", "share"), rows, numbers=(1, 2))
+
+
 def show(*parts: "RenderableType") -> None:
     """Print parts one below the other."""
     to = console()
