@@ -26,7 +26,8 @@ from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
-from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of
+from whirlmap.sweep.store import Evaluation, Store, counts_of
+from whirlmap.sweep.store_folder import EVALUATION
 
 #: How often a chunk is tried.
 ATTEMPTS = 3

@@ -29,7 +29,8 @@ from whirlmap.sweep.point_variables import kept_states, points_dataset, shared_c
 from whirlmap.sweep.refine import COARSE
 from whirlmap.sweep.restoring import lost_parts, put_back
 from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points
-from whirlmap.sweep.store import EVALUATION, Evaluation, clear_trials, create, exists, half_made, remove
+from whirlmap.sweep.store import Evaluation, create
+from whirlmap.sweep.store_folder import EVALUATION, clear_trials, exists, half_made, remove, restore_manifest
 
 #: Points of the pilot that the chunks' size follows from, and the seconds that a chunk should take.
 PILOT, SECONDS = 64, 3.0
@@ -119,13 +120,14 @@ def run_sweep(
         )
     labelling = replace(labelling, kept=tuple(kept_states(system, None)) if sections else ())
     folder, own = Path(store).expanduser().absolute(), own_choice()
+    restored = (resume or share is not None) and restore_manifest(folder)
     roots = (stored_roots(folder) if resume or share is not None else None) or own
     with connected(cluster) as client, using(roots):  # before anything is made or computed
         job = Job(
             folder, system, space, labelling, coarse=COARSE if refine else 0, kernel=kernel_hash(system, labelling.method),
             roots=roots,
         )  # fmt: skip
-        notes = []
+        notes = ["the manifest of the store was lost, and put back from its copy"] if restored else []
         if roots != own:
             notes.append(f"roots and reciprocals as the store was begun: {roots}; a new store would have {own}")
         return _run(
@@ -147,7 +149,7 @@ def _run(
         if share is None:
             clear_trials(folder)
         _begin(job, wanted, chunk)
-    refuse_other(folder, job.store.manifest, wanted)
+    refuse_other(folder, job.store.manifest, wanted, job.space.shape)
     if lost := lost_parts(job.store):
         _restore(job, lost, wanted, notes)
         job = replace(job)  # with a store that is opened anew
