@@ -19,6 +19,7 @@ from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System, common_multiple_attribute
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress, tell
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 
 if TYPE_CHECKING:
@@ -142,6 +143,7 @@ class Series:
         return with_attributes(ds, run_attributes(self.system, e, **facts))
 
 
+@shows_progress("simulate")
 def simulate(
     system: System,
     *,
@@ -152,7 +154,7 @@ def simulate(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> "xr.Dataset":
     """Time series of a system.
 
@@ -178,11 +180,13 @@ def simulate(
         system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
         workers=workers, progress=progress,
     )  # fmt: skip
+    tell(progress, "expect", series.transient + series.periods)
     while series.done < series.periods:
         series.advance()
     return series.dataset()
 
 
+@shows_progress("section")
 def section(
     system: System,
     *,
@@ -194,7 +198,7 @@ def section(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> "xr.Dataset":
     """Poincaré section of a system.
 

@@ -67,7 +67,7 @@ def attractors(
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     refuse_points([starts])
-    with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet) as progress:
+    with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet, points=starts) as progress:
         work = find(
             system, starts=starts, box=boxes or None, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps,
             accuracy=accuracy, method=method, workers=workers, progress=progress,

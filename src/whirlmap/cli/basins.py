@@ -59,7 +59,7 @@ def basins(
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     points = ranges[0].count * ranges[1].count
-    with Progress("basins", expected_periods(system, points, settling), quiet=quiet) as progress:
+    with Progress("basins", expected_periods(system, points, settling), quiet=quiet, points=points) as progress:
         work = find(
             system, {r.name: r.values for r in ranges}, settling=settling, lyapunov=lyapunov, steps=steps,
             accuracy=accuracy, method=method, workers=workers, progress=progress,

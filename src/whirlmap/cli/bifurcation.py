@@ -97,7 +97,7 @@ def bifurcation(
     settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
     total = swept.count * (2 if follow == "both" else 1)
     expected = expected_periods(system, total, settling, {swept.name: swept.values})
-    with Progress("bifurcation", expected, quiet=quiet) as progress:
+    with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
             settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,

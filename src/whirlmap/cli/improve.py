@@ -87,8 +87,8 @@ def improve(
     refuse_points(r.count for r in ranges.values())
     allowed = limit_of(system, limit)
     at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
-    designs = int(np.prod([r.count for r in ranges.values()]))
-    with Progress("improve", expected_periods(system, points * designs, settling), quiet=quiet) as progress:
+    judged = points * int(np.prod([r.count for r in ranges.values()]))
+    with Progress("improve", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
         work = improve_in_batches(
             partial(load, case, start=dict(system.start), **settings), {n: r.values for n, r in ranges.items()}, at, allowed,
             units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,

@@ -71,7 +71,7 @@ def simulate(
     with Progress("simulate", None, quiet=quiet) as progress:
         work = simulation_in_stretches(
             system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
-            workers=workers, progress=progress, expect=progress.expect,
+            workers=workers, progress=progress,
         )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt

@@ -99,8 +99,10 @@ def speeds(
     low, high = range_of(system, span)
     refuse_points([points])
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
-    judged = points * (3 if follow else 1) * (1 + (draws if tolerances else 0))
-    with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet) as progress:
+    judged = points * (3 if follow else 1)
+    drawn_points = judged * draws if tolerances else 0
+    with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
+        progress.later(drawn_points)
         work = safe_speeds_in_parts(
             system, at, allowed, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy, method=method,
             workers=workers, progress=progress,
@@ -109,6 +111,8 @@ def speeds(
             raise KeyboardInterrupt
         ds = work.dataset
         if tolerances and work.complete:
+            progress.later(0)
+            progress.more_points(drawn_points)
             settings = options.assignments(changes, "--set")
             drawn, limits = drawn_machines(system, case, settings, tolerances, draws, seed, allowed)
             try:

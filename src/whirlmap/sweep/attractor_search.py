@@ -24,6 +24,7 @@ from whirlmap.analysis.settling import POOL
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.known_attractors import KnownAttractors
@@ -107,6 +108,7 @@ class Search:
         settling = replace(self.labelling.settling, keep=1)
         for place in batches(n, first=FIRST * block, most=POOLS * POOL * block):
             batch = np.arange(place.start, place.stop)
+            tell(self.progress, "begin", n - place.start, settling.transient + settling.first_window)
             ensemble = self.ensemble(self.starts[:, batch])
             returns = settle_and_record(ensemble, settling, cyclic=self.cyclic, progress=self.progress)
             self.multiple[batch], self.x[:, batch] = returns.multiple, ensemble.x
@@ -119,6 +121,7 @@ class Search:
                 self.records |= {int(batch[k]): saved[:, :, i] for i, k in enumerate(open_ones)}
                 self.found.status[batch], self.x[:, batch] = ensemble.status, ensemble.x
             self.found.settled = place.stop
+            tell(self.progress, "settled", batch.size, 0, 0)
 
     def _advance(self, ensemble: Ensemble, count: int, members: Starts | None = None) -> Array:
         """Run for so many section points, shape (time, state, member)."""

@@ -19,6 +19,7 @@ from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import LADDER, Verdict, doubtful
 from whirlmap.integrate.system import System
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
@@ -41,6 +42,7 @@ KEPT = 512
 OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.not_settled, Regime.undecided)
 
 
+@shows_progress("attractors")
 def attractors(
     system: System,
     *,
@@ -53,7 +55,7 @@ def attractors(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Find the attractors of one operating point that many start states lead to.
 

@@ -10,6 +10,7 @@ from numpy.typing import ArrayLike
 
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
+from whirlmap.progress import shows_progress
 from whirlmap.results.schema import variable
 from whirlmap.sweep.attractors import attractors_in_parts
 from whirlmap.sweep.memory import refuse_memory
@@ -17,6 +18,7 @@ from whirlmap.sweep.starts import start_values
 from whirlmap.sweep.work import Work
 
 
+@shows_progress("basins")
 def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.Dataset:
     """Find the attractor of every start state on a grid over two states, the others at their start values.
 

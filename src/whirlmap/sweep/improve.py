@@ -20,6 +20,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import shows_progress
 from whirlmap.results.schema import variable
 from whirlmap.sweep.judging import SPEED, Verdict, clearance, shaft_speed
 from whirlmap.sweep.machines import judge_machines
@@ -34,6 +35,7 @@ Array = NDArray[np.float64]
 PARTS = {1: 4, 2: 2}
 
 
+@shows_progress("improve")
 def improve(
     make: Callable[..., System],
     vary: Mapping[str, ArrayLike],

@@ -22,6 +22,7 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import tell
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.hysteresis import with_hysteresis
@@ -225,19 +226,17 @@ def simulation_in_stretches(
     method: str | None = None,
     workers: int | None = None,
     progress: Callable[[int], None] | None = None,
-    expect: Callable[[int], None] | None = None,
 ) -> Work:
     """Simulate stretch by stretch; `KeyboardInterrupt` ends it with what is finished.
 
-    ``expect`` is told the T that are run in all. The other parameters, and the Dataset, are those of `simulate`.
+    Parameters, and the Dataset, are those of `simulate`.
     """
     series = Series(
         system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
         workers=workers, progress=progress,
     )  # fmt: skip
     refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
-    if expect:
-        expect(series.transient + series.periods)
+    tell(progress, "expect", series.transient + series.periods)
     try:
         for part in batches(series.transient, first=SHORT, most=series.transient, seconds=STRETCH):
             series.pass_by(part.stop - part.start)

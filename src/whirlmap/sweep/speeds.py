@@ -19,12 +19,13 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress, tell
 from whirlmap.results.schema import variable
 from whirlmap.sweep.following import cold_at, cold_motions, outcome, rounds_met
 from whirlmap.sweep.judging import SPEED, Judge, Verdict, shaft_speed
 from whirlmap.sweep.points import POOLS
 from whirlmap.sweep.run import FIRST
-from whirlmap.sweep.windows import Edge, refined_edges, stretches
+from whirlmap.sweep.windows import Edge, edge_points, refined_edges, stretches
 from whirlmap.sweep.work import Work, batches
 
 Array = NDArray[np.float64]
@@ -37,6 +38,7 @@ KEPT = (
 )  # fmt: skip
 
 
+@shows_progress("speeds")
 def safe_speeds(
     system: System,
     speeds: ArrayLike,
@@ -49,7 +51,7 @@ def safe_speeds(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Judge the speeds of a machine.
 
@@ -114,12 +116,15 @@ def safe_speeds_in_parts(
     try:
         for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
             parts.append(cold_motions(judge, {SPEED: at[part]}, np.full(at[part].size, float(limit))))
-        met = cold_at(parts)
+        met, progress = cold_at(parts), options.get("progress")
+        safe = met["verdict"].values == Verdict.safe
+        at_edges = int((safe[1:] != safe[:-1]).sum()) * edge_points(follow=follow)
+        tell(progress, "more_points", at_edges + (2 * at.size if follow else 0))
         if follow:
             missing = "run-up and run-down"
             cold = met
-            for met in rounds_met(judge, {SPEED: at}, np.full(at.size, float(limit)), at.size, cold):  # noqa: B007
-                pass
+            for met in rounds_met(judge, {SPEED: at}, np.full(at.size, float(limit)), at.size, cold):  # noqa: B007 (the last one counts)
+                tell(progress, "more_points", at_edges)
             followed = True
             missing = "the edges of the windows"
         edges = refined_edges(judge, at, met, limit, follow=follow)

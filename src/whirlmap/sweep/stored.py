@@ -247,7 +247,7 @@ def _work(
         progress.messages.append("the Dask scheduler has no workers: waiting for the first")
     if on_chunk:
         on_chunk(progress)
-    left = np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done).tolist()
+    left = spread(np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done)).tolist()
     outcomes = in_dask(job, left, client) if client is not None else in_threads(job, left, workers)
     try:
         for outcome in outcomes:
@@ -256,6 +256,15 @@ def _work(
                 on_chunk(progress)
     finally:
         outcomes.close()  # type: ignore[attr-defined]  # a generator: it waits for the chunks that are being computed
+
+
+def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Put numbers into an order whose beginnings are spread over all of them: what comes first then speaks for the rest.
+
+    Chunks side by side hold motions that are alike, and chaos takes fifty times as long as what returns.
+    """
+    golden = (np.sqrt(5) - 1) / 2
+    return np.asarray(numbers[np.argsort(np.arange(numbers.size) * golden % 1.0, kind="stable")])
 
 
 def _take(job: Job, outcome: Outcome, progress: Progress) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.progress import tell
 from whirlmap.sweep.arriving import arriving
 from whirlmap.sweep.following import carried, cold_motions, joined, outcome, unseen
 from whirlmap.sweep.judging import SPEED, Judge, Verdict
@@ -48,6 +49,7 @@ def refined_edges(
     ends, why = at[places], verdict[places[1]]
     known = [_at(met, side) for side in places]
     shares, every = np.arange(1, PARTS + 1) / (PARTS + 1), np.arange(cells.size)
+    tell(judge.options.get("progress"), "more_points", cells.size * edge_points(follow=follow, rounds=rounds))
     for _ in range(rounds if cells.size else 0):
         whole = ends[0][:, None] + (ends[1] - ends[0])[:, None] * np.concatenate([[0], shares, [1]])
         whole[:, -1] = ends[1]
@@ -73,6 +75,11 @@ def refined_edges(
     return {
         int(c): Edge(float(g), float(b), Verdict(int(w))) for c, g, b, w in zip(cells, ends[0], ends[1], why, strict=True)
     }
+
+
+def edge_points(*, follow: bool, rounds: int = ROUNDS) -> int:
+    """Points that one edge takes, about: cold starts, and those from the motions at both ends."""
+    return rounds * PARTS * (3 if follow else 1)
 
 
 def _carried_into(judge: Judge, trial: Array, motions: xr.Dataset, limit: float) -> xr.Dataset:
