@@ -169,6 +169,8 @@ def simulate(
         Steps between recorded samples.
     steps, accuracy, method, workers
         As in `make_ensemble`; but `SAMPLES` steps per T are taken where the accuracy asks for fewer.
+    progress : callable or True, optional
+        Called with the T done since the last call; True shows a bar.
 
     Returns
     -------

@@ -8,7 +8,7 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,7 +27,7 @@ from whirlmap.kernels.routine import LANES
 from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.known_attractors import KnownAttractors
+from whirlmap.sweep.known_attractors import Found, KnownAttractors
 from whirlmap.sweep.points import POOLS
 from whirlmap.sweep.repeat import repeat_of_forcing
 from whirlmap.sweep.run import FIRST
@@ -45,18 +45,6 @@ RECORD, TRACE, LONGER = 32, 2048, 4
 MOST_AT_ONCE = 1024
 #: Labels of runs that reach no attractor.
 ENDLESS = (Regime.drifting, Regime.growing, Regime.not_settled)
-
-
-@dataclass
-class Found:
-    """What a search holds; arrays over the starts."""
-
-    status: NDArray[np.int8]
-    of: NDArray[np.int64]  # number of the attractor from 0, -1 none
-    representative: list[Array]  # a state on each attractor, at phase zero
-    multiple: list[int]  # its return in common periods, 0 where none
-    outcome: NDArray[np.int8]  # drifting, growing or not settled, else undecided
-    settled: int = 0  # starts that have settled, the first ones
 
 
 class Search:

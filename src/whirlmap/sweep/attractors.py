@@ -23,8 +23,9 @@ from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
-from whirlmap.sweep.attractor_search import Found, Search
+from whirlmap.sweep.attractor_search import Search
 from whirlmap.sweep.attractors_so_far import found_so_far
+from whirlmap.sweep.known_attractors import Found
 from whirlmap.sweep.point_variables import points_dataset
 from whirlmap.sweep.starts import default_box, draw_starts, repeated
 from whirlmap.sweep.work import Work
@@ -74,8 +75,8 @@ def attractors(
         T over which the exponent of motion that does not return is measured, at most, as in `label_points`; 256 or more.
     steps, accuracy, method, workers
         As in `make_ensemble`.
-    progress : callable, optional
-        Called with the number of starts x periods T done since the last call.
+    progress : callable or True, optional
+        Called with the number of starts x periods T done since the last call; True shows a bar.
 
     Returns
     -------

@@ -68,6 +68,8 @@ def bifurcation_diagram(
     states : sequence of str, optional
         States whose section is kept; the model's displacements (`kept_states`) where absent. All of them take 512 bytes
         per point and state with 64 T kept.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
 
     Returns
     -------

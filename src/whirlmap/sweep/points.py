@@ -62,8 +62,8 @@ def label_points(
         Start states, at phase zero; the model's default start where absent.
     ends : bool
         Whether to keep the states at the ends of the records, at phase zero: starts of others. NaN where a run has ended.
-    progress : callable, optional
-        Called with the number of points x periods T done since the last call.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
 
     Returns
     -------

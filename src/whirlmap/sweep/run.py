@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from sympy import sympify
 
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import parameter_values
@@ -18,7 +17,6 @@ from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.trajectory import Series
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
-from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
@@ -276,31 +274,3 @@ def longest_strobe(system: System, vary: Mapping[str, ArrayLike]) -> int:
 
 def _kept(strobe: int, settling: Settling) -> int:
     return strobe * max(-(-settling.keep // strobe), 2)
-
-
-def refuse_start(system: System) -> None:
-    """Refuse a start state that the user gave and at which the run would already be over.
-
-    Raises
-    ------
-    RangeError
-        Naming the states, what holds there already and the quantity behind it.
-    """
-    if not system.start:
-        return
-    x, _ = start_states(system.model, system.vector[:, None])
-    own = zip(system.model.states, x[:, 0].tolist(), strict=True)
-    at = {s: system.start.get(s.name, value) for s, value in own}
-    numbers = {**at, **dict(zip(system.model.parameters, system.vector.tolist(), strict=True))}
-    for stop in system.model.stops.values():
-        gap = sympify(stop.gap)
-        if float(gap.subs(numbers)) > 0:
-            continue
-        where = ", ".join(f"{s.name} = {at[s]:g}" for s in system.model.states if s in gap.free_symbols)
-        measures = [
-            f"{name} = {float(sympify(o.expression).subs(numbers)):g} ({o.meaning}), which must lie in [0, 1)"
-            for name, o in system.model.outputs.items()
-            if sympify(o.expression).free_symbols == gap.free_symbols
-        ]
-        found = measures[0] if measures else f"{gap} = {float(gap.subs(numbers)):g}, which must be above 0"
-        raise RangeError(f"start: found {where}, so {found}: {stop.meaning} already")

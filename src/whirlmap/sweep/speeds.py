@@ -65,6 +65,8 @@ def safe_speeds(
         State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
     follow : bool
         Whether to run up and down through the speeds as well, which shows coexisting motions; about three times the work.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
 
     Returns
     -------

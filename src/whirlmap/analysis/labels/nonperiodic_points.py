@@ -161,7 +161,6 @@ def judge_open_points(
     for first in range(0, n, together):
         members = np.arange(first, min(first + together, n))
         judge = _Judge(tangent, members, most, dict(cyclic or {}), ranges[:, members], tolerance, found, progress)
-        judge.behind = n - first - members.size
         judge.run(contraction_ends and tangent.returns)
     return found
 
@@ -182,7 +181,6 @@ class _Judge:
         self.rates = np.full((self.most, members.size), np.nan)
         self.no_torus = shrinks_areas(tangent.subset(members)) if tangent.returns else np.zeros(members.size, dtype=bool)
         self.every = cycle if tangent.returns else SPARSE
-        self.behind = 0  # points that come after these
         self.record = SectionRecord(members.size, tangent.model.dimension, self.every, cyclic, ranges)
 
     def run(self, contraction_ends: bool) -> None:
@@ -223,7 +221,7 @@ class _Judge:
             if run.returns and run.model.forced:
                 self._near_returns(run, left[~stay & run.running])
             left, run = left[stay], run.subset(np.flatnonzero(stay))
-            tell(self.progress, "open_points", self.behind + left.size, done)
+            tell(self.progress, "open_points", left.size + self.tangent.points - 1 - int(self.members[-1]), done)
 
     def _trends(self, left: Points, done: int) -> None:
         """Trends of the sections so far, once per common period."""
