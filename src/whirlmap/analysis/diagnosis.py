@@ -28,6 +28,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System, common_multiple_attribute
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, plain_attributes, regime_variable, status_variable, variable
@@ -44,6 +45,7 @@ SECTION = 2048
 
 
 @gives_dataset
+@shows_progress("diagnose")
 def diagnose(
     system: System,
     *,
@@ -56,7 +58,7 @@ def diagnose(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> Findings:
     """Measure one operating point.
 

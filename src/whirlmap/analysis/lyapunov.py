@@ -12,6 +12,7 @@ from whirlmap.analysis.tangent_accuracy import FINE, tuned
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.schema import status_variable, variable, with_attributes
 from whirlmap.results.status import Status
 
@@ -95,6 +96,7 @@ def in_phase(rates: Array, cycle: int = 1) -> Array:
     return _swing(np.ascontiguousarray(_over_cycles(rates, cycle).mean(axis=2).T))
 
 
+@shows_progress("exponents")
 def lyapunov_spectrum(
     system: System,
     *,
@@ -106,7 +108,7 @@ def lyapunov_spectrum(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> "xr.Dataset":
     """Largest Lyapunov exponents of a system, one run from each of several start states.
 

@@ -19,6 +19,7 @@ from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System, common_multiple_attribute
 from whirlmap.kernels.reference import reference_outputs
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress, tell
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 
 if TYPE_CHECKING:
@@ -63,7 +64,9 @@ class Series:
     Attributes
     ----------
     periods, stretch, done : int
-        T that are recorded in the end, in one stretch, and by now.
+        T that are recorded in the end, in one stretch at most, and by now.
+    passed : int
+        T of the transient that have passed.
     """
 
     def __init__(
@@ -84,33 +87,43 @@ class Series:
         each = max(KEPT // (LANES * system.model.dimension * self.steps // every + 1), 1)
         self.stretch = max(min(each, periods) // self.least, 1) * self.least
         self.ensemble, self.found = _one(system, self.steps, None, method, workers)
-        self.done, self.begun = 0, False
+        self.done = self.passed = 0
+        self.x = self.outputs = np.zeros((0, 0))
+
+    def pass_by(self, periods: int) -> None:
+        """Let some T of the transient pass."""
+        self.ensemble.advance(periods, progress=self.progress)
+        self.passed += periods
 
     def advance(self) -> None:
-        """Record one more stretch; before the first one, let the transient pass."""
-        e, model = self.ensemble, self.system.model
-        if not self.begun:
-            e.advance(self.transient, progress=self.progress)
-            self.x = np.full((self.samples + 1, model.dimension), np.nan)
-            self.outputs = np.full((self.samples + 1, len(model.outputs)), np.nan)
-            self._take(0, e.x.T)
-            self.begun = True
+        """Record one more stretch; before the first one, let what is left of the transient pass."""
+        if self.passed < self.transient:
+            self.pass_by(self.transient - self.passed)
+        if not self.done:
+            self._begin()
         length = min(self.stretch, self.periods - self.done)
-        segment = e.advance(length, save_every=self.every, progress=self.progress)
+        segment = self.ensemble.advance(length, save_every=self.every, progress=self.progress)
         self._take(self.done * self.steps // self.every + 1, segment.saved[:, :, 0])
         self.done += length
+
+    def _begin(self) -> None:
+        model, rows = self.system.model, self.samples + 1
+        self.x, self.outputs = np.full((rows, model.dimension), np.nan), np.full((rows, len(model.outputs)), np.nan)
+        self._take(0, self.ensemble.x.T)
 
     def _take(self, at: int, x: Array) -> None:
         self.x[at : at + len(x)] = x
         self.outputs[at : at + len(x)] = outputs_of(self.system.model, self.system.vector, x.T).T
 
     def dataset(self) -> "xr.Dataset":
-        """Dataset of what has been recorded."""
+        """Dataset of what has been recorded; before that begins, of the state that the transient has come to."""
         import xarray as xr
 
         e, model = self.ensemble, self.system.model
+        if not self.done:
+            self._begin()
         rows = self.done * self.steps // self.every + 1
-        count = np.arange(rows) * self.every + self.transient * self.steps
+        count = np.arange(rows) * self.every + self.passed * self.steps
         ds = xr.Dataset(
             {
                 "x": variable(("time", "state"), self.x[:rows], "1", "state", unit_of_each=_units(model)),
@@ -130,6 +143,7 @@ class Series:
         return with_attributes(ds, run_attributes(self.system, e, **facts))
 
 
+@shows_progress("simulate")
 def simulate(
     system: System,
     *,
@@ -140,7 +154,7 @@ def simulate(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> "xr.Dataset":
     """Time series of a system.
 
@@ -155,6 +169,8 @@ def simulate(
         Steps between recorded samples.
     steps, accuracy, method, workers
         As in `make_ensemble`; but `SAMPLES` steps per T are taken where the accuracy asks for fewer.
+    progress : callable or True, optional
+        Called with the T done since the last call; True shows a bar.
 
     Returns
     -------
@@ -166,11 +182,13 @@ def simulate(
         system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
         workers=workers, progress=progress,
     )  # fmt: skip
+    tell(progress, "expect", series.transient + series.periods)
     while series.done < series.periods:
         series.advance()
     return series.dataset()
 
 
+@shows_progress("section")
 def section(
     system: System,
     *,
@@ -182,7 +200,7 @@ def section(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> "xr.Dataset":
     """Poincaré section of a system.
 

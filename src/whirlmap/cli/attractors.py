@@ -61,17 +61,20 @@ def attractors(
     destination = claim(out, "attractors", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
-    from whirlmap.sweep.attractors import attractors as find
+    from whirlmap.sweep.attractors import attractors_in_parts as find
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     refuse_points([starts])
-    with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet) as progress:
-        ds = find(
+    with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet, points=starts) as progress:
+        work = find(
             system, starts=starts, box=boxes or None, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps,
             accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    ds = work.dataset
     files = destination.write(ds, lambda done: pictures.attractors(system, done))
     report.say_doubts(ds.attrs)
     facts = summary(system, ds)
@@ -80,6 +83,8 @@ def attractors(
     else:
         say_attractors(facts)
         report.print_written(files)
+    if not work.complete:
+        report.interrupted(facts["incomplete"], files, "the same command settles all starts anew")
 
 
 def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
@@ -102,7 +107,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
                 "period_common": int(one["period_common"]) or None,
                 "starts": int(one["starts"]),
                 **{name: float(one[name]) for name in names},
-                "votes": {str(i): _vote(v) for i, v in zip(one["indicator"].values, one["vote"].values, strict=True)},
+                "votes": {str(i): _vote(v) for i, v in _votes(one)},
                 "peak_to_peak": {str(q): float(one["peak_to_peak"].sel(quantity=q)) for q in ds["quantity"].values},
             }
             for number, one in ((n, ds.sel(attractor=n)) for n in made)
@@ -113,7 +118,13 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
             }
             for o in ds["outcome"].values
         },
+        "incomplete": ds.attrs.get("incomplete"),
     }  # fmt: skip
+
+
+def _votes(one: "xr.Dataset") -> Any:
+    """Indicators with their votes; none where a search was interrupted before they were asked."""
+    return zip(one["indicator"].values, one["vote"].values, strict=True) if "vote" in one else ()
 
 
 def _vote(vote: Any) -> str:
@@ -125,15 +136,17 @@ def _vote(vote: Any) -> str:
 def say_attractors(facts: dict[str, Any]) -> None:
     """Print the table of attractors, and how the other starts ended."""
     found = facts["attractors"]
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
     typer.echo(f"{facts['case']}: {facts['starts']} starts, {len(found)} attractor{'s' if len(found) != 1 else ''}")
     rows = []
     for a in found:
         label = f"periodic, {a['period']}T" if a["regime"] == "periodic" else a["regime"]
         votes = ", ".join(f"{name} {vote}" for name, vote in a["votes"].items() if vote != "none")
-        swing = next(iter(a["peak_to_peak"].items()))
+        name, swing = next(iter(a["peak_to_peak"].items()))
         rows.append((
             str(a["number"]), label, f"{100 * a['share']:.2f} +- {100 * a['share_error']:.2f} %",
-            report.with_error(a["lyapunov"], a["lyapunov_error"]), f"{swing[0]} {swing[1]:.4g}", votes,
+            report.with_error(a["lyapunov"], a["lyapunov_error"]), f"{name} {swing:.4g}" if swing == swing else "-", votes,
         ))  # fmt: skip
     if rows:
         columns = ("", "regime", "share of the starts", "largest exponent", "peak to peak", "votes")

@@ -54,16 +54,19 @@ def basins(
     destination = claim(out, "basins", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
-    from whirlmap.sweep.basins import basins as find
+    from whirlmap.sweep.basins import basins_in_parts as find
     from whirlmap.sweep.run import expected_periods
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     points = ranges[0].count * ranges[1].count
-    with Progress("basins", expected_periods(system, points, settling), quiet=quiet) as progress:
-        ds = find(
+    with Progress("basins", expected_periods(system, points, settling), quiet=quiet, points=points) as progress:
+        work = find(
             system, {r.name: r.values for r in ranges}, settling=settling, lyapunov=lyapunov, steps=steps,
             accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    ds = work.dataset
     files = destination.write(ds, lambda done: pictures.basins(system, done))
     report.say_doubts(ds.attrs)
     facts = summary(system, ds)
@@ -72,3 +75,5 @@ def basins(
     else:
         say_attractors(facts)
         report.print_written(files)
+    if not work.complete:
+        report.interrupted(facts["incomplete"], files, "the same command settles all starts anew")

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, pictures, report
-from whirlmap.cli.messages import choice, say
+from whirlmap.cli.messages import choice
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import RangeError, nearest
@@ -97,7 +97,7 @@ def bifurcation(
     settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
     total = swept.count * (2 if follow == "both" else 1)
     expected = expected_periods(system, total, settling, {swept.name: swept.values})
-    with Progress("bifurcation", expected, quiet=quiet) as progress:
+    with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
             settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,
@@ -117,8 +117,10 @@ def bifurcation(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        say(f"interrupted after {work.done} of {work.total} points; these were kept")
-        raise typer.Exit(130)
+        go_on = "the same command computes all points anew"
+        if follow is None and work.dataset.sizes[swept.name] < swept.count:
+            go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"
+        report.interrupted(facts["incomplete"], files, go_on)
 
 
 def _states(system: "System", plot: str | None) -> list[str]:

@@ -9,7 +9,6 @@ import typer
 
 from whirlmap.cli import options, report
 from whirlmap.cli.machine_input import limit_of, range_of
-from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
@@ -91,8 +90,8 @@ def improve(
     low, high = range_of(system, span)
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
     make = partial(load, case, start=dict(system.start), **settings)
-    designs = int(np.prod([r.count for r in ranges.values()]))
-    with Progress("improve", expected_periods(system, points * designs, settling), quiet=quiet) as progress:
+    judged = points * int(np.prod([r.count for r in ranges.values()]))
+    with Progress("improve", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
         work = improve_in_batches(
             make, {n: r.values for n, r in ranges.items()}, at, allowed,
             units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,
@@ -114,8 +113,7 @@ def improve(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        say(f"{facts['incomplete']}; these were kept")
-        raise typer.Exit(130)
+        report.interrupted(facts["incomplete"], files, "the same command tries all designs anew")
 
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:

@@ -22,6 +22,7 @@ from whirlmap.cli import (
     diagnose,
     identify,
     improve,
+    interrupts,
     linear,
     map,  # noqa: A004
     new,
@@ -68,13 +69,14 @@ class Program(TyperGroup):
     def invoke(self, ctx: Any) -> Any:
         """Invoke the command; Ctrl-C that it did not answer itself ends it."""
         WRITTEN.clear()
+        interrupts.keep()
         try:
             return super().invoke(ctx)
         except KeyboardInterrupt:
             files = " ".join(str(file) for file in WRITTEN)
             nothing = "interrupted: nothing was finished, so nothing was written"
             say(f"interrupted after writing {files}" if files else nothing)
-            raise typer.Exit(130) from None
+            raise typer.Exit(interrupts.INTERRUPTED) from None
 
 
 class Command(TyperCommand):
@@ -141,5 +143,6 @@ for module in (
 
 def run() -> None:
     """Entry point of the program."""
+    interrupts.begin()
     plain_letters()
     app(prog_name="whirlmap")

@@ -5,17 +5,21 @@ import signal
 import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from whirlmap.cli import options, pictures, report
+from whirlmap.cli import interrupts, options, pictures, report
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
-from whirlmap.cli.progress import Progress, clock
+from whirlmap.cli.progress import Progress
+from whirlmap.cli.store_status import say_status
 from whirlmap.errors import InputError, RangeError, nearest
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
     from whirlmap.sweep.space import Space
@@ -149,7 +153,7 @@ def map(  # noqa: A001 (the command's name)
     if status is not None:
         if case or vary or draw or store:
             raise InputError("--status reads a store that is there: expected nothing beside it but --json")
-        _say_status(status, json=json)
+        say_status(status, json=json)
         return
     if case is None:
         raise InputError("found no CASE, expected the name or path of one, or --status DIR")
@@ -168,19 +172,24 @@ def map(  # noqa: A001 (the command's name)
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers=1)
     watch = _Watch(space.points, quiet=quiet)
-    before = signal.signal(signal.SIGTERM, _interrupt)  # Slurm ends a job with it
-    try:
-        with watch.bar:
-            ds = run_sweep(
-                system, space, labelling, store=store, resume=resume, force=force, share=part, cluster=dask, refine=refine,
-                sections=sections, workers=workers, chunk=chunk, on_chunk=watch,
-            )  # fmt: skip
-    except KeyboardInterrupt:
-        say(watch.interrupted(store))
-        raise typer.Exit(130) from None
-    finally:
-        signal.signal(signal.SIGTERM, before)
-    files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
+    before = signal.signal(signal.SIGTERM, interrupts.first)  # Slurm ends a job with it
+    with TemporaryDirectory(prefix="whirlmap-") as passing:
+        place = Path(passing) / "map" if store is None and not (resume or part or dask) else store
+        try:
+            with watch.bar:
+                ds = run_sweep(
+                    system, space, labelling, store=place, resume=resume, force=force, share=part, cluster=dask,
+                    refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=watch,
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            files = []
+            if store is None and (kept := watch.kept(place)) is not None:
+                files = destination.write(kept, lambda done: pictures.regime_map(system, done, quantity))
+            say(watch.interrupted(store, files))
+            raise typer.Exit(interrupts.INTERRUPTED) from None
+        finally:
+            signal.signal(signal.SIGTERM, before)
+        files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
         say(f"accuracy not met: {doubts}")
     assumptions = report.say_assumptions(system, {name: (values[0], values[-1]) for name, values in space.axes.items()})
@@ -205,10 +214,6 @@ def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
     return "; ".join(f"{n} points: {Verdict(v).advice(model)}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
 
 
-def _interrupt(signum: int, frame: object) -> None:  # noqa: ARG001 (a signal's handler)
-    raise KeyboardInterrupt
-
-
 class _Watch:
     """Shows the progress of a sweep, and remembers how far it came."""
 
@@ -227,15 +232,28 @@ class _Watch:
         self.bar.expect(total - done + now.points, f"{done} of {total} points: {_shares(now.regimes)}")
         self.bar(now.points - self.bar.done)
 
-    def interrupted(self, store: Path | None) -> str:
+    def kept(self, place: Path | None) -> "xr.Dataset | None":
+        """What is finished of a sweep whose store does not stay; None where nothing is."""
+        from whirlmap.sweep.store import Store
+
+        if place is None or self.last is None or not self.last.points_done:
+            return None
+        now = self.last
+        return Store(place).open().load().assign_attrs(
+            incomplete=f"interrupted after {now.points_done} of {now.points_total} points"
+        )  # fmt: skip
+
+    def interrupted(self, store: Path | None, files: Sequence[Path]) -> str:
         """Say what is kept and how to go on."""
-        if self.last is None or store is None:
+        if self.last is None or not (store or self.last.done):
             return "interrupted: nothing was finished, so nothing was kept"
+        done = f"interrupted: {self.last.done} of {self.last.total} chunks are done and"
+        if store is None:
+            names = " ".join(str(file) for file in files)
+            where = f"were kept in {names}" if files else "lost, for neither --out nor --store was given"
+            return f"{done} {where}\n  with --store DIR the next run can be gone on with"
         again = [Path(sys.argv[0]).name, *(word for word in sys.argv[1:] if word not in ("--resume", "--force")), "--resume"]
-        return (
-            f"interrupted: {self.last.done} of {self.last.total} chunks are done and kept in {store}; go on with\n"
-            f"  {shlex.join(again)}"
-        )
+        return f"{done} kept in {store}; go on with\n  {shlex.join(again)}"
 
     def facts(self, points: int, refine: bool) -> dict[str, Any]:
         """What the sweep came to."""
@@ -328,41 +346,6 @@ def _print(facts: dict[str, Any]) -> None:
             f"computed {facts['computed']} points; a uniform grid of this resolution takes {whole},"
             f" {whole / max(facts['computed'], 1):.3g} times as many"
         )
-    _table(facts["regimes"])
+    report.show(report.regimes_table(facts["regimes"]))
     if facts["store"]:
         typer.echo(f"store: {facts['store']}")
-
-
-def _table(regimes: dict[str, int]) -> None:
-    total = max(sum(regimes.values()), 1)
-    rows = [(label, str(n), f"{100 * n / total:.3g} %") for label, n in regimes.items()]
-    report.show(report.table("Regimes", ("regime", "points", "share"), rows, numbers=(1, 2)))
-
-
-def _say_status(folder: Path, *, json: bool) -> None:
-    from whirlmap.sweep.standing import store_standing
-
-    s = store_standing(folder)
-    if json:
-        report.print_json(s)
-        return
-    damaged = s["chunks_damaged"] or s["lost"]
-    whole = s["chunks_done"] == s["chunks"] and not damaged
-    state = "complete" if whole else "running" if s["running"] else "damaged" if damaged else "not running"
-    typer.echo(f"{s['store']}: {state}")
-    typer.echo(f"{s['chunks_done']} of {s['chunks']} chunks, {s['points_done']} of {s['points']} points")
-    if s["lost"]:
-        typer.echo(f"lost: {', '.join(s['lost'])}; the same command with --resume puts them back")
-    if s["chunks_damaged"]:
-        numbers = ", ".join([*(str(n) for n in s["damaged"][:6]), *(["..."] if len(s["damaged"]) > 6 else [])])
-        typer.echo(f"{s['chunks_damaged']} damaged chunks ({numbers}): --resume computes them again")
-    if 0 < s["points_computed"] < s["points_done"]:
-        typer.echo(f"computed {s['points_computed']} of them, the others are inferred")
-    if s["seconds_since"] is not None:
-        rate = f", {s['rate']:.3g} points/s" if s["rate"] else ""
-        left = f", {clock(s['seconds_left'])} left" if s["running"] and s["seconds_left"] else ""
-        typer.echo(f"last chunk {clock(s['seconds_since'])} ago{rate}{left}")
-    if s["regimes"]:
-        _table(s["regimes"])
-    for number, reason in s["reasons"].items():
-        typer.echo(f"chunk {number} failed: {reason}")

@@ -193,7 +193,7 @@ def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] |
 
     system = load(case, start=begin, **changed)
     if system.start:
-        from whirlmap.sweep.run import refuse_start
+        from whirlmap.sweep.starts import refuse_start
 
         refuse_start(system)
     return system

@@ -10,8 +10,11 @@ from fractions import Fraction
 from itertools import product
 from pathlib import Path
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
+import typer
+
+from whirlmap.cli.interrupts import INTERRUPTED
 from whirlmap.cli.messages import say
 
 if TYPE_CHECKING:
@@ -44,6 +47,13 @@ def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], 
     for row in rows:
         made.add_row(*(Text(cell if isinstance(cell, str) else number(cell)) for cell in row))
     return made
+
+
+def regimes_table(regimes: Mapping[str, int]) -> Any:
+    """Table of how many points each regime has."""
+    total = max(sum(regimes.values()), 1)
+    rows = [(label, str(n), f"{100 * n / total:.3g} %") for label, n in regimes.items()]
+    return table("Regimes", ("regime", "points", "share"), rows, numbers=(1, 2))
 
 
 def show(*parts: "RenderableType") -> None:
@@ -132,3 +142,20 @@ def print_written(files: Sequence[Path]) -> None:
     """Say which files were written."""
     for file in files:
         sys.stdout.write(f"written: {file}\n")
+
+
+def interrupted(incomplete: str, files: Sequence[Path], go_on: str) -> NoReturn:
+    """Say what was kept and where, and how to go on; ends with the exit code of Ctrl-C.
+
+    Parameters
+    ----------
+    incomplete : str
+        The attribute of that name: ``interrupted after 64 of 200 points``.
+    files : sequence of Path
+        Those written.
+    go_on : str
+        How to get the rest, as a sentence.
+    """
+    where = f"in {' '.join(map(str, files))}" if files else "in what is printed alone, for --out named no place"
+    say(f"{incomplete}; the results so far were kept {where}\n  {go_on}")
+    raise typer.Exit(INTERRUPTED)

@@ -1,5 +1,6 @@
 """``whirlmap reproduce``: the paper's figures and the verdict on its claims."""
 
+import time
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
@@ -7,6 +8,7 @@ from typing import Annotated
 import typer
 
 from whirlmap.cli import options, report
+from whirlmap.cli.interrupts import INTERRUPTED
 from whirlmap.cli.messages import choice, say
 from whirlmap.cli.progress import Progress
 
@@ -54,12 +56,16 @@ def reproduce(
     choice("--quality", quality, QUALITIES)
     from whirlmap.studies.gear_psfd.reproduce import reproduce as run
 
+    begun = time.time()
     try:
         with Progress("reproduce", longest(quality, case), quiet=quiet, most=True) as progress:
             made = run(out, quality=quality, cases=case, workers=workers, progress=progress)
     except KeyboardInterrupt:
-        say(f"interrupted: the editions that were finished are in {out}, with their report")
-        raise typer.Exit(130) from None
+        made_now = [f.name for f in sorted(out.glob("[!.]*")) if f.stat().st_mtime >= begun] if out.is_dir() else []
+        kept = f"data, figures and report that were finished are in {out}: {', '.join(made_now)}"
+        say(f"interrupted: {kept if made_now else f'nothing was finished, so nothing was written into {out}'}")
+        say("  the same command computes all anew; with --case one edition at a time")
+        raise typer.Exit(INTERRUPTED) from None
     if json:
         report.print_json({"quality": quality, "out": out, **made})
         return

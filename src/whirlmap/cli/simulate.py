@@ -66,12 +66,9 @@ def simulate(
         check_writable(table, force=force)
     destination = claim(None if table else out, "simulate", force=force)
     system = options.open_system(case, changes, start)
-    from whirlmap.analysis.record_length import shown_periods
-    from whirlmap.analysis.trajectory import SAMPLES
     from whirlmap.sweep.run import simulation_in_stretches
 
-    total = (shown_periods(system, max(SAMPLES // max(every, 1), 1)) if periods is None else periods) + transient
-    with Progress("simulate", max(total, 1), quiet=quiet) as progress:
+    with Progress("simulate", None, quiet=quiet) as progress:
         work = simulation_in_stretches(
             system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
             workers=workers, progress=progress,
@@ -90,8 +87,8 @@ def simulate(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        say(f"interrupted after {work.done} of {work.total} T; these were kept")
-        raise typer.Exit(130)
+        rest = f"--transient {transient + work.done} --periods {work.total - work.done}"
+        report.interrupted(facts["incomplete"], files, f"the same command with {rest} gives what is missing")
     if facts["status"] not in ("ok", "contact", "diverged"):
         say(f"the run was not finished: {facts['status']} at time {facts['end_time']:.9g}")
         raise typer.Exit(1)  # those three are motions of the machine; anything else is a run that could not go on

@@ -31,6 +31,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
     limit = float(ds.attrs["limit"])
     facts: dict[str, Any] = {
         "case": system.case, "limit": limit, "limit_um": limit * um if isfinite(um) else None,
+        "incomplete": ds.attrs.get("incomplete"),
         "quantities": ds.attrs["quantities"].split(), "followed": bool(ds.attrs["followed"]),
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
         "operation": _operation(float(system.values[SPEED]), rows, rpm),
@@ -82,6 +83,8 @@ def show(facts: dict[str, Any]) -> None:
     um = facts["limit_um"]
     limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
     typer.echo(f"{facts['case']}: peak to peak of {', '.join(facts['quantities'])} at most {limit}")
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
     speed = "speed [rpm]" if facts["rpm"] is not None else "s"
     heads, cells = _quantities(facts["stretches"])
     safe, other = [], []

@@ -93,28 +93,39 @@ def speeds(
     from whirlmap.sweep.machines import safe_probability
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
-    from whirlmap.sweep.speeds import safe_speeds
+    from whirlmap.sweep.speeds import safe_speeds_in_parts
 
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
     refuse_points([points])
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
-    judged = points * (3 if follow else 1) * (1 + (draws if tolerances else 0))
-    with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet) as progress:
-        ds = safe_speeds(
+    judged = points * (3 if follow else 1)
+    drawn_points = judged * draws if tolerances else 0
+    with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
+        progress.later(drawn_points)
+        work = safe_speeds_in_parts(
             system, at, allowed, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy, method=method,
             workers=workers, progress=progress,
         )  # fmt: skip
-        if tolerances:
+        if work.dataset is None:
+            raise KeyboardInterrupt
+        ds = work.dataset
+        if tolerances and work.complete:
+            progress.later(0)
+            progress.more_points(drawn_points)
             settings = options.assignments(changes, "--set")
             drawn, limits = drawn_machines(system, case, settings, tolerances, draws, seed, allowed)
-            chance = safe_probability(
-                system, drawn, at, limits, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy,
-                method=method, workers=workers, progress=progress,
-            )  # fmt: skip
-            report.say_doubts(chance.attrs)
-            ds = ds.merge(chance, combine_attrs="override")
-            ds = ds.assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
+            try:
+                chance = safe_probability(
+                    system, drawn, at, limits, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy,
+                    method=method, workers=workers, progress=progress,
+                )  # fmt: skip
+            except KeyboardInterrupt:
+                ds.attrs["incomplete"] = "interrupted before the probabilities over the tolerances were known"
+            else:
+                report.say_doubts(chance.attrs)
+                ds = ds.merge(chance, combine_attrs="override")
+                ds = ds.assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
     files = destination.write(ds, lambda made: speed_report.picture(system, made))
     report.say_doubts(ds.attrs)
     facts = speed_report.summary(system, ds)
@@ -124,3 +135,5 @@ def speeds(
     else:
         speed_report.show(facts)
         report.print_written(files)
+    if facts["incomplete"]:
+        report.interrupted(facts["incomplete"], files, "the same command judges all speeds anew; with --range, fewer")

@@ -6,7 +6,6 @@ in and however many threads run.
 
 import os
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
@@ -20,9 +19,9 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.group import Group, Record
 from whirlmap.integrate.scales import limits, tangent_sizes
 from whirlmap.integrate.system import common_multiple, periods, strobe
+from whirlmap.integrate.workers import Workers
 from whirlmap.kernels.lanes import UNKNOWN
 from whirlmap.kernels.methods import RK4, Method
-from whirlmap.kernels.root_choice import adopt, chosen
 from whirlmap.kernels.routine import LANES
 from whirlmap.results.status import Status
 
@@ -35,7 +34,7 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-#: Calls of a kernel for each worker, and blocks in one call at most (an interrupt waits for the calls that run). Calls of
+#: Calls of a kernel for each worker, and blocks in one call at most. Calls of
 #: fewer steps of blocks than `SHORT` are not divided: they take less than some milliseconds, Python's part of a call 0.1.
 #: As little work in all starts no threads.
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
@@ -345,21 +344,16 @@ class Ensemble:
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
             group, local = task
-            group.advance(local, n_periods, save, segment, place, between=extremes == "between")
-            if progress:
-                progress(n_periods * local.size)
+            group.advance(local, n_periods, save, segment, place, between=extremes == "between", progress=progress)
 
         work_in_all = sum(-(-local.size // LANES) * n_periods * group.steps for group, local in tasks)
         if self.workers == 1 or len(tasks) == 1 or work_in_all < SHORT:
             for task in tasks:
                 work(task)
         else:
-            pool = ThreadPoolExecutor(self.workers, initializer=adopt, initargs=(chosen(),))
-            try:
+            with Workers(self.workers) as pool:
                 for _ in pool.map(work, tasks):
                     pass
-            finally:
-                pool.shutdown(cancel_futures=True)  # an interrupt waits for the blocks that run, not for the queue
         still = self.running[members]
         self.turns[members[still]] += n_periods
         statistics = _statistics(segment.sums, n_periods * self.point_steps[members], still) if extremes else None

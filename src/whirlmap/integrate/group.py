@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from math import lcm
+from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,6 +14,7 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import Rescue
+from whirlmap.integrate.workers import stop_if_given_up
 from whirlmap.kernels.event_location import FINE, pieces
 from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.reference import reference_outputs
@@ -23,6 +27,10 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
+
+#: Seconds that one call of a kernel should take: Ctrl-C waits for it, and progress is said behind it. Steps of blocks in the
+#: first call of a run, from whose time the length of the others follows, and least steps in one.
+CALL, FIRST, LEAST = 0.2, 1 << 15, 64
 
 
 @dataclass(frozen=True)
@@ -55,27 +63,32 @@ class Group:
         )
 
     def advance(
-        self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points, *, between: bool
-    ) -> None:
+        self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points, *, between: bool,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:  # fmt: skip
         """Advance some points, redoing failed steps until each has reached the end or ended.
 
         ``local`` holds indices into the group's members; ``place`` the columns of all points in the record; ``between``
-        says whether extremes between steps count.
+        says whether extremes between steps count. The kernel is called for some steps at a time (`CALL`), which changes no
+        bit.
         """
         e = self.ensemble
         at = self.members[local]
         run = _Run(self, local, n_periods * self.steps, int(save * self.steps), record, between=between)
-        everything = np.arange(run.blocks)
-        run.active.reshape(-1)[: at.size] = 1
-        while everything.size:
-            run.call(everything, int(e.turns[at[0]]) * self.steps)
-            lost = np.flatnonzero(run.failed.reshape(-1)[: at.size] >= 0)
-            if not lost.size:
-                break
-            run.active[:] = 0
-            self._mend(local, lost, run)
-            run.failed[:] = -1
-            everything = np.flatnonzero(run.active.any(axis=(1, 2)))
+        length, said = max(FIRST // run.blocks, 1), 0
+        while run.begin < run.total:
+            stop_if_given_up()
+            begun = perf_counter()
+            run.end = min(run.begin + length, run.total)
+            self._reach_end(local, run)
+            if not run.alive.any():
+                run.end = run.total
+            faster = CALL / max(perf_counter() - begun, 1e-6)
+            length, run.begin = max(int(length * min(faster, 8.0)), LEAST), run.end
+            if progress:
+                now = run.end * at.size // self.steps
+                progress(now - said)
+                said = now
         to = place[at]
         e._y[: run.y.shape[1], at] = unblocked(run.y, at.size)
         if e.crossings.size and self.kernel.source.sizes.surfaces:
@@ -88,6 +101,20 @@ class Group:
                 flat = unblocked(blocks.reshape(run.blocks, -1, LANES), at.size)
                 # The growth between the orthonormalisations of one T adds up.
                 into[:, :, to] = flat.reshape(into.shape[0], -1, into.shape[1], at.size).sum(axis=1)
+
+    def _reach_end(self, local: Points, run: _Run) -> None:
+        """Take the points of a run that have not ended to the end of the present call."""
+        run.active[:], run.first[:] = run.alive, run.begin
+        chosen = np.flatnonzero(run.active.any(axis=(1, 2)))
+        while chosen.size:
+            run.call(chosen, int(self.ensemble.turns[self.members[local[0]]]) * self.steps)
+            lost = np.flatnonzero(run.failed.reshape(-1)[: local.size] >= 0)
+            if not lost.size:
+                break
+            run.active[:] = 0
+            self._mend(local, lost, run)
+            run.failed[:] = -1
+            chosen = np.flatnonzero(run.active.any(axis=(1, 2)))
 
     def packed(self, local: Points) -> dict[str, Any]:
         """Steps and inputs of some points in blocks; they are often those of the call before."""
@@ -112,11 +139,12 @@ class Group:
         e.end_time[points[ended]] = ((step + part) * h + outcome.time)[ended]
         e.end_stop[points[ended]] = outcome.stop[ended]
         on = ~ended
+        run.alive[block[ended], 0, lane[ended]] = 0
         if not on.any():
             return
         done = failed[on] + 1
         run.first[block[on], 0, lane[on]] = done
-        run.active[block[on], 0, lane[on]] = done < run.total
+        run.active[block[on], 0, lane[on]] = done < run.end
         run.after_mended_step(block[on], lane[on], done)
         if run.folded:
             self._fold(members[on], block[on], lane[on], run)
@@ -135,8 +163,12 @@ class Group:
         run.sums[block, :, :, lane] = sums
 
 
+#: Arrays of a run that a kernel changes, beside those that it saves into.
+_IN_PLACE = ("y", "active", "failed", "sums", "cause", "reached", "tally")
+
+
 class _Run:
-    """Arrays of one advance of some points, laid out in blocks."""
+    """Arrays of one advance of some points, laid out in blocks; a call takes them from ``begin`` to ``end``, in steps."""
 
     def __init__(
         self, group: Group, local: Points, total: int, save_every: int, record: Record, *, between: bool
@@ -149,6 +181,9 @@ class _Run:
         self.blocks = self.y.shape[0]
         self.inputs = group.packed(local)
         self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
+        self.alive = np.zeros((self.blocks, 1, LANES), dtype=np.int64)
+        self.alive.reshape(-1)[: local.size] = 1
+        self.begin = self.end = 0
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
         self.growth = np.zeros((self.blocks, group.orth * record.growth.shape[0], self.count, LANES))
         self.orth_every = group.steps // group.orth if record.growth.shape[0] else total + 1
@@ -160,25 +195,40 @@ class _Run:
             self.sums[:, 0, : self.n] = self.y[:, : self.n]  # the reference: the present state
             self.sums[:, 1], self.sums[:, 2] = np.inf, -np.inf
 
-    def call(self, chosen: Points, begin: int) -> None:
-        """Call the kernel for some blocks; arrays of blocks that are not all of them go there and back as copies."""
-        names = ("y", "first", "active", "failed", "saved", "growth", "sums", "cause", "reached", "tally")
-        whole = chosen.size == self.blocks
-        arrays: dict[str, Any] = {name: getattr(self, name) for name in names}
+    def call(self, chosen: Points, phase: int) -> None:
+        """Call the kernel for some blocks; arrays of blocks that are not all of them go there and back as copies.
+
+        ``phase`` is the number of steps after phase zero at which the run began. The kernel begins at the last step before
+        the call at which what is saved and the growths both begin anew: up to the call's own first step all lanes wait.
+        """
+        unit = lcm(self.save_every if self.saved.shape[1] else 1, self.orth_every if self.growth.shape[1] else 1)
+        begin = self.begin // unit * unit
+        whole, all_steps = chosen.size == self.blocks, begin == 0 and self.end == self.total
+        arrays: dict[str, Any] = {name: getattr(self, name) for name in _IN_PLACE}
         steady = {name: self.inputs[name] for name in ("h", "p", "offsets")}
         if not whole:
             arrays = {name: np.ascontiguousarray(a[chosen]) for name, a in arrays.items()}
             steady = {name: np.ascontiguousarray(a[chosen]) for name, a in steady.items()}
+        rows = {"saved": self.save_every, "growth": self.orth_every}
+        parts = {name: slice(begin // every, self.end // every) for name, every in rows.items()}
+        for name, part in parts.items():
+            here = getattr(self, name)
+            arrays[name] = here if whole and all_steps else np.ascontiguousarray(here[chosen, part])
+        first = np.ascontiguousarray(self.first[chosen] - begin)
         kernel = self.group.kernel
         kernel.advance(
-            blocks=chosen.size, count=self.count, **arrays, **steady, tables=self.inputs["tables"],
-            **self.group.waves.arguments(begin), steps=self.total, save_every=self.save_every, saves=self.saved.shape[1],
-            orth_every=self.orth_every, events=self.growth.shape[1], folded=self.folded,
+            blocks=chosen.size, count=self.count, **arrays, **steady, first=first, tables=self.inputs["tables"],
+            **self.group.waves.arguments(phase + begin), steps=self.end - begin, save_every=self.save_every,
+            saves=arrays["saved"].shape[1], orth_every=self.orth_every, events=arrays["growth"].shape[1], folded=self.folded,
             pieces=FINE if self.folded == 2 else pieces(self.group.steps), work=kernel.work(),
         )  # fmt: skip
         if not whole:
-            for name, a in arrays.items():
-                getattr(self, name)[chosen] = a
+            for name in _IN_PLACE:
+                getattr(self, name)[chosen] = arrays[name]
+        if not (whole and all_steps):
+            for name, part in parts.items():
+                getattr(self, name)[chosen, part] = arrays[name]
+        self.failed[self.failed >= 0] += begin
 
     def after_mended_step(self, block: Points, lane: Points, done: Integers) -> None:
         """Do after mended steps what the kernel does after its own where it is due: orthonormalise, and save."""

@@ -24,6 +24,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from whirlmap.errors import CacheError
+from whirlmap.progress import compiling
 
 Data = TypeVar("Data")
 
@@ -94,7 +95,8 @@ def stored(name: str, make: Callable[[], bytes], sound: Callable[[bytes], bool] 
         pass
     except OSError:
         warnings.warn(f"{path} cannot be read and is made again", stacklevel=2)
-    made = make()
+    with compiling():
+        made = make()
     _write(path, hashlib.sha256(made).hexdigest().encode() + b"\n" + made)
     return made
 

@@ -23,6 +23,8 @@ PICTURES = (".png", ".svg", ".pdf")
 TEXTS = (".md", ".json", ".toml", ".csv")
 #: Files that this process has written, for whoever must say what there is when it is interrupted.
 WRITTEN: list[Path] = []
+#: Temporary files that are being written, for whoever ends this process at once.
+UNFINISHED: set[Path] = set()
 
 
 #: What the operating system says when nothing can be written, whatever it is.
@@ -152,6 +154,7 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
     """
     check_writable(path, force=force)
     trial = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    UNFINISHED.add(trial)
     try:
         fill(trial)
         if force:
@@ -162,6 +165,7 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
         raise _fault(error)(f"{path}: cannot be written ({reason(error)})") from error
     finally:
         trial.unlink(missing_ok=True)
+        UNFINISHED.discard(trial)
     WRITTEN.append(path)
     return path
 

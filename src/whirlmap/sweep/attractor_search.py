@@ -8,7 +8,7 @@
 """
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,12 +24,15 @@ from whirlmap.analysis.settling import POOL
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.known_attractors import KnownAttractors
+from whirlmap.sweep.known_attractors import Found, KnownAttractors
 from whirlmap.sweep.points import POOLS
 from whirlmap.sweep.repeat import repeat_of_forcing
+from whirlmap.sweep.run import FIRST
 from whirlmap.sweep.starts import repeated
+from whirlmap.sweep.work import batches
 
 Array = NDArray[np.float64]
 Starts = NDArray[np.intp]
@@ -42,17 +45,6 @@ RECORD, TRACE, LONGER = 32, 2048, 4
 MOST_AT_ONCE = 1024
 #: Labels of runs that reach no attractor.
 ENDLESS = (Regime.drifting, Regime.growing, Regime.not_settled)
-
-
-@dataclass
-class Found:
-    """What a search holds; arrays over the starts."""
-
-    status: NDArray[np.int8]
-    of: NDArray[np.int64]  # number of the attractor from 0, -1 none
-    representative: list[Array]  # a state on each attractor, at phase zero
-    multiple: list[int]  # its return in common periods, 0 where none
-    outcome: NDArray[np.int8]  # drifting, growing or not settled, else undecided
 
 
 class Search:
@@ -74,7 +66,7 @@ class Search:
         )  # fmt: skip
 
     def run(self) -> Found:
-        """Gather all starts."""
+        """Gather all starts; `KeyboardInterrupt` leaves what was ``found`` until then."""
         self._settle()
         f, block = self.found, LANES
         forced = self.system.model.forced
@@ -99,23 +91,25 @@ class Search:
         return np.flatnonzero((self.found.of < 0) & (self.found.status == Status.ok))
 
     def _settle(self) -> None:
-        """Settle all starts, in batches that a pool holds."""
-        n = self.x.shape[1]
-        size = POOLS * POOL * LANES * (self.labelling.workers or cores())
+        """Settle all starts in batches."""
+        n, block = self.x.shape[1], LANES * (self.labelling.workers or cores())
         settling = replace(self.labelling.settling, keep=1)
-        for first in range(0, n, size):
-            batch = np.arange(first, min(first + size, n))
+        for place in batches(n, first=FIRST * block, most=POOLS * POOL * block):
+            batch = np.arange(place.start, place.stop)
+            tell(self.progress, "begin", n - place.start, settling.transient + settling.first_window)
             ensemble = self.ensemble(self.starts[:, batch])
             returns = settle_and_record(ensemble, settling, cyclic=self.cyclic, progress=self.progress)
             self.multiple[batch], self.x[:, batch] = returns.multiple, ensemble.x
             self.found.status[batch] = ensemble.status
-            if first == 0:
+            if not place.start:
                 self.every = repeat_of_forcing(self.system, ensemble.x[:, ensemble.running])
             open_ones = np.flatnonzero(ensemble.running & ((returns.multiple == 0) | (not self.system.model.forced)))
             if open_ones.size:
                 saved = self._advance(ensemble, RECORD, open_ones)
                 self.records |= {int(batch[k]): saved[:, :, i] for i, k in enumerate(open_ones)}
                 self.found.status[batch], self.x[:, batch] = ensemble.status, ensemble.x
+            self.found.settled = place.stop
+            tell(self.progress, "settled", batch.size, 0, 0)
 
     def _advance(self, ensemble: Ensemble, count: int, members: Starts | None = None) -> Array:
         """Run for so many section points, shape (time, state, member)."""
@@ -295,7 +289,7 @@ class Search:
         return np.moveaxis(self._advance(self.ensemble(self.x[:, starts]), count), 2, 0)
 
     def _take(self, members: Starts, state: Array, multiple: int) -> None:
-        f = self.found
-        f.of[members] = len(f.representative)
-        f.representative.append(state.copy())
+        f, number = self.found, len(self.found.representative)
         f.multiple.append(multiple)
+        f.representative.append(state.copy())
+        f.of[members] = number  # last of all: Ctrl-C may come in between

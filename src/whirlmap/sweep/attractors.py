@@ -18,14 +18,17 @@ from whirlmap.analysis.settling import Settling
 from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import LADDER, Verdict, doubtful
-from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
-from whirlmap.sweep.attractor_search import Found, Search
+from whirlmap.sweep.attractor_search import Search
+from whirlmap.sweep.attractors_so_far import found_so_far
+from whirlmap.sweep.known_attractors import Found
 from whirlmap.sweep.point_variables import points_dataset
 from whirlmap.sweep.starts import default_box, draw_starts, repeated
+from whirlmap.sweep.work import Work
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
@@ -40,6 +43,7 @@ KEPT = 512
 OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.not_settled, Regime.undecided)
 
 
+@shows_progress("attractors")
 def attractors(
     system: System,
     *,
@@ -52,7 +56,7 @@ def attractors(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Find the attractors of one operating point that many start states lead to.
 
@@ -71,8 +75,8 @@ def attractors(
         T over which the exponent of motion that does not return is measured, at most, as in `label_points`; 256 or more.
     steps, accuracy, method, workers
         As in `make_ensemble`.
-    progress : callable, optional
-        Called with the number of starts x periods T done since the last call.
+    progress : callable or True, optional
+        Called with the number of starts x periods T done since the last call; True shows a bar.
 
     Returns
     -------
@@ -111,6 +115,35 @@ def attractors(
     than settling and exponent's run is taken for an attractor. Orbits closer than ten tolerances of settling are one (those
     that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
     """
+    work = attractors_in_parts(
+        system, starts=starts, box=box, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps, accuracy=accuracy,
+        method=method, workers=workers, progress=progress,
+    )  # fmt: skip
+    if work.dataset is None or not work.complete:
+        raise KeyboardInterrupt
+    return work.dataset
+
+
+def attractors_in_parts(
+    system: System,
+    *,
+    starts: int | ArrayLike = 256,
+    box: Mapping[str, tuple[float, float]] | None = None,
+    seed: int = 0,
+    settling: Settling | None = None,
+    lyapunov: int | None = None,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    progress: Progress | None = None,
+) -> Work:
+    """Find attractors; `KeyboardInterrupt` ends it with the starts that have settled and the attractors found so far.
+
+    ``done`` and ``total`` of the work count starts, and the measurement of the attractors as one more. Parameters are those
+    of `attractors`, and so is the Dataset; where it carries ``incomplete``, shares are those of the starts that have
+    settled, the others have ``start_status`` failed, and of the attractors no more is known than `found_so_far` says.
+    """
     settling = settling or Settling()
     if lyapunov is not None and not LEAST <= lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 T, not {lyapunov}")
@@ -127,12 +160,26 @@ def attractors(
                 f"starts have shape {x.shape}, expected {system.model.dimension} states ({' '.join(system.states)}) by"
                 " one or more starts, all finite"
             )
-    labelling, doubts = _one_step(system, labelling, x, progress)
-    found = Search(system, labelling, x, progress).run()
-    ds = _dataset(system, labelling, found, x, progress)
+    search, doubts, n = None, None, x.shape[1]
+    missing = "all starts had come to an attractor"
+    try:
+        labelling, doubts = _one_step(system, labelling, x, progress)
+        search = Search(system, labelling, x, progress)
+        search.run()
+        missing = "the attractors were measured"
+        ds = _dataset(system, labelling, search.found, x, _evidence(system, labelling, search.found, progress))
+        missing = ""
+    except KeyboardInterrupt:
+        if search is None or not search.found.settled:
+            return Work(None, 0, n + 1)
+        ds = _dataset(system, labelling, search.found, x, found_so_far(system, search))
+        settled = search.found.settled
+        ds.attrs["incomplete"] = "interrupted " + (f"after {settled} of {n} starts" if settled < n else f"before {missing}")
     if doubts:
         ds.attrs["accuracy_not_met"] = doubts
-    return ds.assign_attrs({"seed": seed} if drawn else {})
+    return Work(ds.assign_attrs({"seed": seed} if drawn else {}), search.found.settled if missing else n + 1, n + 1)
+
+
 
 
 def _one_step(
@@ -161,8 +208,10 @@ def _one_step(
 
 def _evidence(
     system: System, labelling: Labelling, found: Found, progress: Progress | None
-) -> tuple[xr.Dataset, xr.Dataset, Ensemble]:
-    """Variables of `label_points` over the attractors, and the votes of all indicators about each."""
+) -> tuple[xr.Dataset, dict[str, Any]]:
+    """Variables of `label_points` over the attractors with the votes of all indicators about each, and attributes."""
+    if not found.representative:
+        return xr.Dataset(), {}
     count = len(found.representative)
     cycle = system.strobe
     keep = max(labelling.settling.keep, 2 * cycle * max(found.multiple))
@@ -194,7 +243,7 @@ def _evidence(
         lyapunov=variable("attractor", mean, "1/time", "largest Lyapunov exponent"),
         lyapunov_error=variable("attractor", spread, "1/time", "one standard error of it, from block means"),
     )
-    return ds, votes, ensemble
+    return ds.drop_vars(set(ds.data_vars) & set(votes.data_vars)).merge(votes), run_attributes(system, ensemble)
 
 
 def _share(count: NDArray[np.int64], total: int) -> tuple[Array, Array]:
@@ -203,16 +252,16 @@ def _share(count: NDArray[np.int64], total: int) -> tuple[Array, Array]:
     return count / total, np.sqrt(p * (1 - p) / (total + 3))
 
 
-def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, progress: Progress | None) -> xr.Dataset:
-    n = starts.shape[1]
-    ds = xr.Dataset()
-    attributes: dict[str, Any] = {}
-    of = found.of
+def _dataset(
+    system: System, labelling: Labelling, found: Found, starts: Array, known: tuple[xr.Dataset, dict[str, Any]]
+) -> xr.Dataset:
+    """Dataset of a search; ``known`` are the attractors and attributes, of `_evidence` or `found_so_far`."""
+    ds, attributes = known
+    of, settled = found.of, np.arange(starts.shape[1]) < found.settled
+    n = int(settled.sum())
     if found.representative:
-        ds, votes, ensemble = _evidence(system, labelling, found, progress)
-        attributes = run_attributes(system, ensemble)
-        ds = ds.drop_vars(set(ds.data_vars) & set(votes.data_vars)).merge(votes)
-        sure = np.flatnonzero(ds["regime"].values != Regime.undecided)  # an attractor is what has a label
+        # An attractor is what has a label, once labels are known.
+        sure = np.flatnonzero((ds["regime"].values != Regime.undecided) | ("vote" not in ds))
         counts = np.bincount(of[of >= 0], minlength=len(found.representative))[sure]
         order = sure[np.argsort(-counts, kind="stable")]
         number = np.zeros(len(found.representative) + 1, dtype=np.int64)
@@ -220,7 +269,7 @@ def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, 
         of = number[of]  # -1 is the last, which is 0
         ds = ds.isel(attractor=order).assign_coords(attractor=np.arange(1, order.size + 1))
     else:
-        of = np.zeros(n, dtype=np.int64)
+        of = np.zeros(starts.shape[1], dtype=np.int64)
         attributes = run_attributes(system, Search(system, labelling, starts[:, :1], None).ensemble(starts[:, :1]))
     label = found.outcome.copy()
     if found.representative:
@@ -228,7 +277,7 @@ def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, 
     label[found.status == Status.contact], label[found.status == Status.diverged] = Regime.contact, Regime.diverged
     size = int(ds.sizes.get("attractor", 0))
     counts = np.bincount(of, minlength=size + 1)[1:]
-    ended = np.array([(label[of == 0] == r).sum() for r in OUTCOMES])
+    ended = np.array([(label[(of == 0) & settled] == r).sum() for r in OUTCOMES])
     for dim, k, prefix, what in (("attractor", counts, "", "attractor"), ("outcome", ended, "outcome_", "outcome")):
         share, error = _share(k, n)
         ds[f"{prefix}starts"] = variable(dim, k, "1", f"starts that came to this {what}")
@@ -238,7 +287,7 @@ def _dataset(system: System, labelling: Labelling, found: Found, starts: Array, 
     ds["start_state"] = variable(("state", "start"), starts, "1", "start states", unit_of_each=units)
     ds["attractor_of"] = variable("start", of, "1", "attractor that a start came to, 0 where none")
     ds["start_regime"] = regime_variable("start", label)
-    ds["start_status"] = status_variable("start", found.status)
+    ds["start_status"] = status_variable("start", np.where(settled, found.status, Status.failed))
     ds = ds.assign_coords(
         state=names_coordinate("state", system.states, "state"),
         outcome=names_coordinate("outcome", [r.label for r in OUTCOMES], "how starts without an attractor end"),

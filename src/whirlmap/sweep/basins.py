@@ -1,6 +1,7 @@
 """Basins of attraction: the attractor that every start state of a two-dimensional slice leads to."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,12 +10,15 @@ from numpy.typing import ArrayLike
 
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
+from whirlmap.progress import shows_progress
 from whirlmap.results.schema import variable
-from whirlmap.sweep.attractors import attractors
+from whirlmap.sweep.attractors import attractors_in_parts
 from whirlmap.sweep.memory import refuse_memory
 from whirlmap.sweep.starts import start_values
+from whirlmap.sweep.work import Work
 
 
+@shows_progress("basins")
 def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.Dataset:
     """Find the attractor of every start state on a grid over two states, the others at their start values.
 
@@ -37,6 +41,14 @@ def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.
     RangeError
         Unless the grid has two states of the model, each with two or more values that ascend.
     """
+    work = basins_in_parts(system, grid, **options)
+    if work.dataset is None or not work.complete:
+        raise KeyboardInterrupt
+    return work.dataset
+
+
+def basins_in_parts(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> Work:
+    """Find basins as `basins` does; `KeyboardInterrupt` ends it with what is finished, as in `attractors_in_parts`."""
     if len(grid) != 2:
         raise RangeError(f"grid: found {len(grid)} states ({' '.join(grid) or 'none'}), expected two, as in x and v")
     axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in grid.items()}
@@ -53,8 +65,12 @@ def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.
     x = np.repeat(start_values(system)[:, None], a.size * b.size, axis=1)
     x[system.states.index(first)] = np.repeat(a, b.size)
     x[system.states.index(second)] = np.tile(b, a.size)
-    ds = attractors(system, starts=x, **options).drop_vars("start_state")
+    work = attractors_in_parts(system, starts=x, **options)
+    if work.dataset is None:
+        return work
+    ds = work.dataset.drop_vars("start_state")
     for name in ("attractor_of", "start_regime", "start_status"):
         ds[name] = ((first, second), ds[name].values.reshape(a.size, b.size), ds[name].attrs)
     states = {s.name: s for s in system.model.states}
-    return ds.assign_coords({n: variable(n, v, states[n].unit, states[n].meaning) for n, v in axes.items()})
+    ds = ds.assign_coords({n: variable(n, v, states[n].unit, states[n].meaning) for n, v in axes.items()})
+    return replace(work, dataset=ds)

@@ -15,6 +15,7 @@ from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.extremes import extreme_coordinates, extreme_variables
@@ -32,6 +33,7 @@ Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
 
 
+@shows_progress("bifurcation")
 def bifurcation_diagram(
     system: System,
     parameter: str,
@@ -45,7 +47,7 @@ def bifurcation_diagram(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Section of every state against one parameter, with status, regime and amplitude of every point.
 
@@ -66,6 +68,8 @@ def bifurcation_diagram(
     states : sequence of str, optional
         States whose section is kept; the model's displacements (`kept_states`) where absent. All of them take 512 bytes
         per point and state with 64 T kept.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
 
     Returns
     -------

@@ -4,7 +4,7 @@ A task computes one chunk and writes it into the store; only a small outcome com
 """
 
 from collections.abc import Iterable, Iterator, Mapping
-from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import cached_property
@@ -19,13 +19,15 @@ from numpy.typing import NDArray
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import OutputError
 from whirlmap.integrate.system import System
+from whirlmap.integrate.workers import Workers
 from whirlmap.kernels.root_choice import RootChoice, using
 from whirlmap.results.files import DISK
 from whirlmap.sweep.identity import kernel_hash
 from whirlmap.sweep.point_variables import points_dataset
 from whirlmap.sweep.refine import refine
 from whirlmap.sweep.space import Space
-from whirlmap.sweep.store import EVALUATION, Evaluation, Store, counts_of
+from whirlmap.sweep.store import Evaluation, Store, counts_of
+from whirlmap.sweep.store_folder import EVALUATION
 
 #: How often a chunk is tried.
 ATTEMPTS = 3
@@ -186,11 +188,10 @@ def _attempt(job: Job, number: int) -> Outcome:
 
 
 def in_threads(job: Job, numbers: Iterable[int], workers: int) -> Iterator[Outcome]:
-    """Compute chunks in threads of this process, one in each; closing the iterator waits for those that run."""
+    """Compute chunks in threads of this process, one in each; closing the iterator stops those that run, uncommitted."""
     left = iter(numbers)
     running: set[Future[Outcome]] = set()
-    pool = ThreadPoolExecutor(workers)
-    try:
+    with Workers(workers) as pool:
         while True:
             for number in islice(left, workers + 1 - len(running)):
                 running.add(pool.submit(attempt, job, number))
@@ -199,8 +200,6 @@ def in_threads(job: Job, numbers: Iterable[int], workers: int) -> Iterator[Outco
             done, running = wait(running, return_when=FIRST_COMPLETED)
             for future in done:
                 yield future.result()
-    finally:
-        pool.shutdown(cancel_futures=True)
 
 
 @contextmanager

@@ -7,19 +7,21 @@ every motion that they come to is carried on from each speed to the next as they
 other; here most speeds are done in the first round, and the later ones hold only the fronts of the motions that are new.
 """
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.points import cyclic_states
+from whirlmap.equations.model import Model
 from whirlmap.integrate.scales import scales
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import Status
 from whirlmap.sweep.arriving import arriving, same_orbits
 from whirlmap.sweep.judging import Judge, Verdict, verdict_variable
+from whirlmap.sweep.point_variables import doubts
 
 Array = NDArray[np.float64]
 Places = NDArray[np.intp]
@@ -34,6 +36,13 @@ LEAST = 1e-3
 def cold_motions(judge: Judge, values: Mapping[str, Array], limits: Array) -> xr.Dataset:
     """Motions from cold starts alone, over ``point``, with their ``place`` among the points."""
     return judge(values, limits).assign_coords(place=("point", np.arange(limits.size)))
+
+
+def cold_at(parts: Sequence[xr.Dataset], model: Model) -> xr.Dataset:
+    """Join motions from cold starts at successive places."""
+    ds = joined(*parts)
+    ds.attrs = {k: v for k, v in ds.attrs.items() if k not in ("accuracy_not_met", "grazing")} | doubts(ds, model)
+    return ds.assign_coords(place=("point", np.arange(ds.sizes["point"])))
 
 
 def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length: int) -> xr.Dataset:
@@ -58,7 +67,17 @@ def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length
     into a periodic motion met there is none of its own (`whirlmap.sweep.arriving`), unless a cold start came to it.
     There are as many rounds as speeds at most, which take the last motion from one end of the range to the other.
     """
-    met = new = cold_motions(judge, values, limits)
+    cold = met = cold_motions(judge, values, limits)
+    for met in rounds_met(judge, values, limits, length, cold):  # noqa: B007 (the last round counts)
+        pass
+    return met
+
+
+def rounds_met(
+    judge: Judge, values: Mapping[str, Array], limits: Array, length: int, cold: xr.Dataset
+) -> Iterator[xr.Dataset]:
+    """All motions met by the end of each round of `motions_met`, whose cold starts are given."""
+    met = new = cold
     for _ in range(length - 1):
         source, place = _neighbours(new, length)
         if not place.size:
@@ -69,7 +88,7 @@ def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length
         stays = ~arriving(judge, values, both, fresh)
         stays[: limits.size] = True  # a cold start is a verdict of its own
         met, new = both.isel(point=np.flatnonzero(stays)), both.isel(point=np.flatnonzero(stays & fresh))
-    return met
+        yield met
 
 
 def carried(

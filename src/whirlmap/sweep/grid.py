@@ -70,3 +70,9 @@ class Range:
         """The values, shape (count,)."""
         make = np.geomspace if self.log else np.linspace
         return np.asarray(make(self.start, self.stop, self.count), dtype=float)
+
+    def rest(self, done: int) -> str:
+        """Write the range of the values behind the first ``done``, of the last two where fewer are left."""
+        first = min(done, self.count - 2)
+        start, stop = self.values[[first, -1]].tolist()
+        return f"{self.name}={start!r}:{stop!r}:{self.count - first}{':log' if self.log else ''}"

@@ -20,12 +20,14 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import shows_progress
 from whirlmap.results.schema import variable
 from whirlmap.sweep.judging import SPEED, Verdict, clearance, shaft_speed
 from whirlmap.sweep.machines import judge_machines
-from whirlmap.sweep.run import BATCH, Work
+from whirlmap.sweep.run import BATCH
 from whirlmap.sweep.speeds import refuse_speeds
 from whirlmap.sweep.windows import widest_window
+from whirlmap.sweep.work import OnBatch, Work, batches
 
 Array = NDArray[np.float64]
 
@@ -33,6 +35,7 @@ Array = NDArray[np.float64]
 PARTS = {1: 4, 2: 2}
 
 
+@shows_progress("improve")
 def improve(
     make: Callable[..., System],
     vary: Mapping[str, ArrayLike],
@@ -110,7 +113,7 @@ def improve_in_batches(
     follow: bool = True,
     quantity: str | None = None,
     batch: int | None = None,
-    on_batch: Callable[[int, int], None] | None = None,
+    on_batch: OnBatch | None = None,
     **options: Any,
 ) -> Work:
     """Compare designs batch by batch; `KeyboardInterrupt` ends it with the designs that are finished.
@@ -118,7 +121,8 @@ def improve_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Designs in a batch; where absent as many as `BATCH` blocks of lanes for each worker hold.
+        Designs in a batch; where absent as many as take some seconds (`work.batches`), and `BATCH` blocks of lanes for each
+        worker hold at most.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in designs; judged once more in run-up and run-down counts as one.
 
@@ -129,18 +133,18 @@ def improve_in_batches(
     _refuse_axes(axes)
     refuse_speeds(at, limit)
     trial = _Trial(make, tuple(axes), units or {}, at, limit, {"quantity": quantity, **options}, make())
-    size = batch or max(BATCH * LANES * (options.get("workers") or cores()) // at.size, 1)
+    most = batch or max(BATCH * LANES * (options.get("workers") or cores()) // at.size, 1)
     count = _Count(on_batch, int(np.prod([v.size for v in axes.values()])) + follow)
     designs: list[xr.Dataset] = []  # each with one design
     stage = "the values given"
     try:
-        for part in trial.in_batches(list(product(*axes.values())), size, count, refined=False):
+        for part in trial.in_batches(list(product(*axes.values())), batch or 1, most, count, refined=False):
             designs += part
         if refine:
             stage = "the values around the best"
             more = _around(_joined(designs), axes)
             count.total += len(more)
-            for part in trial.in_batches(more, size, count, refined=True):
+            for part in trial.in_batches(more, batch or 1, most, count, refined=True):
                 designs += part
         stage = "the run-up and run-down of the best"
         while follow and (best := [i for i in _best(_joined(designs)) if not designs[i]["followed"].item()]):
@@ -168,7 +172,7 @@ def improve_in_batches(
 class _Count:
     """Designs judged, and to be judged as far as is known."""
 
-    report: Callable[[int, int], None] | None
+    report: OnBatch | None
     total: int
     done: int = 0
 
@@ -228,11 +232,11 @@ class _Trial:
     system: System
 
     def in_batches(
-        self, designs: list[tuple[float, ...]], size: int, count: "_Count", *, refined: bool
+        self, designs: list[tuple[float, ...]], first: int, most: int, count: "_Count", *, refined: bool
     ) -> Iterator[list[xr.Dataset]]:
         """Judge designs from cold starts, batch by batch, each a Dataset of its own."""
-        for first in range(0, len(designs), size):
-            part = designs[first : first + size]
+        for place in batches(len(designs), first=first, most=most):
+            part = designs[place]
             ds = self.run(part, refined=refined, follow=False)
             yield [ds.isel(design=[i]) for i in range(len(part))]
             count(len(part))

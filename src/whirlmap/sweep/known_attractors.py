@@ -1,6 +1,7 @@
 """The attractors that a search has found, and which of them a state, an orbit or a trace is on."""
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +13,18 @@ from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System
 
 Array = NDArray[np.float64]
+
+
+@dataclass
+class Found:
+    """What a search holds; arrays over the starts."""
+
+    status: NDArray[np.int8]
+    of: NDArray[np.int64]  # number of the attractor from 0, -1 none
+    representative: list[Array]  # a state on each attractor, at phase zero
+    multiple: list[int]  # its return in common periods, 0 where none
+    outcome: NDArray[np.int8]  # drifting, growing or not settled, else undecided
+    settled: int = 0  # starts that have settled, the first ones
 
 
 class KnownAttractors:

@@ -13,7 +13,7 @@ from whirlmap.kernels.root_choice import RootChoice, possible
 from whirlmap.results.files import check_writable
 from whirlmap.results.provenance import as_json
 from whirlmap.sweep.executors import Job
-from whirlmap.sweep.store import Store, exists, half_made, remove
+from whirlmap.sweep.store_folder import CHUNKS, DESCRIPTION, exists, half_made, read_manifest, remains, remove
 from whirlmap.version import __version__
 
 #: Format of the manifest.
@@ -28,7 +28,14 @@ def claim(folder: Path, *, resume: bool, force: bool) -> None:
         raise OutputError(
             f"{folder}: holds a store already; --resume (resume=True) goes on with it, --force (force=True) replaces it"
         )
-    if folder.is_dir() and any(folder.iterdir()) and not exists(folder) and not half_made(folder):
+    lost = remains(folder) and not exists(folder) and not half_made(folder)
+    if lost and not force:
+        raise OutputError(
+            f"{folder}: is no store of a sweep any more: its manifest, {CHUNKS}/{DESCRIPTION}, is lost, and its copy too."
+            " What it was made of cannot be known, so its data are left as they are; --force (force=True) replaces it,"
+            " or choose another name"
+        )
+    if folder.is_dir() and any(folder.iterdir()) and not exists(folder) and not remains(folder):
         raise OutputError(f"{folder}: holds files that are no store of a sweep; choose another name")
     check_writable(folder, force=True)
     if force and folder.is_dir() and any(folder.iterdir()):
@@ -45,13 +52,16 @@ def stored_roots(folder: Path) -> RootChoice | None:
     """
     if not exists(folder):
         return None
-    manifest = Store(folder).manifest
+    manifest = read_manifest(folder)
     if ROOTS not in manifest:
         raise OutputError(
             f"{folder}: was begun by a version that did not record whether roots are taken by estimates or by divisions."
             " It opens and is drawn as ever, but cannot be continued; --force replaces it, or choose another name"
         )
-    choice = RootChoice(**manifest[ROOTS])
+    try:
+        choice = RootChoice(**manifest[ROOTS])
+    except TypeError:
+        raise OutputError(f"{folder}: its manifest names no known way to take roots: {_short(manifest[ROOTS])}") from None
     if not possible(choice):
         raise OutputError(
             f"{folder}: was begun on {manifest['processor']} with roots and reciprocals by estimates, which kernels for"
@@ -87,9 +97,9 @@ def manifest_of(job: Job) -> dict[str, Any]:
     }
 
 
-def refuse_other(folder: Path, found: Mapping[str, Any], wanted: Mapping[str, Any]) -> None:
-    """Refuse a store that was made of something else, saying what differs."""
-    differ = []
+def refuse_other(folder: Path, found: Mapping[str, Any], wanted: Mapping[str, Any], shape: tuple[int, ...]) -> None:
+    """Refuse a store that was made of something else, or of another shape, saying what differs."""
+    differ: list[tuple[Any, Any, Any]] = [] if tuple(found["shape"]) == shape else [("shape", found["shape"], list(shape))]
     for name, value in wanted.items():
         other = found.get(name)
         if isinstance(value, dict) and isinstance(other, dict):

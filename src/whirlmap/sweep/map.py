@@ -12,11 +12,13 @@ from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
+from whirlmap.progress import ProgressOption, shows_progress, tell
 from whirlmap.sweep.space import Space
-from whirlmap.sweep.stored import OnChunk, run_sweep
+from whirlmap.sweep.stored import OnChunk, Progress, run_sweep
 from whirlmap.sweep.tolerances import Tolerance
 
 
+@shows_progress("map", unit="points", rate_unit="points/s")
 def regime_map(
     system: System,
     vary: Mapping[str, ArrayLike],
@@ -36,6 +38,7 @@ def regime_map(
     workers: int | None = None,
     chunk: int | None = None,
     on_chunk: OnChunk | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Label every point of a grid over one or more parameters.
 
@@ -65,7 +68,9 @@ def regime_map(
     chunk : int, optional
         Points of a chunk; where absent such that one takes about 3 seconds.
     on_chunk : callable, optional
-        Called with `Progress` after every chunk.
+        Called with `whirlmap.sweep.stored.Progress` after every chunk.
+    progress : callable or True, optional
+        Called with the number of points done since the last call; True shows a bar.
 
     Returns
     -------
@@ -89,10 +94,11 @@ def regime_map(
     labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers=1)
     return run_sweep(
         system, Space(axes), labelling, store=store, resume=resume, force=force, share=share, cluster=cluster,
-        refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=on_chunk,
+        refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=counting(on_chunk, progress),
     )  # fmt: skip
 
 
+@shows_progress("draws", unit="points", rate_unit="points/s")
 def tolerance_sweep(
     system: System,
     tolerances: Mapping[str, Tolerance | str],
@@ -105,6 +111,8 @@ def tolerance_sweep(
     steps: int | None = None,
     accuracy: float | None = None,
     method: str | None = None,
+    on_chunk: OnChunk | None = None,
+    progress: ProgressOption = None,
     **options: Any,
 ) -> xr.Dataset:
     """Label random draws of parameters within their tolerances, alone or at every point of a grid.
@@ -120,7 +128,7 @@ def tolerance_sweep(
     vary : mapping of str to array, optional
         Grid over further parameters; the same draws are taken at each of its points.
     **options
-        Those of `regime_map`.
+        Those of `regime_map`, as ``on_chunk`` and ``progress`` are.
 
     Returns
     -------
@@ -135,4 +143,23 @@ def tolerance_sweep(
         raise RangeError("found no tolerance, expected at least one, as in {'s': 'normal:3%'}")
     axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in (vary or {}).items()}
     labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers=1)
-    return run_sweep(system, Space(axes, found, draws, seed), labelling, **options)
+    return run_sweep(
+        system, Space(axes, found, draws, seed), labelling, on_chunk=counting(on_chunk, progress), **options
+    )  # fmt: skip
+
+
+def counting(on_chunk: OnChunk | None, progress: ProgressOption) -> OnChunk | None:
+    """Have what takes the standing after every chunk count the points for ``progress`` too."""
+    if progress is None:
+        return on_chunk
+    counted = 0
+
+    def told(now: Progress) -> None:
+        nonlocal counted
+        tell(progress, "expect", now.points_total - now.points_done + now.points)
+        progress(now.points - counted)
+        counted = now.points
+        if on_chunk:
+            on_chunk(now)
+
+    return told

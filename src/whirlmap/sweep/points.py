@@ -17,6 +17,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
 from whirlmap.sweep.point_variables import doubts, points_dataset, shared_common_multiple
 
@@ -27,6 +28,7 @@ Progress = Callable[[int], None]
 POOLS = 2
 
 
+@shows_progress("points")
 def label_points(
     system: System,
     values: Mapping[str, ArrayLike],
@@ -39,7 +41,7 @@ def label_points(
     workers: int | None = None,
     starts: Array | None = None,
     ends: bool = False,
-    progress: Progress | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Label operating points anywhere in parameter space.
 
@@ -60,8 +62,8 @@ def label_points(
         Start states, at phase zero; the model's default start where absent.
     ends : bool
         Whether to keep the states at the ends of the records, at phase zero: starts of others. NaN where a run has ended.
-    progress : callable, optional
-        Called with the number of points x periods T done since the last call.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
 
     Returns
     -------

@@ -13,10 +13,11 @@ from uuid import uuid4
 
 import numpy as np
 
-from whirlmap.sweep.store import CHUNKS, Store
+from whirlmap.sweep.store import Store
+from whirlmap.sweep.store_folder import CHUNKS, DESCRIPTION
 
 #: Name under which the description of the whole group is lost.
-WHOLE = "zarr.json"
+WHOLE = DESCRIPTION
 
 
 def lost_parts(store: Store) -> list[str]:
@@ -30,9 +31,13 @@ def lost_parts(store: Store) -> list[str]:
     lost = []
     try:
         whole = json.loads((store.folder / WHOLE).read_text())
-        described = set(whole["consolidated_metadata"]["metadata"])
+        copies = dict(whole["consolidated_metadata"]["metadata"])
+        described = set(copies)
+        if "varied" not in whole["attributes"]:
+            raise KeyError("attributes")
     except (OSError, ValueError, KeyError, TypeError):
         lost.append(WHOLE)
+        copies = {}
         described = {*store.manifest["variables"], *store.manifest.get("dims", ()), f"{CHUNKS}/receipt", f"{CHUNKS}/reason"}
         described |= {path.parent.name for path in store.folder.glob("*/zarr.json")}
     for name in described:
@@ -42,6 +47,9 @@ def lost_parts(store: Store) -> list[str]:
             own = json.loads((store.folder / name / "zarr.json").read_text())
             shape = own["shape"]
         except (OSError, ValueError, KeyError, TypeError):
+            lost.append(name)
+            continue
+        if own != copies.get(name, own):
             lost.append(name)
             continue
         axis = name not in store.manifest["variables"] and not name.startswith(f"{CHUNKS}/")

@@ -5,13 +5,11 @@ to the next, and a stretch of a simulation goes on from the end of the one befor
 """
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from sympy import sympify
 
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import parameter_values
@@ -21,27 +19,27 @@ from whirlmap.analysis.trajectory import Series
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
-from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.routine import LANES
+from whirlmap.progress import tell
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.hysteresis import with_hysteresis
 from whirlmap.sweep.memory import refuse_memory
 from whirlmap.sweep.point_variables import doubts
+from whirlmap.sweep.work import OnBatch, Work, batches
 
 Array = NDArray[np.float64]
 
-#: Blocks of lanes in a batch, for each worker. An interrupt keeps whole batches: fewer than a pool settles at once, so that
-#: a diagram of some hundred points is not lost.
-BATCH = 32
+#: Blocks of lanes in a batch at most, and in the first one, for each worker.
+BATCH, FIRST = 32, 4
 
-#: Points of a chain in one batch; a chain walks them one by one.
+#: Points of a chain in one batch at most; a chain walks them one by one.
 CHAIN = 16
 
-#: Stretches of a simulation.
-STRETCHES = 16
+#: Stretches of a simulation at least, seconds in one at most, and T in the first one.
+STRETCHES, STRETCH, SHORT = 16, 1.0, 16
 
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
 NOT_REACHED = {
@@ -49,28 +47,6 @@ NOT_REACHED = {
     "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
     "grazings": 0,
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class Work:
-    """What was done of a piece of work: all of it, or what was finished when Ctrl-C came.
-
-    Attributes
-    ----------
-    dataset : xr.Dataset or None
-        None where nothing was finished. Carries the attribute ``incomplete`` where something is missing.
-    done, total : int
-        Points, or T.
-    """
-
-    dataset: xr.Dataset | None
-    done: int
-    total: int
-
-    @property
-    def complete(self) -> bool:
-        """Whether all was done."""
-        return self.done == self.total
 
 
 def diagram_in_batches(
@@ -88,14 +64,15 @@ def diagram_in_batches(
     workers: int | None = None,
     batch: int | None = None,
     progress: Callable[[int], None] | None = None,
-    on_batch: Callable[[int, int], None] | None = None,
+    on_batch: OnBatch | None = None,
 ) -> Work:
     """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it with what is finished.
 
     Parameters
     ----------
     batch : int, optional
-        Points in a batch; where absent `BATCH` blocks of lanes for each worker, or `CHAIN` where the state is followed.
+        Points in a batch; where absent as many as take some seconds (`work.batches`), `BATCH` blocks of lanes for each
+        worker at most, or `CHAIN` where the state is followed.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in points.
 
@@ -110,10 +87,12 @@ def diagram_in_batches(
     common = max(group.strobe for group in groups)  # batch would meet
     Labelling(settling, lyapunov)  # refuses a length that gives no error now
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
-    size = batch or (BATCH * LANES * (workers or cores()) if follow is None else CHAIN)
+    block = LANES * (workers or cores())
+    size = batch or (BATCH * block if follow is None else CHAIN)
+    first = batch or (FIRST * block if follow is None else 1)
     even = system.model.forced and not orders_vary(system.model, [parameter])
     if follow is not None and not even:
-        size = points.size  # the last row of its section is not the state at the end of each record
+        first = size = points.size  # the last row of its section is not the state at the end of each record
     refuse_memory(
         "the diagram", 2 * len(ways) * points.size * max(record_periods(g.orders, settling.keep) for g in groups)
         * len(kept_states(system, states))
@@ -130,7 +109,7 @@ def diagram_in_batches(
     done, total = 0, points.size * len(ways)
     try:
         for way, sweep in zip(ways, sweeps, strict=True):
-            for part in _batches(system, parameter, points, way, size, dict(options)):
+            for part in _parts(system, parameter, points, way, (first, size), dict(options)):
                 sweep.take(part)
                 done += part.sizes[parameter]
                 if on_batch:
@@ -145,18 +124,16 @@ def diagram_in_batches(
     return Work(ds, done, total)
 
 
-def _batches(
-    system: System, parameter: str, points: Array, way: Follow | None, size: int, options: dict[str, Any]
+def _parts(
+    system: System, parameter: str, points: Array, way: Follow | None, sizes: tuple[int, int], options: dict[str, Any]
 ) -> Iterator[xr.Dataset]:
-    parts = [points[i : i + size] for i in range(0, points.size, size)]
-    if way == "down":
-        parts = [points[max(i - size, 0) : i] for i in range(points.size, 0, -size)]
     now, kept = system, options.pop("states")
     every = kept if way is None else system.states  # a chain goes on from the whole state
-    for part in parts:
+    for place in batches(points.size, first=sizes[0], most=sizes[1]):
+        part = points[::-1][place][::-1] if way == "down" else points[place]
         ds = bifurcation_diagram(now, parameter, part, follow=way, states=every, **options)
         yield ds if way is None else select_states(ds, system, kept)
-        if way is not None and part is not parts[-1]:
+        if way is not None and place.stop < points.size:
             last = ds.isel({parameter: 0 if way == "down" else -1})
             state = last["section"].isel(period=-1).values
             ran = int(last["status"]) == Status.ok
@@ -263,16 +240,22 @@ def simulation_in_stretches(
         workers=workers, progress=progress,
     )  # fmt: skip
     refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
-    share = max(-(-series.periods // (STRETCHES * series.least)), 1) * series.least
-    series.stretch = min(series.stretch, share)
+    tell(progress, "expect", series.transient + series.periods)
     try:
-        while series.done < series.periods:
+        for part in batches(series.transient, first=SHORT, most=series.transient, seconds=STRETCH):
+            series.pass_by(part.stop - part.start)
+        unit = series.least  # T after which a sample falls on a whole one
+        most = min(series.stretch // unit, max(-(-series.periods // (STRETCHES * unit)), 1))
+        for part in batches(series.periods // unit, first=max(SHORT // unit, 1), most=most, seconds=STRETCH):
+            series.stretch = (part.stop - part.start) * unit
             series.advance()
     except KeyboardInterrupt:
-        if not series.done:
+        if not series.passed + series.done:
             return Work(None, 0, series.periods)
         ds = series.dataset()
-        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T"
+        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T" if series.done else (
+            f"interrupted after {series.passed} of {series.transient} T of the transient: only the state there is known"
+        )  # fmt: skip
         return Work(ds, series.done, series.periods)
     return Work(series.dataset(), series.done, series.periods)
 
@@ -288,31 +271,3 @@ def expected_periods(
     groups = order_groups(system, parameter_values(system, vary or {}), vary or {})
     repeats = points // sum(g.members.size for g in groups)  # sweeps up and down
     return repeats * sum(g.members.size * (each * g.strobe + record_periods(g.orders, settling.keep)) for g in groups)
-
-
-def refuse_start(system: System) -> None:
-    """Refuse a start state that the user gave and at which the run would already be over.
-
-    Raises
-    ------
-    RangeError
-        Naming the states, what holds there already and the quantity behind it.
-    """
-    if not system.start:
-        return
-    x, _ = start_states(system.model, system.vector[:, None])
-    own = zip(system.model.states, x[:, 0].tolist(), strict=True)
-    at = {s: system.start.get(s.name, value) for s, value in own}
-    numbers = {**at, **dict(zip(system.model.parameters, system.vector.tolist(), strict=True))}
-    for stop in system.model.stops.values():
-        gap = sympify(stop.gap)
-        if float(gap.subs(numbers)) > 0:
-            continue
-        where = ", ".join(f"{s.name} = {at[s]:g}" for s in system.model.states if s in gap.free_symbols)
-        measures = [
-            f"{name} = {float(sympify(o.expression).subs(numbers)):g} ({o.meaning}), which must lie in [0, 1)"
-            for name, o in system.model.outputs.items()
-            if sympify(o.expression).free_symbols == gap.free_symbols
-        ]
-        found = measures[0] if measures else f"{gap} = {float(gap.subs(numbers)):g}, which must be above 0"
-        raise RangeError(f"start: found {where}, so {found}: {stop.meaning} already")

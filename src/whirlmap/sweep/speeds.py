@@ -7,20 +7,26 @@
 """
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.settling import POOL, Settling
 from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
+from whirlmap.kernels.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress, tell
 from whirlmap.results.schema import variable
-from whirlmap.sweep.following import cold_motions, motions_met, outcome
+from whirlmap.sweep.following import cold_at, cold_motions, outcome, rounds_met
 from whirlmap.sweep.judging import SPEED, Judge, Verdict, shaft_speed
-from whirlmap.sweep.windows import refined_edges, stretches
+from whirlmap.sweep.points import POOLS
+from whirlmap.sweep.run import FIRST
+from whirlmap.sweep.windows import Edge, edge_points, refined_edges, stretches
+from whirlmap.sweep.work import Work, batches
 
 Array = NDArray[np.float64]
 Progress = Callable[[int], None]
@@ -32,6 +38,7 @@ KEPT = (
 )  # fmt: skip
 
 
+@shows_progress("speeds")
 def safe_speeds(
     system: System,
     speeds: ArrayLike,
@@ -44,7 +51,7 @@ def safe_speeds(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Progress | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Judge the speeds of a machine.
 
@@ -58,6 +65,8 @@ def safe_speeds(
         State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
     follow : bool
         Whether to run up and down through the speeds as well, which shows coexisting motions; about three times the work.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
 
     Returns
     -------
@@ -77,17 +86,71 @@ def safe_speeds(
     RangeError
         The model has no ``s``; speeds that do not ascend or are not positive; a limit that is not positive.
     """
+    work = safe_speeds_in_parts(
+        system, speeds, limit, quantity=quantity, follow=follow, settling=settling, lyapunov=lyapunov, accuracy=accuracy,
+        method=method, workers=workers, progress=progress,
+    )  # fmt: skip
+    if work.dataset is None or not work.complete:
+        raise KeyboardInterrupt
+    return work.dataset
+
+
+def safe_speeds_in_parts(
+    system: System, speeds: ArrayLike, limit: float, *, quantity: str | None = None, follow: bool = True, **options: Any
+) -> Work:
+    """Judge the speeds of a machine part by part; `KeyboardInterrupt` ends it with what is finished.
+
+    The cold starts are finished in batches of speeds, those from the lowest on; then each round of run-up and run-down; then
+    the edges of the windows. ``done`` and ``total`` of the work count the speeds, and one for each of the other two parts.
+    Parameters are those of `safe_speeds`, and so is the Dataset, which carries ``incomplete`` where something is missing.
+    """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     if SPEED not in system.parameters:
         raise RangeError(f"{system.model.name} has no parameter 's': safe speeds are those of a machine with one")
     refuse_speeds(at, limit)
-    judge = Judge(system, quantity, {
-        "settling": settling, "lyapunov": lyapunov, "accuracy": accuracy, "method": method, "workers": workers,
-        "progress": progress,
-    })  # fmt: skip
-    limits = np.full(at.size, float(limit))
-    met = motions_met(judge, {SPEED: at}, limits, at.size) if follow else cold_motions(judge, {SPEED: at}, limits)
-    edges = refined_edges(judge, at, met, limit, follow=follow)
+    judge = Judge(system, quantity, options)
+    block = LANES * (options.get("workers") or cores())
+    parts: list[xr.Dataset] = []
+    met: xr.Dataset | None = None
+    edges: dict[int, Edge] | None = None
+    followed = False
+    asked, total, missing = at.size, at.size + 1 + follow, "the edges of the windows"
+    try:
+        for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
+            parts.append(cold_motions(judge, {SPEED: at[part]}, np.full(at[part].size, float(limit))))
+        met, progress = cold_at(parts, system.model), options.get("progress")
+        safe = met["verdict"].values == Verdict.safe
+        at_edges = int((safe[1:] != safe[:-1]).sum()) * edge_points(follow=follow)
+        tell(progress, "more_points", at_edges + (2 * at.size if follow else 0))
+        if follow:
+            missing = "run-up and run-down"
+            cold = met
+            for met in rounds_met(judge, {SPEED: at}, np.full(at.size, float(limit)), at.size, cold):  # noqa: B007 (the last one counts)
+                tell(progress, "more_points", at_edges)
+            followed = True
+            missing = "the edges of the windows"
+        edges = refined_edges(judge, at, met, limit, follow=follow)
+        missing = ""
+    except KeyboardInterrupt:
+        if met is None:
+            at = at[: sum(part.sizes["point"] for part in parts)]
+            if at.size < 2:
+                return Work(None, 0, total)
+            met = cold_at(parts, system.model)
+    if edges is None:  # windows end with their last safe speed
+        edges = refined_edges(judge, at, met, limit, follow=False, rounds=0)
+    ds = _dataset(system, judge, at, met, edges, limit, follow=followed)
+    done = total
+    if missing:
+        done = at.size if at.size < asked else total - 1 - (missing == "run-up and run-down")
+        where = f"after {at.size} of {asked} speeds" if at.size < asked else f"before {missing} were finished"
+        ds.attrs["incomplete"] = f"interrupted {where}"
+    return Work(ds, done, total)
+
+
+def _dataset(
+    system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool
+) -> xr.Dataset:
     whole = outcome(met, at.size).swap_dims(point=SPEED)
     ds = whole[[name for name in KEPT if name in whole]]
     rows = stretches(ds, edges)

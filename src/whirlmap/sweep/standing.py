@@ -9,7 +9,8 @@ import numpy as np
 
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.restoring import WHOLE, lost_parts
-from whirlmap.sweep.store import CHUNKS, EVALUATION, Evaluation, Standing, Store
+from whirlmap.sweep.store import Evaluation, Standing, Store
+from whirlmap.sweep.store_folder import CHUNKS, EVALUATION
 
 #: Seconds before the last commit over which the rate is taken, and after it while a store counts as running.
 WINDOW, QUIET = 600.0, 120.0

@@ -1,9 +1,10 @@
-"""Start states of one operating point: its own, and a random box of them."""
+"""Start states of one operating point: its own, a random box of them, and those at which a run is over already."""
 
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
+from sympy import sympify
 
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.points import cyclic_states
@@ -72,3 +73,31 @@ def draw_starts(system: System, count: int, box: Mapping[str, tuple[float, float
 def repeated(system: System, count: int) -> dict[str, Array]:
     """The system's own operating point, so many times."""
     return {system.parameters[0]: np.full(count, system.vector[0])}
+
+
+def refuse_start(system: System) -> None:
+    """Refuse a start state that the user gave and at which the run would already be over.
+
+    Raises
+    ------
+    RangeError
+        Naming the states, what holds there already and the quantity behind it.
+    """
+    if not system.start:
+        return
+    x, _ = start_states(system.model, system.vector[:, None])
+    own = zip(system.model.states, x[:, 0].tolist(), strict=True)
+    at = {s: system.start.get(s.name, value) for s, value in own}
+    numbers = {**at, **dict(zip(system.model.parameters, system.vector.tolist(), strict=True))}
+    for stop in system.model.stops.values():
+        gap = sympify(stop.gap)
+        if float(gap.subs(numbers)) > 0:
+            continue
+        where = ", ".join(f"{s.name} = {at[s]:g}" for s in system.model.states if s in gap.free_symbols)
+        measures = [
+            f"{name} = {float(sympify(o.expression).subs(numbers)):g} ({o.meaning}), which must lie in [0, 1)"
+            for name, o in system.model.outputs.items()
+            if sympify(o.expression).free_symbols == gap.free_symbols
+        ]
+        found = measures[0] if measures else f"{gap} = {float(gap.subs(numbers)):g}, which must be above 0"
+        raise RangeError(f"start: found {where}, so {found}: {stop.meaning} already")

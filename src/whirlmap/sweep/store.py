@@ -34,18 +34,16 @@ import xarray as xr
 import zarr
 from numpy.typing import NDArray
 
-from whirlmap.errors import OutputError
 from whirlmap.results.provenance import PASSING
 from whirlmap.results.schema import variable
 from whirlmap.results.status import Status, flags
 from whirlmap.sweep.space import Chunks
+from whirlmap.sweep.store_folder import CHUNKS, EVALUATION, MANIFEST, exists, read_manifest
 
-#: Group of what is known of the tasks, and the attribute of it that holds the manifest.
-CHUNKS, MANIFEST = "chunks", "manifest"
 #: Bytes kept of the reason for which a chunk failed.
 REASON = 1000
-#: Of the arrays of a store, those that are no results of points.
-EVALUATION = "evaluation"
+#: Checksum of a receipt that cannot be read: it fits no files.
+TORN = 2**64 - 1
 
 #: Filters of warnings are the process's, not the thread's.
 _QUIET = threading.Lock()
@@ -85,11 +83,8 @@ class Store:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        try:
-            self.manifest: dict[str, Any] = json.loads((folder / CHUNKS / "zarr.json").read_text())["attributes"][MANIFEST]
-            self.chunks = Chunks(tuple(self.manifest["shape"]), tuple(self.manifest["chunk"]))
-        except (OSError, ValueError, KeyError, TypeError) as error:
-            raise OutputError(f"{folder}: is no store of a sweep (its manifest cannot be read: {error})") from None
+        self.manifest = read_manifest(folder)
+        self.chunks = Chunks(tuple(self.manifest["shape"]), tuple(self.manifest["chunk"]))
 
     @cached_property
     def group(self) -> zarr.Group:
@@ -158,8 +153,12 @@ class Store:
         return found
 
     def receipts(self) -> NDArray[np.uint64]:
-        """Checksums of all chunks, 0 where there is none."""
-        return np.asarray(self._array(f"{CHUNKS}/receipt")[...]).ravel()
+        """Checksums of all chunks, 0 where there is none; `TORN` where the receipt itself cannot be read."""
+        array = self._array(f"{CHUNKS}/receipt")
+        try:
+            return np.asarray(array[...]).ravel()
+        except (ValueError, RuntimeError, OSError):
+            return np.array([_read_or(array, self.chunks.cell(k), TORN) for k in range(self.chunks.count)], dtype=np.uint64)
 
     def reasons(self) -> dict[int, str]:
         """Why chunks failed."""
@@ -168,7 +167,8 @@ class Store:
         for path in folder.rglob("*") if folder.is_dir() else ():
             if path.is_file() and path.suffix != ".partial":
                 cell = tuple(int(part) for part in path.relative_to(folder).parts[: len(self.chunks.grid)])
-                text = np.asarray(self._array(f"{CHUNKS}/reason")[cell]).tobytes().rstrip(b"\0")
+                torn = np.frombuffer(b"the reason cannot be read", dtype=np.uint8)
+                text = np.asarray(_read_or(self._array(f"{CHUNKS}/reason"), cell, torn)).tobytes().rstrip(b"\0")
                 out[int(np.ravel_multi_index(cell, self.chunks.grid))] = text.decode("utf-8", "replace")
         return dict(sorted(out.items()))
 
@@ -283,37 +283,6 @@ def _build(
         zarr.consolidate_metadata(trial)
 
 
-def exists(folder: Path) -> bool:
-    """Whether a folder is a store with its manifest."""
-    try:
-        Store(folder)
-    except OutputError:
-        return False
-    return True
-
-
-def half_made(folder: Path) -> bool:
-    """Whether a folder that is no store holds nothing but what the making of one leaves: groups, arrays and chunks."""
-    if not folder.is_dir() or not any(folder.iterdir()):
-        return False
-    parts = [path for path in folder.iterdir() if path.is_dir()]
-    strangers = {path.name for path in folder.iterdir()} - {path.name for path in parts} - {"zarr.json"}
-    return not strangers and all((p / "zarr.json").is_file() or (p / "c").is_dir() or not any(p.iterdir()) for p in parts)
-
-
-def clear_trials(folder: Path) -> None:
-    """Delete what processes left beside a store that were killed while they made it."""
-    for trial in folder.parent.glob(f".{folder.name}.*.partial"):
-        shutil.rmtree(trial, ignore_errors=True)
-
-
-def remove(folder: Path) -> None:
-    """Delete a store, whole or half-made; a folder that holds anything else is refused."""
-    if not (exists(folder) or half_made(folder)):
-        raise OutputError(f"{folder}: is no store of a sweep, so it is not replaced; choose another name")
-    shutil.rmtree(folder)
-
-
 def differences(one: Path, other: Path) -> list[str]:
     """Files in which two stores differ; of the attributes of the group all but when and by which command count."""
     files = [{p.relative_to(f).as_posix() for p in f.rglob("*") if p.is_file()} for f in (one, other)]
@@ -328,6 +297,13 @@ def _content(path: Path) -> Any:
     for name in PASSING:
         content.get("attributes", {}).pop(name, None)
     return content
+
+
+def _read_or(array: "zarr.Array[Any]", cell: tuple[int, ...], otherwise: Any) -> Any:
+    try:
+        return array[cell]
+    except (ValueError, RuntimeError, OSError):
+        return otherwise
 
 
 def counts_of(values: NDArray[Any]) -> dict[int, int]:

@@ -1,7 +1,6 @@
 """Spectra of one state over a range of a parameter: the waterfall that rotordynamicists read against speed."""
 
 import json
-from collections.abc import Callable
 from fractions import Fraction
 
 import numpy as np
@@ -13,12 +12,14 @@ from whirlmap.analysis.record_length import recorded, settled_periods, spectrum_
 from whirlmap.analysis.spectrum import power_spectrum
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
+from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.schema import status_variable, variable, with_attributes
 
 #: Turns of the slowest clock that pass before the record, and that it holds: half of what one spectrum has, for many speeds.
 PASSED, HELD = 100, 8
 
 
+@shows_progress("waterfall")
 def waterfall(
     system: System,
     parameter: str,
@@ -32,7 +33,7 @@ def waterfall(
     accuracy: float | None = None,
     method: str | None = None,
     workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    progress: ProgressOption = None,
 ) -> xr.Dataset:
     """Power spectrum (Hann window) of a state at every value of a parameter.
 

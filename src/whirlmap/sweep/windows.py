@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from whirlmap.progress import tell
 from whirlmap.sweep.arriving import arriving
 from whirlmap.sweep.following import carried, cold_motions, joined, outcome, unseen
 from whirlmap.sweep.judging import SPEED, Judge, Verdict
@@ -27,7 +28,9 @@ class Edge:
     why: Verdict
 
 
-def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, follow: bool) -> dict[int, Edge]:
+def refined_edges(
+    judge: Judge, at: Array, met: xr.Dataset, limit: float, *, follow: bool, rounds: int = ROUNDS
+) -> dict[int, Edge]:
     """Edges between the speeds i and i + 1, one of them safe and the other not.
 
     Parameters
@@ -36,6 +39,8 @@ def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, fol
         Motions met at the speeds `at`, those of the cold starts first.
     follow : bool
         Whether speeds in between start from the motions met at both ends as well as cold.
+    rounds : int
+        How often the ends are drawn closer; 0: they are those of the cells.
     """
     verdict = outcome(met, at.size)["verdict"].values
     safe = verdict == Verdict.safe
@@ -44,7 +49,8 @@ def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, fol
     ends, why = at[places], verdict[places[1]]
     known = [_at(met, side) for side in places]
     shares, every = np.arange(1, PARTS + 1) / (PARTS + 1), np.arange(cells.size)
-    for _ in range(ROUNDS if cells.size else 0):
+    tell(judge.options.get("progress"), "more_points", cells.size * edge_points(follow=follow, rounds=rounds))
+    for _ in range(rounds if cells.size else 0):
         whole = ends[0][:, None] + (ends[1] - ends[0])[:, None] * np.concatenate([[0], shares, [1]])
         whole[:, -1] = ends[1]
         trial = whole[:, 1:-1].ravel()
@@ -69,6 +75,11 @@ def refined_edges(judge: Judge, at: Array, met: xr.Dataset, limit: float, *, fol
     return {
         int(c): Edge(float(g), float(b), Verdict(int(w))) for c, g, b, w in zip(cells, ends[0], ends[1], why, strict=True)
     }
+
+
+def edge_points(*, follow: bool, rounds: int = ROUNDS) -> int:
+    """Points that one edge takes, about: cold starts, and those from the motions at both ends."""
+    return rounds * PARTS * (3 if follow else 1)
 
 
 def _carried_into(judge: Judge, trial: Array, motions: xr.Dataset, limit: float) -> xr.Dataset:

@@ -31,6 +31,7 @@ from whirlmap.analysis.unbounded import Trends, label_trends
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System
+from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 
 Array = NDArray[np.float64]
@@ -83,6 +84,7 @@ class LabelledPoints:
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
         """Settle, judge, close, settle on."""
         e, found = self.ensemble, self.found
+        tell(self.progress, "begin", e.points, e.strobe * (self.settling.transient + self.settling.first_window))
         self.returns = self._settle(e, self._brief())
         self.ends = e.x.copy()
         known = self.returns.regime != Regime.undecided
@@ -90,6 +92,7 @@ class LabelledPoints:
         found.rule[:] = np.where(self.returns.multiple > 0, Rule.returns, np.where(known, Rule.trend, Rule.none))
         found.rule[~e.running] = Rule.end
         open_points = np.flatnonzero(~known & e.running)
+        tell(self.progress, "settled", e.points, open_points.size if self.longest else 0, self.longest)
         if self.longest and open_points.size:
             self._judge(open_points, contraction_ends=True)
             if e.model.forced and e.returns:
@@ -107,6 +110,7 @@ class LabelledPoints:
             self._follow(open_points[(found.regime[open_points] == Regime.chaotic) & e.running[open_points]])
             if e.model.forced:
                 self._record_where_left(open_points[self.left[open_points] & e.running[open_points]])
+            tell(self.progress, "closed", open_points.size)
         thins = np.isfinite(self.returns.thinning)
         found.winding[:] = np.where(thins, self.returns.turning, found.winding)
         period = np.where(found.regime == Regime.locked, found.multiple, self.returns.period)

@@ -27,6 +27,7 @@ from whirlmap.analysis.tangent_run import run_with_section
 from whirlmap.analysis.unbounded import Trends
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
+from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 
 Array = NDArray[np.float64]
@@ -145,6 +146,7 @@ class _Judge:
             if run.returns and run.model.forced:
                 self._near_returns(run, left[~stay & run.running])
             left, run = left[stay], run.subset(np.flatnonzero(stay))
+            tell(self.progress, "open_points", left.size + self.tangent.points - 1 - int(self.members[-1]), done)
 
     def _forget(self, run: Ensemble, lanes: Points, left: Points, done: int) -> None:
         """Let points whose exponents are known to be negative forget their starts, and judge them."""

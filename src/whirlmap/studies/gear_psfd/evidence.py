@@ -1,7 +1,6 @@
 """What the paper's claims are judged by: diagrams over the speed, and one operating point at s = 3.27."""
 
 from collections.abc import Callable, Mapping
-from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -19,6 +18,7 @@ from whirlmap.errors import CaseError, RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System
+from whirlmap.integrate.workers import Workers
 from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT
 from whirlmap.sweep.diagram import bifurcation_diagram
 
@@ -147,9 +147,10 @@ def speeds(quality: Quality) -> Array:
 
 
 def gather(
-    edition: Edition, quality: Quality, *, workers: int | None = None, progress: Callable[[int], None] | None = None
-) -> Evidence:
-    """Compute everything for one edition."""
+    edition: Edition, quality: Quality, *, workers: int | None = None, progress: Callable[[int], None] | None = None,
+    keep: Callable[[str, float, xr.Dataset], object] = lambda _kind, _psi, _ds: None,
+) -> Evidence:  # fmt: skip
+    """Compute everything for one edition; ``keep(kind, psi, ds)`` takes each diagram and orbit as it is finished."""
     system = load(edition.case)
     at = speeds(quality) / edition.scale
     here = system.replace(s=S_ORBIT / edition.scale)
@@ -169,9 +170,13 @@ def gather(
         )  # fmt: skip
 
     # A thread for each permeability: while one solves for start states in Python, another is in its kernels.
-    with ThreadPoolExecutor(workers or cores()) as pool:
-        diagrams = dict(zip(PSI, pool.map(diagram, PSI), strict=True))
-        orbits = dict(zip(PSI, pool.map(orbit, PSI), strict=True))
+    with Workers(workers or cores()) as pool:
+        made: dict[str, dict[float, xr.Dataset]] = {"diagram": {}, "orbit": {}}
+        for kind, compute in (("diagram", diagram), ("orbit", orbit)):
+            for psi, ds in zip(PSI, pool.map(compute, PSI), strict=True):
+                made[kind][psi] = ds
+                keep(kind, psi, ds)
+        diagrams, orbits = made["diagram"], made["orbit"]
     dimensions = {(psi, y): _dimensions(orbits[psi], y, workers or cores()) for psi in PSI for y in ORBITS}
     return Evidence(edition, system, quality, diagrams, orbits, dimensions)
 

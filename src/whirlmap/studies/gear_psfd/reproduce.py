@@ -4,6 +4,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+import xarray as xr
+
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.results.files import write
@@ -27,7 +29,8 @@ def reproduce(
 ) -> dict[str, Any]:
     """Compute Figures 2 to 7 for every edition, judge every claim, and write all of it to a folder.
 
-    The report is written anew after every edition, so that an interrupted reproduction leaves what was done, readable.
+    Data are written as they are finished, figures and report after every edition, so that an interrupted reproduction leaves
+    what was done, readable.
 
     Parameters
     ----------
@@ -63,10 +66,11 @@ def reproduce(
     pictures: list[Picture] = []
     with Studio(workers or cores()) as studio:
         for edition in editions:
-            evidence = gather(edition, level, workers=workers, progress=progress)
-            for psi in PSI:
-                for kind, ds in (("diagram", evidence.diagrams[psi]), ("orbit", evidence.orbits[psi])):
-                    folder.write(f"{kind}-{edition.name}-psi{psi:g}.nc", lambda trial, ds=ds: write(ds, trial))  # type: ignore[misc]
+
+            def keep(kind: str, psi: float, ds: xr.Dataset, name: str = edition.name) -> None:
+                folder.write(f"{kind}-{name}-psi{psi:g}.nc", lambda trial: write(ds, trial))
+
+            evidence = gather(edition, level, workers=workers, progress=progress, keep=keep)
             for plan, png in studio.draw(plans(evidence)):
                 path = folder.write(f"{plan.stem}.png", lambda trial, png=png: trial.write_bytes(png))  # type: ignore[misc]
                 pictures.append(Picture(path, plan.caption, edition.name))

@@ -1,0 +1,48 @@
+"""Ctrl-C: the first ends the work and keeps what is finished; one before there is any work, and a second one, end at once.
+
+Nothing is imported here that takes time: Ctrl-C may come while the program itself is still being read.
+"""
+
+import os
+import signal
+import sys
+from typing import Any, NoReturn
+
+#: Exit code of a program that was interrupted.
+INTERRUPTED = 130
+
+
+def begin() -> None:
+    """Have Ctrl-C end the program at once, until `keep` is called; where it is ignored (``nohup``, ``&``) it stays so."""
+    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
+        signal.signal(signal.SIGINT, end_at_once)
+
+
+def keep() -> None:
+    """From now on have the first Ctrl-C raise `KeyboardInterrupt`, which commands answer."""
+    if signal.getsignal(signal.SIGINT) is end_at_once:
+        signal.signal(signal.SIGINT, first)
+
+
+def first(signum: int, frame: Any) -> NoReturn:  # noqa: ARG001 (a signal's handler)
+    """Raise `KeyboardInterrupt`; the next Ctrl-C ends the program."""
+    if signal.getsignal(signal.SIGINT) is first:
+        signal.signal(signal.SIGINT, end_at_once)
+    raise KeyboardInterrupt
+
+
+def end_at_once(signum: int, frame: Any) -> NoReturn:  # noqa: ARG001 (a signal's handler)
+    """Say what was written, leave no half-written file and no process, and end the program."""
+    writing = sys.modules.get("whirlmap.results.files")
+    written = [str(path) for path in getattr(writing, "WRITTEN", ())]
+    for trial in tuple(getattr(writing, "UNFINISHED", ())):
+        trial.unlink(missing_ok=True)
+    if "multiprocessing" in sys.modules:
+        for process in sys.modules["multiprocessing"].active_children():
+            process.kill()
+    if sys.stderr.isatty():
+        sys.stderr.write("\x1b[?25h")  # a progress bar hides the cursor
+    kept = f"written before: {' '.join(written)}" if written else "nothing was written"
+    sys.stderr.write(f"\ninterrupted, and ended at once: {kept}\n")
+    sys.stderr.flush()
+    os._exit(INTERRUPTED)

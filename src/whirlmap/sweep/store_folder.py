@@ -1,0 +1,124 @@
+"""Whether a folder is a store, what is left of one, and how one is removed: from names and the manifest alone.
+
+The manifest, the attribute of the group ``chunks``, stands once more in the description of the whole store, where Zarr
+consolidates all others. A store that has lost the one gets it back from the other.
+"""
+
+import json
+import re
+import shutil
+from pathlib import Path
+from typing import Any
+from uuid import uuid4
+
+from whirlmap.errors import OutputError
+from whirlmap.results.files import reason
+
+#: Group of what is known of the tasks, and the attribute of it that holds the manifest.
+CHUNKS, MANIFEST = "chunks", "manifest"
+#: Array that says where the label of each point comes from.
+EVALUATION = "evaluation"
+#: Description of a group or an array; that of the whole store holds a copy of all others.
+DESCRIPTION = "zarr.json"
+#: Files of a store: descriptions and chunks of the group, its arrays, and those of ``chunks``; also half-written ones.
+PART = re.compile(r"(?:\w+/){0,2}(?:zarr\.json|c(?:/\d+)*)(?:\.\w+\.partial)?")
+
+
+def exists(folder: Path) -> bool:
+    """Whether a folder is a store with its manifest."""
+    try:
+        read_manifest(folder)
+    except OutputError:
+        return False
+    return True
+
+
+def read_manifest(folder: Path) -> dict[str, Any]:
+    """Read the manifest of a store.
+
+    Raises
+    ------
+    OutputError
+        The folder is no store, or has lost its manifest.
+    """
+    try:
+        return _checked(json.loads((folder / CHUNKS / DESCRIPTION).read_text())["attributes"][MANIFEST])
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise OutputError(f"{folder}: is no store of a sweep ({_why(folder, error)})") from None
+
+
+def _checked(found: Any) -> dict[str, Any]:
+    """Return a manifest that says how a store is laid out, else raise `ValueError` or `KeyError`."""
+    shape, chunk, variables = (found[name] for name in ("shape", "chunk", "variables"))
+    whole = [n for n in (*shape, *chunk) if not isinstance(n, int) or n < 1]
+    if not shape or len(shape) != len(chunk) or whole or {"regime", "status", EVALUATION} - set(variables):
+        raise ValueError("it does not say the shape and the variables of the sweep")
+    return dict(found)
+
+
+def _why(folder: Path, error: Exception) -> str:
+    """Say why a folder is no store, and what can be done where it has been one."""
+    if folder.is_file():
+        return "it is a file, expected a folder"
+    if not folder.is_dir():
+        return "there is no such folder"
+    if not remains(folder):
+        return f"its manifest, {CHUNKS}/{DESCRIPTION}, cannot be read: {_said(error)}"
+    copy = "the same command with --resume puts it back" if copied_manifest(folder) else "its copy is lost too"
+    return f"its manifest, {CHUNKS}/{DESCRIPTION}, is lost or torn: {_said(error)}; {copy}"
+
+
+def _said(error: Exception) -> str:
+    return reason(error) if isinstance(error, OSError) else f"{type(error).__name__} {error}"
+
+
+def copied_manifest(folder: Path) -> dict[str, Any] | None:
+    """Description of the group ``chunks``, the manifest in it, as the whole store's description holds it; None without."""
+    try:
+        copy: dict[str, Any] = json.loads((folder / DESCRIPTION).read_text())["consolidated_metadata"]["metadata"][CHUNKS]
+        _checked(copy["attributes"][MANIFEST])
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    return copy
+
+
+def restore_manifest(folder: Path) -> bool:
+    """Put the manifest back from its copy where it is lost or torn; returns whether that was done."""
+    copy = None if exists(folder) else copied_manifest(folder)
+    if copy is None or not remains(folder):
+        return False
+    try:
+        (folder / CHUNKS).mkdir(exist_ok=True)
+        trial = folder / CHUNKS / f"{DESCRIPTION}.{uuid4().hex}.partial"
+        trial.write_text(json.dumps({k: v for k, v in copy.items() if k != "consolidated_metadata"}, indent=2))
+        trial.replace(folder / CHUNKS / DESCRIPTION)
+    except OSError as error:
+        raise OutputError(f"{folder}: its manifest cannot be put back ({reason(error)})") from error
+    return True
+
+
+def remains(folder: Path) -> bool:
+    """Whether a folder that is no store holds nothing but parts of one: descriptions, and files of chunks."""
+    if not folder.is_dir() or not any(folder.iterdir()):
+        return False
+    files = (path.relative_to(folder).as_posix() for path in folder.rglob("*") if not path.is_dir())
+    return all(PART.fullmatch(name) for name in files)
+
+
+def half_made(folder: Path) -> bool:
+    """Whether a folder holds remains of a store without any data: what has been computed is never begun anew by itself."""
+    data = (path for path in folder.rglob("*") if "c" in path.relative_to(folder).parts[:-1] and not path.is_dir())
+    return remains(folder) and not any(data)
+
+
+def clear_trials(folder: Path) -> None:
+    """Delete what processes left beside a store that were killed while they made it."""
+    for trial in folder.parent.glob(f".{folder.name}.*.partial"):
+        shutil.rmtree(trial, ignore_errors=True)
+
+
+def remove(folder: Path) -> None:
+    """Delete a store, or the remains of one; a folder that holds anything else is refused."""
+    if not (exists(folder) or remains(folder)):
+        raise OutputError(f"{folder}: is no store of a sweep, so it is not replaced; choose another name")
+    shutil.rmtree(folder)
