@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.trajectory import simulate as simulate
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
+    from whirlmap.results.labels import labels as labels
     from whirlmap.sweep.attractors import attractors as attractors
     from whirlmap.sweep.basins import basins as basins
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
@@ -57,6 +58,7 @@ _HOMES = {
     "simulate": "whirlmap.analysis.trajectory",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
+    "labels": "whirlmap.results.labels",
     "attractors": "whirlmap.sweep.attractors",
     "basins": "whirlmap.sweep.basins",
     "bifurcation_diagram": "whirlmap.sweep.diagram",
