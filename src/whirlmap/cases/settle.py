@@ -50,6 +50,8 @@ class Settled:
         Where each value comes from.
     inputs : mapping of str to Input
         Dimensional inputs, where the case has them.
+    given : mapping of str to float
+        Every input in its declared unit, also those that change no parameter because the symbols that they feed are given.
     quantities : mapping of str to (float, Output)
         Dimensional results worth showing; those whose inputs are not all known are left out.
     """
@@ -60,6 +62,7 @@ class Settled:
     values: Mapping[str, float | Fraction]
     notes: Mapping[str, str]
     inputs: Mapping[str, Input]
+    given: Mapping[str, float]
     quantities: Mapping[str, tuple[float, Output]]
 
 
@@ -287,6 +290,7 @@ class _Work:
             values={p.name: values[p.name] for p in self.model.parameters},
             notes=notes,
             inputs=self._shown_inputs(),
+            given={name: float(value) for name, value in self.inputs.items()},
             quantities=self._quantities({**self.inputs, **values}),
         )
 

@@ -63,7 +63,7 @@ class Groups:
         speeds), in inputs and parameters.
     units : mapping of str to Expr
         What the model's units are worth, in inputs and parameters: ``force`` [N], ``length`` [m], ``speed`` of the clock
-        [rad/s].
+        and ``rotation``, the speed of the first shaft at s = 1 [rad/s].
     routes : tuple of Route
         Other ways to give some inputs. An input is given in one way alone.
     shared : mapping of str to tuple of str

@@ -27,11 +27,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Output:
-    """A quantity computed from states and parameters, with unit and meaning."""
+    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`)."""
 
     expression: Expr
     unit: str
     meaning: str
+    measure: str = ""
 
 
 @dataclass(frozen=True)

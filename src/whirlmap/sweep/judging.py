@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.points import make_ensemble, parameter_values
 from whirlmap.analysis.teeth import tooth_contact
 from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
@@ -23,8 +24,6 @@ Array = NDArray[np.float64]
 
 #: Parameter that is the speed.
 SPEED = "s"
-#: Quantities of a case that are the speed of its first shaft [rad/s].
-SHAFT = ("pinion_speed", "shaft_speed")
 
 
 class Verdict(IntEnum):
@@ -134,25 +133,17 @@ def verdicts(regime: ArrayLike, amplitude: ArrayLike, limit: ArrayLike, touching
 
 def shaft_speed(system: System) -> float:
     """Speed of the first shaft at ``s = 1`` [rad/s], or NaN for a system without dimensions."""
-    known = _quantities(system)
-    found = [known[name][0] for name in SHAFT if name in known]
-    return found[0] / float(system.values[SPEED]) if found else np.nan
+    return float(Dimensions(system).worth("rotation"))
 
 
 def force_unit(system: System) -> float:
     """The force [N] that the model's forces are in units of, or NaN for a system without dimensions."""
-    known = _quantities(system)
-    return float(known["force_unit"][0]) if "force_unit" in known else np.nan
+    return float(Dimensions(system).worth("force"))
 
 
 def clearance(system: System) -> float:
     """The length [m] that the model's lengths are in units of, or NaN for a system without dimensions."""
-    found = (getattr(system.details, "inputs", None) or {}).get("c")
-    return np.nan if found is None else float(found.value)
-
-
-def _quantities(system: System) -> Mapping[str, Any]:
-    return getattr(system.details, "quantities", None) or {}
+    return float(Dimensions(system).worth("length"))
 
 
 def verdict_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
