@@ -100,4 +100,4 @@ class Dimensions:
         if declared is None:
             return PURE
         found = self.of(declared.measure, **varied)
-        return Measured(1.0, declared.unit) if found == PURE else found
+        return Measured(1.0, declared.unit) if found.unit == PURE.unit else found
