@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.threshold import stability_threshold as stability_threshold
     from whirlmap.analysis.trajectory import section as section
     from whirlmap.analysis.trajectory import simulate as simulate
+    from whirlmap.integrate.in_units import in_units as in_units
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
     from whirlmap.results.labels import labels as labels
@@ -56,6 +57,7 @@ _HOMES = {
     "switchings": "whirlmap.analysis.switching",
     "section": "whirlmap.analysis.trajectory",
     "simulate": "whirlmap.analysis.trajectory",
+    "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
     "labels": "whirlmap.results.labels",

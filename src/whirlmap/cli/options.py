@@ -54,6 +54,15 @@ Json = Annotated[
     bool,
     typer.Option("--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT),
 ]
+Dimensionless = Annotated[
+    bool,
+    typer.Option(
+        "--dimensionless",
+        help="Show numbers in the model's own units (clearances, radians of the clock), not in um, mm/s, N, rpm, Hz and s,"
+        " where the case has dimensions.",
+        rich_help_panel=OUTPUT,
+    ),
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress.", rich_help_panel=OUTPUT)]
 Workers = Annotated[
     int | None,

@@ -49,6 +49,11 @@ def show(*parts: "RenderableType") -> None:
         to.print(part)
 
 
+def with_unit(name: str, unit: str) -> str:
+    """A name with its unit, where it has one: ``yp [um]``; a speed ratio in rpm is a speed."""
+    return name if unit == "1" else f"{'speed' if unit == 'rpm' else name} [{unit}]"
+
+
 def number(value: Any) -> str:
     """Write a number in at most seven digits; a ratio as it is written; a dash where there is none."""
     if isinstance(value, Fraction):

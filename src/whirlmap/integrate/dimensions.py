@@ -17,9 +17,8 @@ from whirlmap.units import convert
 WRITTEN = {
     "length": ("m", "um"), "velocity": ("m/s", "mm/s"), "force": ("N", "N"), "rotation": ("rad/s", "rpm"),
     "time": ("s", "s"), "rate": ("1/s", "1/s"), "frequency": ("rad/s", "Hz"),
+    "growth": ("1/s", "1/s"),
 }  # fmt: skip
-#: Units of a Dataset's variables that stand for the model's own time.
-OF_TIME = {"time": "time", "1/time": "rate"}
 
 
 @dataclass(frozen=True)
@@ -54,8 +53,8 @@ class Dimensions:
         ----------
         measure : str
             ``length`` [m], ``force`` [N], ``speed`` of the clock [rad/s], ``rotation`` (speed of the first shaft at s = 1)
-            [rad/s], ``velocity`` [m/s], ``time`` [s], ``rate`` [1/s], or ``frequency`` (what is counted over the clock's
-            speed at s = 1) [rad/s].
+            [rad/s], ``velocity`` [m/s], ``time`` [s], ``rate`` [1/s], or ``frequency`` [rad/s] and ``growth`` [1/s], both
+            over the clock's speed at s = 1, as in a Campbell diagram.
         **varied : array
             Values of parameters that replace the system's own; the result has their shape.
         """
@@ -64,7 +63,7 @@ class Dimensions:
         if measure in ("time", "rate"):
             speed = self.worth("speed", **varied)
             return speed if measure == "rate" else 1 / speed
-        if measure == "frequency":
+        if measure in ("frequency", "growth"):
             return self.worth("speed", **varied) / np.asarray(varied.get("s", float(self.system.values.get("s", 1.0))))
         settled = self.system.details
         groups = settled.case.family.groups if isinstance(settled, Settled) else None

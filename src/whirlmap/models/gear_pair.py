@@ -103,6 +103,11 @@ BEYOND = {
     "centring": "none", "contact": "stop",
 }  # fmt: skip
 
+BODIES = {
+    "pinion": (xp, yp), "gear": (xg, yg), "pinion housings": (x1, y1), "gear housings": (x2, y2),
+    "pinion journals": (u1x, u1y), "gear journals": (u2x, u2y),
+}  # fmt: skip
+
 VELOCITIES = {xp: vxp, yp: vyp, xg: vxg, yg: vyg, x1: vx1, y1: vy1, x2: vx2, y2: vy2}
 
 
@@ -321,6 +326,7 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         switches=switches,
         clocks={"mesh": r_m, "pinion": r_p, "gear": r_g},
         swing=(yp, yg, y1, y2),
+        bodies={**BODIES, **(torsion.BODIES if turning else {})},
         sources=(
             "changjian-psfd", "capone1991", "morgan1957",
             *(("kahraman1990",) if line else ()), *(("chu1998",) if rubs else ()),

@@ -64,6 +64,7 @@ def rigid() -> Model:
         switches={"rotor": "rigid", "arc": "fixed", "bearing": "journal"},
         clocks={"shaft": 1},
         swing=(uy,),
+        bodies={"rotor": (ux, uy)},
         sources=("capone1991", "childs1993"),
     )
 
@@ -99,6 +100,7 @@ def flexible(arc: str, bearing: str) -> Model:
         switches={"rotor": "flexible", "arc": arc, "bearing": bearing},
         clocks={"shaft": 1},
         swing=(y, uy),
+        bodies={"rotor": (x, y), "journals": (ux, uy)},
         sources=("capone1991", "childs1993"),
     )
 

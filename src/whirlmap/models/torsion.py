@@ -23,6 +23,7 @@ xi_tp = Parameter("xi_tp", "1", "torsional damping to the driver c_tp/(2 m_p ome
 xi_tg = Parameter("xi_tg", "1", "torsional damping to the load c_tg/(2 m_p omega_0 R_bg^2)", at_least=0)
 
 STATES = (qp, qg, vqp, vqg)
+BODIES = {"pinion torsion": (qp,), "gear torsion": (qg,)}
 PARAMETERS = (iota_p, iota_g, kappa_tp, kappa_tg, xi_tp, xi_tg)
 
 
