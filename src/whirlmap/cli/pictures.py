@@ -39,11 +39,11 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     from whirlmap.plot.style import WIDE, new_figure
     from whirlmap.plot.time_series import draw_time_series
 
-    states = swing_of(system)
+    states, in_T = swing_of(system), ds["time"].attrs["units"] == "time"  # seconds, where the case says what they are
     fig = new_figure(WIDE, 1.2 + 1.1 * max(len(states), 2))
     grid = fig.add_gridspec(len(states), 2, width_ratios=[3, 2])
     for row, state in enumerate(states):
-        draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN)
+        draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN, in_T=in_T)
     draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
     fig.suptitle(system.case)
     return fig

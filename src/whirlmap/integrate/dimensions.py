@@ -1,6 +1,7 @@
 """What the numbers of a system are worth in engineering units: the one place that knows, for tables, files and pictures."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from math import isfinite, nan
 from typing import Any
 
@@ -36,15 +37,16 @@ PURE = Measured(1.0, "1")
 class Dimensions:
     """Units of the states, outputs and parameters of a system, and of its time.
 
-    Numbers of a case that does not say what its clearance is stay in the model's own units.
+    Numbers of a case that does not say what its clearance is stay in the model's own units; with ``own`` all do.
     """
 
     system: System
+    own: bool = False
 
-    @property
+    @cached_property
     def known(self) -> bool:
-        """Whether the case says what the model's length is."""
-        return isfinite(self.worth("length"))
+        """Whether numbers are converted: the case says what the model's length is."""
+        return not self.own and isfinite(self.worth("length"))
 
     def worth(self, measure: str, **varied: Any) -> Any:
         """What one of the model's units of a measure is in SI; NaN where the case does not say.

@@ -1,0 +1,75 @@
+"""Cases with dimensions are shown in engineering units, in tables, JSON, CSV and pictures; --dimensionless gives groups."""
+
+import json
+import shlex
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import whirlmap
+from whirlmap.cli import pictures
+from whirlmap.cli.main import app
+from whirlmap.results.signals import read_column
+
+RIG = "machines/jeffcott-rig"
+C, OMEGA, W = 100.0, 1800 * np.pi / 30, 0.8 * 9.81 / 2  # um, rad/s, N
+SIMULATE = f"simulate {RIG} --periods 4 --steps 40 --quiet"
+
+
+def run(line):
+    result = CliRunner(env={"COLUMNS": "200"}).invoke(app, shlex.split(line))
+    assert result.exit_code == 0, (result.stderr, result.exception)
+    return result.stdout
+
+
+def told(line):
+    return json.loads(run(f"{line} --json"))
+
+
+def test_a_simulation_is_told_in_um_mm_s_and_newtons_beside_its_groups():
+    said = told(SIMULATE)
+    own, found = said["motion"], said["dimensional"]["motion"]
+    assert [found[name]["units"]["maximum"] for name in ("y", "vy", "eps", "load")] == ["um", "mm/s", "1", "N"]
+    for name, size in (("y", C), ("vy", C * 1e-3 * OMEGA), ("eps", 1), ("load", W)):
+        assert found[name]["maximum"] == pytest.approx(own[name]["maximum"] * size, rel=1e-12)
+        assert set(own[name]["units"].values()) == {"1"}
+    assert said["dimensional"]["period"] == pytest.approx(60 / 1800, rel=1e-12)
+    assert said["dimensional"]["units"]["period"] == "s" and said["period"] == pytest.approx(2 * np.pi)
+    assert "dimensional" not in told(f"{SIMULATE} --dimensionless")
+
+
+def test_the_table_of_a_simulation_names_units_unless_groups_are_asked_for():
+    said = run(SIMULATE)
+    assert all(word in said for word in ("y [um]", "vy [mm/s]", "load [N]", "0.03333333 s"))
+    said = run(f"{SIMULATE} --dimensionless")
+    assert "um" not in said.replace("minimum", "").replace("maximum", "") and "period T = 6.283185," in said
+
+
+def test_a_csv_file_is_in_seconds_and_um(tmp_path):
+    file, plain = tmp_path / "y.csv", tmp_path / "groups.csv"
+    run(f"{SIMULATE} --out {file}")
+    run(f"{SIMULATE} --dimensionless --out {plain}")
+    assert file.read_text().startswith("# units: s,um,um,um,um,mm/s,mm/s,1,N\n")
+    np.testing.assert_allclose(read_column(file, "y"), read_column(plain, "y") * C, rtol=1e-14)
+    np.testing.assert_allclose(read_column(file, "time"), read_column(plain, "time") / OMEGA, rtol=1e-12)
+
+
+def test_the_dataset_of_a_simulation_stays_in_groups(tmp_path):
+    run(f"{SIMULATE} --out {tmp_path / 'run.nc'}")
+    import xarray as xr
+
+    with xr.open_dataset(tmp_path / "run.nc") as ds:
+        assert ds["x"].attrs["units"] == "1" and abs(ds["x"].sel(state="y")).max() < 3
+
+
+def test_pictures_of_a_simulation_have_um_and_seconds():
+    system = whirlmap.load(RIG)
+    ds = whirlmap.in_units(system, whirlmap.simulate(system, periods=4, steps=40))
+    labels = [ax.get_ylabel() + ax.get_xlabel() for ax in pictures.simulation(system, ds).axes]
+    assert "[um]" in labels[0] and "[s]" in labels[0] and "[mm/s]" in labels[-1]
+
+
+@pytest.mark.parametrize("case", ["duffing", "jeffcott"])
+def test_cases_without_dimensions_have_none(case):
+    assert "dimensional" not in told(f"simulate {case} --periods 2 --quiet")
