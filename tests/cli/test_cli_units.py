@@ -70,6 +70,41 @@ def test_pictures_of_a_simulation_have_um_and_seconds():
     assert "[um]" in labels[0] and "[s]" in labels[0] and "[mm/s]" in labels[-1]
 
 
+DIAGNOSE = f"diagnose {RIG} --exponents 1 --max-periods 64 --quiet"
+
+
+@pytest.fixture(scope="module")
+def diagnosed():
+    return told(DIAGNOSE)
+
+
+def test_a_diagnosis_is_told_in_um_and_per_second(diagnosed):
+    found, units = diagnosed["dimensional"], diagnosed["dimensional"]["units"]
+    assert found["amplitude"]["y"]["units"] == {"peak_to_peak": "um", "rms": "um"}
+    for name, size in (("y", C), ("vy", C * 1e-3 * OMEGA), ("load", W)):
+        own = diagnosed["amplitude"][name]["peak_to_peak"]
+        assert found["amplitude"][name]["peak_to_peak"] == pytest.approx(own * size, rel=1e-12)
+    assert found["min_film"]["eps"] == pytest.approx(C * diagnosed["min_film"]["eps"]) and units["min_film"] == "um"
+    assert found["lyapunov"][0] == pytest.approx(OMEGA * diagnosed["lyapunov"][0]) and units["lyapunov"] == "1/s"
+
+
+def test_the_table_of_a_diagnosis_has_units_and_groups_when_asked():
+    said = run(DIAGNOSE)
+    assert all(word in said for word in ("y [um]", "vy [mm/s]", "load [N]", "[1/s]", "thinnest film [um]"))
+    said = run(f"{DIAGNOSE} --dimensionless")
+    assert "[um]" not in said and "thinnest film over c" in said and "per unit of time" in said
+
+
+def test_the_sheet_of_a_diagnosis_has_the_clearance_circle_in_um():
+    from whirlmap.integrate.dimensions import Dimensions
+
+    system = whirlmap.load(RIG)
+    ds = whirlmap.diagnose(system, exponent_count=1, max_periods=64)
+    axes = pictures.diagnosis(Dimensions(system), ds).axes
+    assert "[um]" in axes[0].get_xlabel() and axes[0].get_xlim()[1] == pytest.approx(1.08 * C)
+    assert any("um^2" in ax.get_ylabel() for ax in axes) and any("[1/s]" in ax.get_ylabel() for ax in axes)
+
+
 @pytest.mark.parametrize("case", ["duffing", "jeffcott"])
 def test_cases_without_dimensions_have_none(case):
     assert "dimensional" not in told(f"simulate {case} --periods 2 --quiet")

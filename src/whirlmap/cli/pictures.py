@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
 #: Periods T of a time series that its picture shows, the last ones.
@@ -49,12 +50,16 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     return fig
 
 
-def diagnosis(system: "System", ds: "xr.Dataset") -> "Figure":
-    """Draw the sheet of a diagnosis."""
+def diagnosis(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+    """Draw the sheet of a diagnosis in these units."""
+    from whirlmap.integrate.in_units import in_units
     from whirlmap.plot.figures import diagnosis_figure
 
-    state = swing_of(system)[0]
-    return diagnosis_figure(ds, state, velocity=partner_of(system, state), title=system.case)
+    system = units.system
+    state, shown = swing_of(system)[0], in_units(system, ds) if units.known else ds
+    return diagnosis_figure(
+        shown, state, velocity=partner_of(system, state), clearance=units.of("length").size, title=system.case
+    )
 
 
 def series(ds: "xr.Dataset", name: str) -> "Figure":

@@ -16,6 +16,8 @@ Result = TypeVar("Result", Findings, "xr.Dataset")
 
 #: Units of a Dataset's variables that stand for the model's own time, and the measure of each.
 OF_TIME = {"time": "time", "1/time": "rate"}
+#: Variables of another measure than their unit, that of time, says: rates of states, whose own units differ.
+OTHER = {"drift_rate": "", "min_film": "length", "max_load": "force"}
 #: Variables with a number for each state or output, which the coordinate of their last such dimension names.
 EACH = {
     "x": "state", "section": "state", "outputs": "output", "equilibrium": "state",
@@ -72,7 +74,7 @@ class _Converter:
         if name in self.system.parameters or (name in dims and name in (*self.system.states, *self.system.model.outputs)):
             found = self._quantity(name, dims)
         else:
-            measure = attrs.get("measure") or OF_TIME.get(attrs.get("units", ""), "")
+            measure = OTHER.get(name, attrs.get("measure") or OF_TIME.get(attrs.get("units", ""), ""))
             found = self._measure(measure, dims)
         if found.unit == PURE.unit:
             return variable
