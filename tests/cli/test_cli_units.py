@@ -105,6 +105,33 @@ def test_the_sheet_of_a_diagnosis_has_the_clearance_circle_in_um():
     assert any("um^2" in ax.get_ylabel() for ax in axes) and any("[1/s]" in ax.get_ylabel() for ax in axes)
 
 
+BIFURCATION = f"bifurcation {RIG} --vary s=0.4:1.2:3 --lyapunov 0 --quiet"
+
+
+def test_a_diagram_is_told_in_rpm_and_um():
+    said = told(BIFURCATION)
+    found, omega_0 = said["dimensional"], np.sqrt(9.81 / (C * 1e-6))
+    assert found["units"]["values"] == "rpm" and said["values"] == pytest.approx([0.4, 0.8, 1.2])
+    np.testing.assert_allclose(found["values"], np.array(said["values"]) * omega_0 * 30 / np.pi, rtol=1e-12)
+    (own,), (sweep,) = said["sweeps"], found["sweeps"]
+    np.testing.assert_allclose(sweep["peak_to_peak"]["y"], C * np.array(own["peak_to_peak"]["y"]), rtol=1e-12)
+    speeds = omega_0 * np.array(said["values"])  # velocities are over c and the radian of each point's own clock
+    np.testing.assert_allclose(sweep["peak_to_peak"]["vy"], C * 1e-3 * speeds * own["peak_to_peak"]["vy"], rtol=1e-12)
+    assert sweep["units"]["peak_to_peak"]["y"] == "um" and sweep["units"]["lyapunov"] == "1/s"
+
+
+def test_the_table_and_the_picture_of_a_diagram_are_in_rpm_and_um():
+    from whirlmap.integrate.dimensions import Dimensions
+
+    said = run(BIFURCATION)
+    assert "speed [rpm]" in said and "[um]" in said
+    assert "[" not in run(f"{BIFURCATION} --dimensionless")
+    system = whirlmap.load(RIG)
+    ds = whirlmap.bifurcation_diagram(system, "s", [0.4, 0.8], lyapunov=0)
+    axes = pictures.diagram(Dimensions(system), ds, ["y"]).axes
+    assert "[um]" in axes[0].get_ylabel() and any("[rpm]" in ax.get_xlabel() for ax in axes)
+
+
 @pytest.mark.parametrize("case", ["duffing", "jeffcott"])
 def test_cases_without_dimensions_have_none(case):
     assert "dimensional" not in told(f"simulate {case} --periods 2 --quiet")

@@ -51,10 +51,11 @@ def campbell(
     system = options.open_system(case, changes, None)
     refuse_input(system, swept.name, "--vary")
     from whirlmap.analysis.campbell import campbell as compute
-    from whirlmap.integrate.in_units import in_units
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
 
     ds = compute(system, swept.name, swept.values)
-    shown = ds if dimensionless else in_units(system, ds)
+    shown = shown_in(Dimensions(system, own=dimensionless), ds)
     files = destination.write(ds, lambda _: pictures.campbell(system, shown))
     missing = int((ds["status"] != 0).sum())
     if missing:

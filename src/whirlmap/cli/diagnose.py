@@ -116,7 +116,7 @@ def diagnose(
     from whirlmap.analysis.diagnosis_json import verdict_json
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import in_units
+    from whirlmap.integrate.in_units import shown_in
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     longest = RUNS * (system.strobe * (transient + 4 * most + points // RUNS) + max_periods)
@@ -127,9 +127,8 @@ def diagnose(
         )  # fmt: skip
     report.say_doubts(found.attrs)
     plain, units = verdict_json(found), Dimensions(system, own=dimensionless)
-    own = verdict = _in_units(plain, plain, Dimensions(system, own=True))
-    if units.known:
-        verdict = _in_units(plain, verdict_json(in_units(system, found)), units)
+    own = _in_units(plain, plain, Dimensions(system, own=True))
+    verdict = _in_units(plain, verdict_json(shown_in(units, found)), units)
     files = destination.write(found, lambda made: pictures.diagnosis(units, made))
     if json:
         facts = report.beside(own, verdict, (*RATES, "drift_rate", "end_time", "amplitude", "min_film", "units"), units)

@@ -52,13 +52,13 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
 
 def diagnosis(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
     """Draw the sheet of a diagnosis in these units."""
-    from whirlmap.integrate.in_units import in_units
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.figures import diagnosis_figure
 
     system = units.system
-    state, shown = swing_of(system)[0], in_units(system, ds) if units.known else ds
+    state = swing_of(system)[0]
     return diagnosis_figure(
-        shown, state, velocity=partner_of(system, state), clearance=units.of("length").size, title=system.case
+        shown_in(units, ds), state, velocity=partner_of(system, state), clearance=units.of("length").size, title=system.case
     )
 
 
@@ -69,11 +69,12 @@ def series(ds: "xr.Dataset", name: str) -> "Figure":
     return series_figure(ds, title=name)
 
 
-def diagram(system: "System", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
-    """Bifurcation diagrams of some states over their regimes."""
+def diagram(units: "Dimensions", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
+    """Bifurcation diagrams of some states over their regimes, in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.figures import diagram_figure
 
-    return diagram_figure(ds, list(states), columns=2 if len(states) > 3 else 1, title=system.case)
+    return diagram_figure(shown_in(units, ds), list(states), columns=2 if len(states) > 3 else 1, title=units.system.case)
 
 
 def regime_map(system: "System", ds: "xr.Dataset", quantity: str) -> "Figure":

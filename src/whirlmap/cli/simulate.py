@@ -74,7 +74,7 @@ def simulate(
     from whirlmap.analysis.record_length import shown_periods
     from whirlmap.analysis.trajectory import SAMPLES
     from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import in_units
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.sweep.run import simulation_in_stretches
 
     total = (shown_periods(system, max(SAMPLES // max(every, 1), 1)) if periods is None else periods) + transient
@@ -86,7 +86,7 @@ def simulate(
     if work.dataset is None:
         raise KeyboardInterrupt
     units = Dimensions(system, own=dimensionless)
-    shown = in_units(system, work.dataset) if units.known else work.dataset
+    shown = shown_in(units, work.dataset)
     files = destination.write(work.dataset, lambda _: pictures.simulation(system, shown))
     if table is not None:
         files += write_all([(table, lambda place: write_series(shown, place, force=force))])

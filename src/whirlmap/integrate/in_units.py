@@ -42,13 +42,17 @@ def in_units(system: System, result: Result) -> Result:
         With the same variables. Their attribute ``units`` says the unit; ``unit_of_each`` does so for every state, output
         or quantity. What the case does not give a unit, as every result of a case without dimensions, is returned as it is.
     """
-    units = Dimensions(system)
+    return shown_in(Dimensions(system), result)
+
+
+def shown_in(units: Dimensions, result: Result) -> Result:
+    """Convert a result from the model's own units to these; see `in_units`."""
     if not units.known:
         return result
     found = result if isinstance(result, Findings) else Findings.of(result)
     every = {**found.coordinates, **found.variables}
-    varied = {name: every[name] for name in system.parameters if name in every}
-    converted = _Converter(system, units, every, varied)
+    varied = {name: every[name] for name in units.system.parameters if name in every}
+    converted = _Converter(units.system, units, every, varied)
     made = Findings(
         {name: converted(name, variable) for name, variable in found.variables.items()},
         {name: converted(name, variable) for name, variable in found.coordinates.items()}, found.attrs,
