@@ -132,6 +132,30 @@ def test_the_table_and_the_picture_of_a_diagram_are_in_rpm_and_um():
     assert "[um]" in axes[0].get_ylabel() and any("[rpm]" in ax.get_xlabel() for ax in axes)
 
 
+LINEAR = f"linear {RIG} --threshold s=1:4"
+
+
+def test_small_motions_are_told_in_hz_and_per_second_with_names():
+    said = told(LINEAR)
+    found, own = said["dimensional"], said["eigenvalues"]
+    mode = found["eigenvalues"][0]
+    assert mode["frequency"] == pytest.approx(own[0]["frequency"] * OMEGA / (2 * np.pi), rel=1e-12)
+    assert mode["growth"] == pytest.approx(own[0]["growth"] * OMEGA, rel=1e-12)
+    assert mode["name"] == own[0]["name"] == "rotor backward"
+    assert found["loads"]["1"] == pytest.approx(W, rel=1e-9) and said["films"]["1"]["load"] == pytest.approx(1)
+    assert found["equilibrium"]["y"] == pytest.approx(C * said["equilibrium"]["y"])
+    assert found["threshold"]["value"] == pytest.approx(said["threshold"]["value"] * np.sqrt(9.81e4) * 30 / np.pi)
+    units = found["units"]
+    assert (units["equilibrium"]["y"], units["frequency"], units["loads"], units["threshold"]) == ("um", "Hz", "N", "rpm")
+
+
+def test_the_table_of_small_motions_has_units():
+    said = run(LINEAR)
+    assert all(word in said for word in ("frequency [Hz]", "growth [1/s]", "y [um]", "load 3.924 N", "rpm"))
+    said = run(f"{LINEAR} --dimensionless")
+    assert "Hz" not in said and "um" not in said and "per radian of the clock" in said
+
+
 @pytest.mark.parametrize("case", ["duffing", "jeffcott"])
 def test_cases_without_dimensions_have_none(case):
     assert "dimensional" not in told(f"simulate {case} --periods 2 --quiet")

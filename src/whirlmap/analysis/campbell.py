@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
 
 from whirlmap.analysis.linear import linearised
-from whirlmap.analysis.mode_shapes import Shapes, centres, shapes_of
+from whirlmap.analysis.mode_shapes import Shapes, shapes_of, whirl_of
 from whirlmap.analysis.points import parameter_values
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
@@ -17,9 +17,6 @@ from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.results.provenance import provenance
 from whirlmap.results.schema import status_variable, variable, with_attributes
 from whirlmap.results.status import Status
-
-#: Area of an orbit over that of the circle of its size, below which the orbit is a line without a sense.
-FLAT = 1e-6
 
 
 def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
@@ -73,13 +70,12 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     at = np.flatnonzero(found)
     speed = table[system.parameters.index("s")] if "s" in system.parameters else np.ones(points.size)
     eigenvalues, vectors = _followed(*np.linalg.eig(jacobian[at]))
-    area = np.sign(eigenvalues.imag) * _area(system, vectors)
     kept = _without_conjugates(eigenvalues)
     full = np.full((len(kept), points.size), np.nan)
     frequency, growth, whirl = full.copy(), full.copy(), np.zeros(full.shape, dtype=np.int8)
     frequency[:, at] = np.abs(eigenvalues.imag[:, kept].T) * speed[at]
     growth[:, at] = eigenvalues.real[:, kept].T * speed[at]
-    whirl[:, at] = np.where(np.abs(area) > FLAT, np.sign(area), 0)[:, kept].T
+    whirl[:, at] = whirl_of(system, eigenvalues, vectors)[:, kept].T
     counted = np.zeros(full.shape, dtype=bool)
     counted[:, at] = ~_shadows(eigenvalues[:, kept]).T
     vector = np.full((len(kept), len(system.states), points.size), np.nan, dtype=complex)
@@ -149,16 +145,6 @@ def _shadows(eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
     apart = np.abs(eigenvalues[:, :, None] - eigenvalues[:, None, :].conj())
     same = (apart < 1e-9 * np.abs(eigenvalues).max(axis=1)[:, None, None]).any(axis=2)
     return np.asarray(same & (eigenvalues.imag < 0))
-
-
-def _area(system: System, vectors: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Signed area of the orbits of a mode over that of circles of the same size, shape (point, mode)."""
-    area, size = np.zeros(vectors[:, 0].shape), np.zeros(vectors[:, 0].shape)
-    for i, j in centres(system):
-        x, y = vectors[:, i], vectors[:, j]
-        area += 2 * (x * y.conj()).imag
-        size += np.abs(x) ** 2 + np.abs(y) ** 2
-    return np.divide(area, size, out=np.zeros_like(area), where=size > 0)
 
 
 def _crossings(

@@ -11,6 +11,8 @@ from whirlmap.integrate.system import System
 
 #: Words for each sense of whirl.
 WHIRL = {1: "forward", -1: "backward", 0: "none"}
+#: Area of an orbit over that of the circle of its size, below which the orbit is a line without a sense.
+FLAT = 1e-6
 
 
 def centres(system: System) -> list[tuple[int, int]]:
@@ -26,6 +28,25 @@ def bodies(system: System) -> dict[str, list[int]]:
     names = system.states
     declared = {body: [names.index(q.name) for q in coordinates] for body, coordinates in system.model.bodies.items()}
     return declared or {f"{names[i]} {names[j]}": [i, j] for i, j in centres(system)}
+
+
+def whirl_of(
+    system: System, eigenvalues: NDArray[np.complex128], vectors: NDArray[np.complex128]
+) -> NDArray[np.int8]:
+    """Sense of whirl of each mode, summed over the centres that have mass: 1 from x to y, -1 from y to x, 0 none.
+
+    Parameters
+    ----------
+    eigenvalues : array of complex, shape (point, mode)
+    vectors : array of complex, shape (point, state, mode)
+    """
+    area, size = np.zeros(eigenvalues.shape), np.zeros(eigenvalues.shape)
+    for i, j in centres(system):
+        x, y = vectors[:, i], vectors[:, j]
+        area += 2 * (x * y.conj()).imag
+        size += np.abs(x) ** 2 + np.abs(y) ** 2
+    area *= np.sign(eigenvalues.imag)
+    return (np.sign(area) * (np.abs(area) > FLAT * size)).astype(np.int8)
 
 
 @dataclass(frozen=True)

@@ -3,12 +3,15 @@
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
+import numpy as np
 import typer
 
 from whirlmap.cli import options, report
 
 if TYPE_CHECKING:
     from whirlmap.analysis.film_coefficients import FilmCoefficients
+    from whirlmap.analysis.linear import LinearAnalysis
+    from whirlmap.integrate.dimensions import Dimensions
 
 EXAMPLES = (
     "whirlmap linear jeffcott",
@@ -30,14 +33,19 @@ def linear(
             help="Also find the lowest value in this bracket at which the equilibrium loses its stability.",
         ),
     ] = None,
+    dimensionless: options.Dimensionless = False,
     json: options.Json = False,
 ) -> None:  # fmt: skip
-    """Linearise CASE about its static equilibrium, with all forcing off."""
+    """Linearise CASE about its static equilibrium, with all forcing off.
+
+    A case with dimensions is shown in um, Hz, 1/s and N.
+    """
     bracket = next(iter(options.brackets([threshold], "--threshold").items())) if threshold else None
     system = options.open_system(case, changes, None)
     from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import linear_analysis
     from whirlmap.analysis.threshold import NoThresholdError, stability_threshold
+    from whirlmap.integrate.dimensions import Dimensions
 
     found = linear_analysis(system)
     limit, note = None, None
@@ -46,24 +54,27 @@ def linear(
             limit = stability_threshold(system, *bracket)
         except NoThresholdError as error:  # that nothing is lost there is an answer
             note = str(error)
-    equilibrium = dict(zip(system.states, found.equilibrium, strict=True))
-    modes = [
-        {"growth": float(v.real), "frequency": float(v.imag), "damping_ratio": float(-v.real / abs(v)) if v else None}
-        for v in found.eigenvalues
-    ]
     films = {name: _film(one) for name, one in film_coefficients(system).items()}
+    threshold = {"parameter": bracket[0], "value": limit, "note": note} if bracket else None
+    units = Dimensions(system, own=dimensionless)
+    facts = _in_units(units, found, films, threshold)
     if json:
+        own = _in_units(Dimensions(system, own=True), found, films, threshold)
+        keys = ("equilibrium", "eigenvalues", "loads", "threshold", "units")
         report.print_json({
-            "case": system.case, "model": system.model.name, "parameters": system.values, "equilibrium": equilibrium,
-            "stable": found.stable, "eigenvalues": modes, "films": films,
-            "threshold": {"parameter": bracket[0], "value": limit, "note": note} if bracket else None,
+            "case": system.case, "model": system.model.name, "parameters": system.values, "stable": found.stable,
+            "films": films, **report.beside(own, facts, keys, units),
         })  # fmt: skip
         return
     typer.echo(f"{system.case}: the static equilibrium is {'stable' if found.stable else 'unstable'}")
-    columns = ("growth", "frequency", "damping ratio")
+    said = facts["units"]
+    rest = [(report.with_unit(name, said["equilibrium"][name]), value) for name, value in facts["equilibrium"].items()]
+    title = "Eigenvalues" if units.known else "Eigenvalues, per radian of the clock"
+    heads = [*(report.with_unit(key, said[key]) for key in ("growth", "frequency")), "damping ratio", "mode"]
+    modes = [(m["growth"], m["frequency"], m["damping_ratio"], m["name"]) for m in facts["eigenvalues"]]
     report.show(
-        report.table("Static equilibrium", ("state", "value"), equilibrium.items(), numbers=(1,)),
-        report.table("Eigenvalues, per radian of the clock", columns, [tuple(m.values()) for m in modes], numbers=(0, 1, 2)),
+        report.table("Static equilibrium", ("state", "value"), rest, numbers=(1,)),
+        report.table(title, heads, modes, numbers=(0, 1, 2)),
     )
     for name, one in films.items():
         keys = [key for key in one if key[0] in "KC" and one[key] is not None]
@@ -72,11 +83,47 @@ def linear(
             for axes, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))
         ]
         title = f"Bearing {name}, eccentricity {one['eccentricity']:.4g}"
+        title += f", load {facts['loads'][name]:.4g}{report.unit_behind(said['loads'])}" if units.known else ""
         report.show(report.table(title, ("axes", *(HEADS[key] for key in keys)), rows, numbers=range(1, len(keys) + 1)))
     if note:
         typer.echo(note)
     elif bracket:
-        typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}")
+        unit = report.unit_behind(said["threshold"])
+        beside = f", {facts['threshold']['value']:.9g}{unit}" if unit else ""
+        typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}{beside}")
+
+
+def _in_units(
+    units: "Dimensions", found: "LinearAnalysis", films: dict[str, Any], threshold: dict[str, Any] | None
+) -> dict[str, Any]:
+    """What was found, in these units, which stand beside."""
+    from whirlmap.analysis.mode_shapes import WHIRL, shapes_of, whirl_of
+
+    system, values, vectors = units.system, found.eigenvalues[None], found.eigenvectors[None]
+    whirl = whirl_of(system, values, vectors)[0]
+    names = shapes_of(system, vectors[0].T[:, :, None], np.abs(values.imag).T, whirl[:, None]).names[:, 0]
+    rate, cycles, force = units.of("rate"), units.of("speed"), units.of("force")
+    rest = {name: units.quantity(name) for name in system.states}
+    critical = units.quantity(threshold["parameter"]) if threshold else None
+    return {
+        "equilibrium": {
+            name: float(value * rest[name].size) for name, value in zip(system.states, found.equilibrium, strict=True)
+        },
+        "eigenvalues": [
+            {
+                "growth": float(v.real * rate.size), "frequency": float(v.imag * cycles.size),
+                "damping_ratio": float(-v.real / abs(v)) if v else None, "name": str(name), "whirl": WHIRL[int(sense)],
+            }
+            for v, name, sense in zip(found.eigenvalues, names, whirl, strict=True)
+        ],
+        "loads": {name: one["load"] * force.size for name, one in films.items()},
+        "threshold": threshold if not threshold or not critical or threshold["value"] is None
+        else {**threshold, "value": threshold["value"] * critical.size},
+        "units": {
+            "equilibrium": {name: one.unit for name, one in rest.items()}, "growth": rate.unit, "frequency": cycles.unit,
+            "loads": force.unit, "threshold": critical.unit if critical else "1",
+        },
+    }  # fmt: skip
 
 
 def _film(film: "FilmCoefficients") -> dict[str, Any]:

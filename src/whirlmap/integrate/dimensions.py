@@ -18,7 +18,7 @@ from whirlmap.units import convert
 WRITTEN = {
     "length": ("m", "um"), "velocity": ("m/s", "mm/s"), "force": ("N", "N"), "rotation": ("rad/s", "rpm"),
     "time": ("s", "s"), "rate": ("1/s", "1/s"), "frequency": ("rad/s", "Hz"),
-    "growth": ("1/s", "1/s"),
+    "growth": ("1/s", "1/s"), "speed": ("rad/s", "Hz"),
 }  # fmt: skip
 
 
