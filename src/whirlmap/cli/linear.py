@@ -3,7 +3,6 @@
 import math
 from typing import TYPE_CHECKING, Annotated, Any
 
-import numpy as np
 import typer
 
 from whirlmap.cli import options, report
@@ -55,26 +54,26 @@ def linear(
         except NoThresholdError as error:  # that nothing is lost there is an answer
             note = str(error)
     films = {name: _film(one) for name, one in film_coefficients(system).items()}
-    threshold = {"parameter": bracket[0], "value": limit, "note": note} if bracket else None
+    lost = {"parameter": bracket[0], "value": limit, "note": note} if bracket else None
     units = Dimensions(system, own=dimensionless)
-    facts = _in_units(units, found, films, threshold)
+    facts = _in_units(units, found, films, lost)
     if json:
-        own = _in_units(Dimensions(system, own=True), found, films, threshold)
-        keys = ("equilibrium", "eigenvalues", "loads", "threshold", "units")
+        own = _in_units(Dimensions(system, own=True), found, films, lost)
+        kept = ("equilibrium", "eigenvalues", "loads", "threshold", "units")
         report.print_json({
             "case": system.case, "model": system.model.name, "parameters": system.values, "stable": found.stable,
-            "films": films, **report.beside(own, facts, keys, units),
+            "films": films, **report.beside(own, facts, kept, units),
         })  # fmt: skip
         return
     typer.echo(f"{system.case}: the static equilibrium is {'stable' if found.stable else 'unstable'}")
     said = facts["units"]
     rest = [(report.with_unit(name, said["equilibrium"][name]), value) for name, value in facts["equilibrium"].items()]
     title = "Eigenvalues" if units.known else "Eigenvalues, per radian of the clock"
-    heads = [*(report.with_unit(key, said[key]) for key in ("growth", "frequency")), "damping ratio", "mode"]
+    growth, frequency = (report.with_unit(key, said[key]) for key in ("growth", "frequency"))
     modes = [(m["growth"], m["frequency"], m["damping_ratio"], m["name"]) for m in facts["eigenvalues"]]
     report.show(
         report.table("Static equilibrium", ("state", "value"), rest, numbers=(1,)),
-        report.table(title, heads, modes, numbers=(0, 1, 2)),
+        report.table(title, (growth, frequency, "damping ratio", "mode"), modes, numbers=(0, 1, 2)),
     )
     for name, one in films.items():
         keys = [key for key in one if key[0] in "KC" and one[key] is not None]
@@ -97,6 +96,8 @@ def _in_units(
     units: "Dimensions", found: "LinearAnalysis", films: dict[str, Any], threshold: dict[str, Any] | None
 ) -> dict[str, Any]:
     """What was found, in these units, which stand beside."""
+    import numpy as np
+
     from whirlmap.analysis.mode_shapes import WHIRL, shapes_of, whirl_of
 
     system, values, vectors = units.system, found.eigenvalues[None], found.eigenvectors[None]
