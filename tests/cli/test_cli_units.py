@@ -156,6 +156,37 @@ def test_the_table_of_small_motions_has_units():
     assert "Hz" not in said and "[um]" not in said and "per radian of the clock" in said
 
 
+ATTRACTORS = f"attractors {RIG} --starts 4 --transient 20 --lyapunov 256 --quiet"
+
+
+def test_attractors_are_told_in_um_and_per_second():
+    said = told(ATTRACTORS)
+    (own,), (found,) = said["attractors"], said["dimensional"]["attractors"]
+    assert found["peak_to_peak"]["y"] == pytest.approx(C * own["peak_to_peak"]["y"], rel=1e-12)
+    assert found["lyapunov"] == pytest.approx(OMEGA * own["lyapunov"], rel=1e-12)
+    assert found["units"]["peak_to_peak"]["y"] == "um" and found["units"]["lyapunov"] == "1/s"
+    said = run(ATTRACTORS)
+    assert "1/s" in said and " um" in said
+    said = run(f"{ATTRACTORS} --dimensionless")
+    assert "1/s" not in said and " um" not in said
+
+
+def test_pictures_of_attractors_basins_and_maps_have_units():
+    from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+
+    system, short = whirlmap.load(RIG), {"settling": Settling(transient=20), "lyapunov": 256}
+    units = Dimensions(system)
+    (ax,) = pictures.attractors(units, whirlmap.attractors(system, starts=4, **short)).axes
+    assert "[um]" in ax.get_xlabel() and "[mm/s]" in ax.get_ylabel()
+    slices = whirlmap.basins(system, {"ux": [0.2, 0.4], "uy": [-0.7, -0.5]}, **short)
+    (ax,) = pictures.basins(units, slices).axes
+    assert "[um]" in ax.get_xlabel() and ax.get_ylim()[0] < -C * 0.7
+    ds = whirlmap.regime_map(system, {"s": [0.4, 0.6], "b": [0.05, 0.1]}, lyapunov=0)
+    main = pictures.regime_map(units, ds, "y").axes[0]
+    assert "[rpm]" in main.get_xlabel() and "[um]" in main.get_ylabel()
+
+
 @pytest.mark.parametrize("case", ["duffing", "jeffcott"])
 def test_cases_without_dimensions_have_none(case):
     assert "dimensional" not in told(f"simulate {case} --periods 2 --quiet")

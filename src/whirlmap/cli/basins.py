@@ -35,6 +35,7 @@ def basins(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -54,6 +55,7 @@ def basins(
     destination = claim(out, "basins", force=force)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.basins import basins as find
     from whirlmap.sweep.run import expected_periods
 
@@ -64,9 +66,10 @@ def basins(
             system, {r.name: r.values for r in ranges}, settling=settling, lyapunov=lyapunov, steps=steps,
             accuracy=accuracy, method=method, workers=workers, progress=progress,
         )  # fmt: skip
-    files = destination.write(ds, lambda done: pictures.basins(system, done))
+    units = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda done: pictures.basins(units, done))
     report.say_doubts(ds.attrs)
-    facts = summary(system, ds)
+    facts = summary(units, ds)
     if json:
         report.print_json({**facts, "grid": {r.name: [r.start, r.stop, r.count] for r in ranges}, "files": files})
     else:

@@ -129,6 +129,7 @@ def map(  # noqa: A001 (the command's name)
             " where absent.",
         ),
     ] = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: Annotated[
         bool,
@@ -144,7 +145,7 @@ def map(  # noqa: A001 (the command's name)
 
     Every point says its regime, exponent, amplitudes, largest eccentricity and thinnest film, and how its run ended. Chunks
     of points are committed one by one: after a crash, a kill or Ctrl-C the same command with --resume goes on, and the
-    result is the same to the bit.
+    result is the same to the bit. The picture of a case with dimensions is in rpm and um.
     """
     if status is not None:
         if case or vary or draw or store:
@@ -163,6 +164,7 @@ def map(  # noqa: A001 (the command's name)
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
     from whirlmap.analysis.labels.labelling import Labelling
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
@@ -180,7 +182,8 @@ def map(  # noqa: A001 (the command's name)
         raise typer.Exit(130) from None
     finally:
         signal.signal(signal.SIGTERM, before)
-    files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
+    units = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts)):
         say(f"accuracy not met: {doubts}")
     facts = {

@@ -77,12 +77,15 @@ def diagram(units: "Dimensions", ds: "xr.Dataset", states: Sequence[str]) -> "Fi
     return diagram_figure(shown_in(units, ds), list(states), columns=2 if len(states) > 3 else 1, title=units.system.case)
 
 
-def regime_map(system: "System", ds: "xr.Dataset", quantity: str) -> "Figure":
-    """Draw a map of regimes; a line of points as its amplitude over its regimes."""
+def regime_map(units: "Dimensions", ds: "xr.Dataset", quantity: str) -> "Figure":
+    """Draw a map of regimes in these units; a line of points as its amplitude over its regimes."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.regime_map import regime_line_figure, regime_map_figure
 
-    draw = regime_map_figure if len(ds["regime"].dims) == 2 else regime_line_figure
-    return draw(ds, quantity, title=system.case)
+    if len(ds["regime"].dims) == 1:
+        return regime_line_figure(shown_in(units, ds), quantity, title=units.system.case)
+    small = ds.drop_vars("section", errors="ignore")  # which may be larger than the memory
+    return regime_map_figure(shown_in(units, small), quantity, title=units.system.case)
 
 
 def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
@@ -92,16 +95,19 @@ def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
     return campbell_figure(ds, title=system.case)
 
 
-def attractors(system: "System", ds: "xr.Dataset") -> "Figure":
-    """Draw the start states of a search by their attractor."""
+def attractors(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+    """Draw the start states of a search by their attractor, in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.basins import attractors_figure
 
+    system = units.system
     state = swing_of(system)[0]
-    return attractors_figure(ds, state, partner_of(system, state), title=system.case)
+    return attractors_figure(shown_in(units, ds), state, partner_of(system, state), title=system.case)
 
 
-def basins(system: "System", ds: "xr.Dataset") -> "Figure":
-    """Draw a slice of basins."""
+def basins(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+    """Draw a slice of basins in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.basins import basins_figure
 
-    return basins_figure(ds, title=system.case)
+    return basins_figure(shown_in(units, ds), title=units.system.case)

@@ -20,7 +20,8 @@ OF_TIME = {"time": "time", "1/time": "rate"}
 OTHER = {"drift_rate": "", "min_film": "length", "max_load": "force"}
 #: Variables with a number for each state or output, which the coordinate of their last such dimension names.
 EACH = {
-    "x": "state", "section": "state", "outputs": "output", "equilibrium": "state",
+    "x": "state", "section": "state", "outputs": "output", "equilibrium": "state", "start_state": "state",
+    "end_state": "state",
     **dict.fromkeys(("peak_to_peak", "rms", "maximum", "minimum", "mean"), "quantity"),
 }  # fmt: skip
 
@@ -89,8 +90,8 @@ class _Converter:
         place = dims.index(along)
         rest = tuple(d for d in dims if d != along)
         out, said = np.array(values, dtype=float), []
-        for i, name in enumerate(np.asarray(self.every[along][1]).astype(str).tolist()):
-            found = self._quantity(name, rest)
+        for i, name in enumerate(np.asarray(self.every[along][1]).tolist()):
+            found = self._quantity(str(name), rest)
             part = (slice(None),) * place + (i,)
             out[part] *= found.size
             said.append(found.unit)
