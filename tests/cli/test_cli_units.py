@@ -190,3 +190,40 @@ def test_pictures_of_attractors_basins_and_maps_have_units():
 @pytest.mark.parametrize("case", ["duffing", "jeffcott"])
 def test_cases_without_dimensions_have_none(case):
     assert "dimensional" not in told(f"simulate {case} --periods 2 --quiet")
+
+
+WITHOUT_UNITS = (
+    "speeds {} --limit 20", "speeds {} --range 500:6000", "improve {} --vary c=60um:70um:2 --limit 20",
+    "improve {} --vary c=60um:70um:2 --range 500:6000", "improve {} --vary c=60:140:5", "show {} --set speed=1500",
+    "bifurcation {} --vary speed=500:6000:5", "campbell {} --vary speed=500:6000:5", "map {} --vary speed=500:6000:5",
+    "linear {} --threshold speed=500:6000", "bifurcation {} --vary s=500:6000:5", "linear {} --threshold s=500:6000",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("line", WITHOUT_UNITS)
+def test_a_dimensional_quantity_without_its_unit_is_refused_with_an_example(line):
+    done = CliRunner().invoke(app, shlex.split(line.format(RIG)))
+    assert done.exit_code == 2 and done.stdout == ""
+    assert "unit" in done.stderr and "expected" in done.stderr
+
+
+def test_a_speed_in_rpm_is_varied_as_s():
+    said = told(f"bifurcation {RIG} --vary 'speed=1200 rpm:1500 rpm:2' --lyapunov 0 --quiet")
+    assert said["varied"] == "s" and said["dimensional"]["values"] == pytest.approx([1200, 1500], rel=1e-12)
+    again = told(f"campbell {RIG} --vary 'speed=20 turn/s:25 turn/s:2'")
+    assert again["values"] == pytest.approx(said["values"], rel=1e-12)
+    found = told(f"linear {RIG} --threshold 'speed=3000 rpm:9000 rpm'")
+    assert found["threshold"]["value"] == pytest.approx(told(LINEAR)["threshold"]["value"], rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("range_of", "expected"),
+    [
+        ("speed=1200rpm:20turn/s:2", "same unit"), ("speed=1um:2um:2", "expected a unit such as rpm"),
+        ("Gamma=1um:2um:2", "no dimension"), ("speed=1200rpm:1500rpm:2' --set 's=1", "s: found it in --set and in --vary"),
+        ("s=1:2:2' --set 'speed=1200 rpm", "speed: found it in --set and in --vary"),
+    ],
+)  # fmt: skip
+def test_ranges_that_cannot_be_are_refused(range_of, expected):
+    done = CliRunner().invoke(app, shlex.split(f"bifurcation {RIG} --vary '{range_of}'"))
+    assert done.exit_code == 2 and expected in done.stderr

@@ -9,6 +9,7 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import choice, say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_parameters, read_range, refuse_twice
 from whirlmap.errors import RangeError, nearest
 
 if TYPE_CHECKING:
@@ -37,7 +38,8 @@ def bifurcation(
         str,
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
-            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log.",
+            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log; of a case with dimensions also"
+            ' "speed=500 rpm:6000 rpm:200".',
         ),
     ],
     follow: Annotated[
@@ -85,16 +87,13 @@ def bifurcation(
     points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
     mm/s, N, rpm and 1/s.
     """
-    from whirlmap.sweep.grid import Range
-
-    swept = Range.parse(vary)
+    swept, unit = read_range(vary)
     if follow is not None:
         choice("--follow", follow, WAYS)
-    if swept.name in options.assignments(changes, "--set"):
-        raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
+    refuse_twice(set(options.assignments(changes, "--set")), swept)
     destination = claim(out, "bifurcation", force=force)
     system = options.open_system(case, changes, start)
-    refuse_input(system, swept.name, "--vary")
+    swept = in_parameters(system, swept, unit)
     states = _states(system, plot)
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
@@ -142,21 +141,6 @@ def _states(system: "System", plot: str | None) -> list[str]:
                 f"\n  states: {' '.join(system.states)}"
             )
     return states
-
-
-def refuse_input(system: "System", name: str, option: str) -> None:
-    """Say which parameters can be varied in place of a dimensional input."""
-    if name in getattr(system.details, "inputs", {}):
-        fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
-        hint = f"; it feeds {', '.join(fed)}" if fed else ""
-        raise RangeError(
-            f"{option}: found the dimensional input {name!r}, expected a dimensionless parameter{hint}"
-            f"\n  parameters: {' '.join(system.parameters)}"
-        )
-
-
-def _words(text: str) -> list[str]:
-    return "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
 
 
 def summary(units: "Dimensions", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:

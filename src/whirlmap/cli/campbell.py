@@ -6,10 +6,9 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, pictures, report
-from whirlmap.cli.bifurcation import refuse_input
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
-from whirlmap.errors import RangeError
+from whirlmap.cli.ranges import in_parameters, read_range, refuse_twice
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = (
     "whirlmap campbell jeffcott --vary s=0.3:5:100 --out campbell.png",
-    "whirlmap campbell machines/turbo-gearbox --vary s=0.1:2:200 --json",
+    'whirlmap campbell machines/turbo-gearbox --vary "speed=3000 rpm:12000 rpm:200" --json',
 )
 
 
@@ -28,7 +27,7 @@ def campbell(
         str,
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel="Sweep",
-            help="Parameter and range, ascending, as a rule the speed: s=0.3:5:100.",
+            help='Parameter and range, ascending, as a rule the speed: s=0.3:5:100, or "speed=500 rpm:6000 rpm:100".',
         ),
     ],
     changes: options.Changes = None,
@@ -42,14 +41,11 @@ def campbell(
     Each mode has the name of the part that moves most in it and its sense of whirl, and the shape: how far every part moves
     over that one. A case with dimensions is shown in rpm and Hz.
     """
-    from whirlmap.sweep.grid import Range
-
-    swept = Range.parse(vary)
-    if swept.name in options.assignments(changes, "--set"):
-        raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
+    swept, unit = read_range(vary)
+    refuse_twice(set(options.assignments(changes, "--set")), swept)
     destination = claim(out, "campbell", force=force)
     system = options.open_system(case, changes, None)
-    refuse_input(system, swept.name, "--vary")
+    swept = in_parameters(system, swept, unit)
     from whirlmap.analysis.campbell import campbell as compute
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in

@@ -11,8 +11,9 @@ from whirlmap.cli.machine_input import limit_of, range_of
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import read_range
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
-from whirlmap.errors import CaseError, InputError, RangeError, nearest
+from whirlmap.errors import InputError, RangeError, nearest
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -115,26 +116,12 @@ def improve(
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
     """Ranges of the varied names, and the units of those that have one."""
-    from whirlmap.sweep.grid import Range
-    from whirlmap.units import split
-
     ranges: dict[str, Range] = {}
     units: dict[str, str] = {}
     for text in texts:
-        name, equals, rest = (part.strip() for part in text.partition("="))
-        parts = rest.split(":")
-        if equals and len(parts) in (3, 4):
-            try:
-                ends = [split(part) for part in parts[:2]]
-            except CaseError as error:
-                raise RangeError(f"--vary {name}: {error}") from None
-            if ends[0][1] != ends[1][1]:
-                raise RangeError(f"--vary: found {text!r}, expected the same unit on both ends, as in c=40um:60um:5")
-            if ends[0][1]:
-                units[name] = ends[0][1]
-            parts[:2] = [repr(float(value)) for value, _ in ends]
-            text = f"{name}={':'.join(parts)}"
-        found = Range.parse(text)
+        found, unit = read_range(text)
+        if unit:
+            units[found.name] = unit
         if ranges.setdefault(found.name, found) != found or len(ranges) > 2:
             raise InputError("--vary: expected one or two different design parameters, each given once")
     return ranges, units

@@ -6,11 +6,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
+from whirlmap.cli.ranges import in_parameters, read_range
+from whirlmap.errors import RangeError
 
 if TYPE_CHECKING:
     from whirlmap.analysis.film_coefficients import FilmCoefficients
     from whirlmap.analysis.linear import LinearAnalysis
     from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.sweep.grid import Range
 
 EXAMPLES = (
     "whirlmap linear jeffcott",
@@ -29,7 +32,8 @@ def linear(
         str | None,
         typer.Option(
             "--threshold", metavar="NAME=LOW:HIGH", rich_help_panel=options.COMPUTING,
-            help="Also find the lowest value in this bracket at which the equilibrium loses its stability.",
+            help="Also find the lowest value in this bracket at which the equilibrium loses its stability; of a case with"
+            ' dimensions also "speed=1000 rpm:9000 rpm".',
         ),
     ] = None,
     dimensionless: options.Dimensionless = False,
@@ -39,8 +43,12 @@ def linear(
 
     A case with dimensions is shown in um, Hz, 1/s and N.
     """
-    bracket = next(iter(options.brackets([threshold], "--threshold").items())) if threshold else None
+    swept = _bracket(threshold) if threshold else None
     system = options.open_system(case, changes, None)
+    bracket = None
+    if swept:
+        found_range = in_parameters(system, *swept, option="--threshold")
+        bracket = found_range.name, (found_range.start, found_range.stop)
     from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import linear_analysis
     from whirlmap.analysis.threshold import NoThresholdError, stability_threshold
@@ -90,6 +98,15 @@ def linear(
         unit = report.unit_behind(said["threshold"])
         beside = f", {facts['threshold']['value']:.9g}{unit}" if unit else ""
         typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}{beside}")
+
+
+def _bracket(text: str) -> tuple["Range", str]:
+    """Read ``name=low:high``, whose ends may have a unit."""
+    try:
+        return read_range(f"{text}:2")
+    except RangeError:
+        options.brackets([text], "--threshold")  # says what is wrong with it as a bracket
+        raise
 
 
 def _in_units(

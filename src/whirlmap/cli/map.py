@@ -13,11 +13,12 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress, clock
+from whirlmap.cli.ranges import in_parameters, read_range, refuse_input, refuse_twice
 from whirlmap.errors import InputError, RangeError, nearest
 
 if TYPE_CHECKING:
-
     from whirlmap.integrate.system import System
+    from whirlmap.sweep.grid import Range
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.stored import Progress as Chunks
 
@@ -38,7 +39,8 @@ def map(  # noqa: A001 (the command's name)
         list[str] | None,
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
-            help="Parameter and range, ascending; given twice for a map, once for a line.",
+            help="Parameter and range, ascending; given twice for a map, once for a line; of a case with dimensions also"
+            ' "speed=500 rpm:6000 rpm:200".',
         ),
     ] = None,
     draw: Annotated[
@@ -277,15 +279,15 @@ def _space(
     system: "System", vary: Sequence[str] | None, draw: Sequence[str] | None, draws: int | None, seed: int,
     changed: dict[str, str],
 ) -> "Space":  # fmt: skip
-    from whirlmap.cli.bifurcation import refuse_input
-    from whirlmap.sweep.grid import Range
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.tolerances import Tolerance
 
     ranges: dict[str, Range] = {}
     for text in vary or ():
-        swept = Range.parse(text)
+        swept, unit = read_range(text)
+        refuse_twice(set(changed), swept)
+        swept = in_parameters(system, swept, unit)
         if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
         ranges[swept.name] = swept
@@ -298,14 +300,13 @@ def _space(
         raise InputError("--seed: expected --draw beside it, for nothing else is random")
     if not axes and not texts:
         raise InputError("found neither --vary nor --draw, expected one: --vary s=0.3:5:400 --vary psi=1e-5:1:300:log")
-    for name in (*axes, *texts):
-        option = "--vary" if name in axes else "--draw"
+    for name in texts:
         if name in changed:
-            raise RangeError(f"{name}: found it in --set and in {option}, expected it in one of them")
-        refuse_input(system, name, option)
+            raise RangeError(f"{name}: found it in --set and in --draw, expected it in one of them")
+        refuse_input(system, name, "--draw")
         if name not in system.parameters:
             raise RangeError(
-                f"{option}: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
+                f"--draw: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
                 f"\n  parameters: {' '.join(system.parameters)}"
             )
     tolerances = {name: Tolerance.parse(text, float(system.values[name])) for name, text in texts.items()}
