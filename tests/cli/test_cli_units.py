@@ -227,3 +227,14 @@ def test_a_speed_in_rpm_is_varied_as_s():
 def test_ranges_that_cannot_be_are_refused(range_of, expected):
     done = CliRunner().invoke(app, shlex.split(f"bifurcation {RIG} --vary '{range_of}'"))
     assert done.exit_code == 2 and expected in done.stderr
+
+
+def test_speeds_and_designs_without_dimensions_are_told_in_groups():
+    line = f"speeds {RIG} --points 3 --transient 20 --no-follow --quiet"
+    said, groups = told(line), told(f"{line} --dimensionless")
+    assert said["units"]["limit_um"] == "um" and said["limit_um"] == pytest.approx(60)
+    assert groups["limit_um"] is groups["rpm"] is groups["force_N"] is None and groups["limit"] == said["limit"]
+    assert "[um]" not in run(f"{line} --dimensionless") and "[rpm]" in run(line)
+    line = f"improve {RIG} --vary c=80um:120um:2 --points 3 --coarse --transient 20 --no-follow --quiet"
+    said = run(f"{line} --dimensionless")
+    assert "rpm" not in said and "worst amplitude [clearances]" in said and "c [um]" in said

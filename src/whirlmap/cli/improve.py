@@ -12,12 +12,14 @@ from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.cli.ranges import read_range
+from whirlmap.cli.speed_report import sizes_of
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
 from whirlmap.errors import InputError, RangeError, nearest
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
     from whirlmap.sweep.grid import Range
 
@@ -60,6 +62,7 @@ def improve(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -81,6 +84,7 @@ def improve(
     import numpy as np
 
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.loading import load
     from whirlmap.sweep.improve import improve_in_batches
     from whirlmap.sweep.memory import refuse_points
@@ -101,9 +105,10 @@ def improve(
     if work.dataset is None:
         raise KeyboardInterrupt
     ds = work.dataset
-    files = destination.write(ds, lambda made: _picture(system, made))
+    scales = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda made: _picture(scales, made))
     report.say_doubts(ds.attrs)
-    facts = summary(system, ds)
+    facts = summary(scales, ds)
     if json:
         report.print_json({**facts, "files": files})
     else:
@@ -150,13 +155,10 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
             raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {declared.unit}, on both ends")
 
 
-def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what was found, as plain data."""
-    from whirlmap.sweep.judging import clearance
-
-    names = ds.attrs["varied"].split()
-    length, scale = clearance(system), float(ds["rpm"][-1] / ds["s"][-1]) if "rpm" in ds.coords else None
-    um = length * 1e6 if length == length else None
+    names, system = ds.attrs["varied"].split(), units.system
+    scale, um, _ = (None if size != size else size for size in sizes_of(units))
     rows = []
     for i in range(ds.sizes["design"]):
         one = ds.isel(design=i)
@@ -211,10 +213,10 @@ def _print(facts: dict[str, Any]) -> None:
         typer.echo("no design has a safe speed")
 
 
-def _picture(system: "System", ds: "xr.Dataset") -> Any:
+def _picture(units: "Dimensions", ds: "xr.Dataset") -> Any:
     from whirlmap.plot.improve import improve_figure
-    from whirlmap.sweep.judging import clearance
 
-    length = clearance(system)
-    known = length == length
-    return improve_figure(ds, unit=length * 1e6 if known else 1.0, length="um" if known else "1", title=system.case)
+    rpm, um, _ = sizes_of(units)
+    shown = ds if rpm == rpm else ds.drop_vars("rpm", errors="ignore")
+    known = um == um
+    return improve_figure(shown, unit=um if known else 1.0, length="um" if known else "1", title=units.system.case)
