@@ -196,6 +196,7 @@ WITHOUT_UNITS = (
     "speeds {} --limit 20", "speeds {} --range 500:6000", "improve {} --vary c=60um:70um:2 --limit 20",
     "improve {} --vary c=60um:70um:2 --range 500:6000", "improve {} --vary c=60:140:5", "show {} --set speed=1500",
     "bifurcation {} --vary speed=500:6000:5", "campbell {} --vary speed=500:6000:5", "map {} --vary speed=500:6000:5",
+    "simulate {} --start y=20", "attractors {} --box y=-20:20", "basins {} --grid ux=-50:50:3 --grid uy=-0.5:0:3",
     "linear {} --threshold speed=500:6000", "bifurcation {} --vary s=500:6000:5", "linear {} --threshold s=500:6000",
 )  # fmt: skip
 
@@ -238,3 +239,20 @@ def test_speeds_and_designs_without_dimensions_are_told_in_groups():
     line = f"improve {RIG} --vary c=80um:120um:2 --points 3 --coarse --transient 20 --no-follow --quiet"
     said = run(f"{line} --dimensionless")
     assert "rpm" not in said and "worst amplitude [clearances]" in said and "c [um]" in said
+
+
+def test_starts_are_given_in_um_and_mm_s():
+    from whirlmap.cli.options import open_system
+
+    begin = open_system(RIG, None, ["y=-180 um", "vy=0.003 m/s", "ux=0.2"]).start
+    assert begin == pytest.approx({"y": -1.8, "vy": 3 / (C * 1e-3 * OMEGA), "ux": 0.2}, rel=1e-12)
+    said = told(f"attractors {RIG} --box 'y=-180 um:-150 um' --starts 2 --transient 20 --lyapunov 256 --quiet")
+    assert said["attractors"][0]["regime"] == "periodic"
+    grid = "--grid 'ux=20 um:40 um:2' --grid 'uy=-70 um:-50 um:2'"
+    said = told(f"basins {RIG} {grid} --transient 20 --lyapunov 256 --quiet")
+    assert said["grid"]["ux"] == pytest.approx([0.2, 0.4, 2]) and said["grid"]["uy"] == pytest.approx([-0.7, -0.5, 2])
+
+
+def test_a_unit_of_a_state_without_dimensions_is_refused():
+    done = CliRunner().invoke(app, ["simulate", "duffing", "--start", "x=20 um"])
+    assert done.exit_code == 2 and "x has no dimension in duffing" in done.stderr

@@ -7,6 +7,7 @@ import typer
 from whirlmap.cli import options, pictures, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_states, read_brackets
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,8 +36,9 @@ def attractors(
         list[str] | None,
         typer.Option(
             "--box", metavar="STATE=LOW:HIGH", rich_help_panel=STARTS,
-            help="Range from which a state's starts are drawn; may be repeated, and the other states keep their start"
-            " value. Without it all states are drawn from twice the range of the motion from the default start.",
+            help="Range from which a state's starts are drawn, of a case with dimensions also 'y=-20 um:20 um'; may be"
+            " repeated, and the other states keep their start value. Without it all states are drawn from twice the range of"
+            " the motion from the default start.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Of the drawing.")] = 0,
@@ -61,9 +63,11 @@ def attractors(
     Starts that end in contact, diverge, or stay undecided are counted as such, and belong to no attractor. The picture
     shows the start states in the colour of their attractor, with its section points.
     """
-    boxes = options.brackets(box, "--box")
+    brackets = read_brackets(box, "--box")
     destination = claim(out, "attractors", force=force)
     system = options.open_system(case, changes, start)
+    ranges = [in_states(system, *read, option="--box") for read in brackets.values()]
+    boxes = {one.name: (one.start, one.stop) for one in ranges}
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.attractors import attractors as find

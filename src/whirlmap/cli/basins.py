@@ -8,6 +8,7 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.attractors import say_attractors, summary
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_states, read_range
 from whirlmap.errors import RangeError
 
 EXAMPLES = (
@@ -22,7 +23,8 @@ def basins(
         list[str],
         typer.Option(
             "--grid", metavar="STATE=START:STOP:COUNT", rich_help_panel="Start states",
-            help="State and range of its start values; given twice. The other states keep their start value.",
+            help="State and range of its start values, of a case with dimensions also 'ux=-50 um:50 um:20'; given twice. The"
+            " other states keep their start value.",
         ),
     ],
     changes: options.Changes = None,
@@ -45,15 +47,16 @@ def basins(
 
     Starts that end in contact, diverge, or stay undecided are shown as such, and belong to no attractor.
     """
-    from whirlmap.sweep.grid import Range
     from whirlmap.sweep.memory import refuse_points
 
-    ranges = [Range.parse(text) for text in grid]
+    read = [read_range(text, "--grid") for text in grid]
+    ranges = [one for one, _ in read]
     if len(ranges) != 2 or ranges[0].name == ranges[1].name:
         raise RangeError(f"--grid: found {' and '.join(r.name for r in ranges)}, expected two different states")
     refuse_points(r.count for r in ranges)
     destination = claim(out, "basins", force=force)
     system = options.open_system(case, changes, start)
+    ranges = [in_states(system, *one, option="--grid") for one in read]
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.basins import basins as find

@@ -6,14 +6,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli import options, report
-from whirlmap.cli.ranges import in_parameters, read_range
-from whirlmap.errors import RangeError
+from whirlmap.cli.ranges import in_parameters, read_brackets
 
 if TYPE_CHECKING:
     from whirlmap.analysis.film_coefficients import FilmCoefficients
     from whirlmap.analysis.linear import LinearAnalysis
     from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.sweep.grid import Range
 
 EXAMPLES = (
     "whirlmap linear jeffcott",
@@ -43,12 +41,12 @@ def linear(
 
     A case with dimensions is shown in um, Hz, 1/s and N.
     """
-    swept = _bracket(threshold) if threshold else None
+    brackets = read_brackets([threshold] if threshold else None, "--threshold")
     system = options.open_system(case, changes, None)
     bracket = None
-    if swept:
-        found_range = in_parameters(system, *swept, option="--threshold")
-        bracket = found_range.name, (found_range.start, found_range.stop)
+    for read in brackets.values():
+        swept = in_parameters(system, *read, option="--threshold")
+        bracket = swept.name, (swept.start, swept.stop)
     from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import linear_analysis
     from whirlmap.analysis.threshold import NoThresholdError, stability_threshold
@@ -98,15 +96,6 @@ def linear(
         unit = report.unit_behind(said["threshold"])
         beside = f", {facts['threshold']['value']:.9g}{unit}" if unit else ""
         typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}{beside}")
-
-
-def _bracket(text: str) -> tuple["Range", str]:
-    """Read ``name=low:high``, whose ends may have a unit."""
-    try:
-        return read_range(f"{text}:2")
-    except RangeError:
-        options.brackets([text], "--threshold")  # says what is wrong with it as a bracket
-        raise
 
 
 def _in_units(

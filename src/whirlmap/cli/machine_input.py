@@ -5,16 +5,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from whirlmap.cli import options
-from whirlmap.cli.ranges import MOST_S
+from whirlmap.cli.ranges import MOST_CLEARANCES, MOST_S
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
-
-
-#: Plain numbers are in the model's own measures. Beyond this, of a machine with dimensions, a unit was left out: no limit of
-#: vibration is ten clearances.
-MOST_CLEARANCES = 10.0
 
 
 def given(system: "System", name: str) -> float | None:
