@@ -256,3 +256,24 @@ def test_starts_are_given_in_um_and_mm_s():
 def test_a_unit_of_a_state_without_dimensions_is_refused():
     done = CliRunner().invoke(app, ["simulate", "duffing", "--start", "x=20 um"])
     assert done.exit_code == 2 and "x has no dimension in duffing" in done.stderr
+
+
+def test_show_says_start_state_clocks_and_period_in_units():
+    said = told(f"show {RIG}")
+    y = said["states"]["y"]
+    assert y["dimensional"] == {"start": pytest.approx(C * y["start"]), "units": {"start": "um"}}
+    assert said["clocks"]["shaft"]["Hz"] == pytest.approx(30) and said["period_s"] == pytest.approx(1 / 30)
+    shown = run(f"show {RIG}")
+    assert f"{C * y['start']:.5g} um" in shown and "Hz" in shown
+    assert told("show duffing")["states"]["x"]["dimensional"] is None
+
+
+def test_safe_speeds_in_units_are_in_rpm_and_um():
+    from whirlmap.analysis.settling import Settling
+
+    system = whirlmap.load(RIG)
+    ds = whirlmap.safe_speeds(system, [0.4, 0.6], 0.6, follow=False, settling=Settling(transient=20), lyapunov=0)
+    found = whirlmap.in_units(system, ds)
+    assert [found[name].attrs["units"] for name in ("s", "amplitude", "min_film", "max_load")] == ["rpm", "um", "um", "N"]
+    np.testing.assert_allclose(found["s"], ds["rpm"], rtol=1e-12)
+    np.testing.assert_allclose(found["amplitude"], C * ds["amplitude"], rtol=1e-12)

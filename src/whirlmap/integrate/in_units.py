@@ -34,8 +34,8 @@ def in_units(system: System, result: Result) -> Result:
     system : System
         What the result was computed from.
     result : xr.Dataset or Findings
-        Of `simulate`, `section`, `bifurcation_diagram`, `regime_map`, `label_points`, `diagnose`, `attractors`, `basins` or
-        `campbell`.
+        Of `simulate`, `section`, `lyapunov_spectrum`, `bifurcation_diagram`, `regime_map`, `label_points`, `diagnose`,
+        `attractors`, `basins`, `safe_speeds` or `campbell`.
 
     Returns
     -------

@@ -154,7 +154,7 @@ def verdict_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
 
 def amplitude_variable(dims: Any, values: ArrayLike, rows: Sequence[str]) -> tuple[Any, ...]:
     """Peak to peak of the judged quantities."""
-    return variable(dims, values, "1", f"peak to peak of {', '.join(rows)}, the largest")
+    return variable(dims, values, "1", f"peak to peak of {', '.join(rows)}, the largest", measure="length")
 
 
 def contact_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
