@@ -25,8 +25,10 @@ if TYPE_CHECKING:
     from whirlmap.analysis.threshold import stability_threshold as stability_threshold
     from whirlmap.analysis.trajectory import section as section
     from whirlmap.analysis.trajectory import simulate as simulate
+    from whirlmap.integrate.in_units import in_units as in_units
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
+    from whirlmap.results.labels import labels as labels
     from whirlmap.sweep.attractors import attractors as attractors
     from whirlmap.sweep.basins import basins as basins
     from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
@@ -55,8 +57,10 @@ _HOMES = {
     "switchings": "whirlmap.analysis.switching",
     "section": "whirlmap.analysis.trajectory",
     "simulate": "whirlmap.analysis.trajectory",
+    "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
+    "labels": "whirlmap.results.labels",
     "attractors": "whirlmap.sweep.attractors",
     "basins": "whirlmap.sweep.basins",
     "bifurcation_diagram": "whirlmap.sweep.diagram",

@@ -6,9 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 from scipy.optimize import linear_sum_assignment
-from sympy import Symbol
 
 from whirlmap.analysis.linear import linearised
+from whirlmap.analysis.mode_shapes import Shapes, shapes_of, whirl_of
 from whirlmap.analysis.points import parameter_values
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
@@ -17,9 +17,6 @@ from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.results.provenance import provenance
 from whirlmap.results.schema import status_variable, variable, with_attributes
 from whirlmap.results.status import Status
-
-#: Area of an orbit over that of the circle of its size, below which the orbit is a line without a sense.
-FLAT = 1e-6
 
 
 def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
@@ -40,7 +37,10 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
         ``damping_ratio``: -growth over the size of the eigenvalue. ``whirl``: 1 forward (in the clock's sense, from x to y),
         -1 backward, 0 no orbit. ``line(clock, name)``: once per turn of each clock. ``status(name)``: unresolved where no
         equilibrium was found, NaN in the rest. ``critical(crossing)``: values at which a line meets a frequency, with
-        ``critical_clock``, ``critical_mode``, ``critical_whirl`` and ``critical_damping_ratio``.
+        ``critical_clock``, ``critical_mode``, ``critical_whirl``, ``critical_damping_ratio``, ``critical_frequency``,
+        ``critical_name`` and ``critical_shape``. ``shape(mode, body, name)``: how far each body moves, over the one that
+        moves most, which gives the mode its name: ``mode_name(mode)``, that at most of the values. `whirlmap.in_units`
+        gives rpm and Hz where the case has dimensions.
 
     Raises
     ------
@@ -70,17 +70,19 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     at = np.flatnonzero(found)
     speed = table[system.parameters.index("s")] if "s" in system.parameters else np.ones(points.size)
     eigenvalues, vectors = _followed(*np.linalg.eig(jacobian[at]))
-    area = np.sign(eigenvalues.imag) * _area(system, vectors)
     kept = _without_conjugates(eigenvalues)
     full = np.full((len(kept), points.size), np.nan)
     frequency, growth, whirl = full.copy(), full.copy(), np.zeros(full.shape, dtype=np.int8)
     frequency[:, at] = np.abs(eigenvalues.imag[:, kept].T) * speed[at]
     growth[:, at] = eigenvalues.real[:, kept].T * speed[at]
-    whirl[:, at] = np.where(np.abs(area) > FLAT, np.sign(area), 0)[:, kept].T
+    whirl[:, at] = whirl_of(system, eigenvalues, vectors)[:, kept].T
     counted = np.zeros(full.shape, dtype=bool)
     counted[:, at] = ~_shadows(eigenvalues[:, kept]).T
+    vector = np.full((len(kept), len(system.states), points.size), np.nan, dtype=complex)
+    vector[:, :, at] = vectors[:, :, kept].transpose(2, 1, 0)
     order = np.argsort(np.nanmean(frequency, axis=1), kind="stable")
     frequency, growth, whirl, counted = frequency[order], growth[order], whirl[order], counted[order]
+    shapes = shapes_of(system, vector[order], frequency, whirl)
     size = np.hypot(frequency, growth)
     damping = np.divide(-growth, size, out=np.full_like(size, np.nan), where=size > 0)
     clocks = list(model.clocks)
@@ -89,18 +91,22 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     line = line.reshape(len(clocks), points.size)
     declared = system.model.parameter(name)
     data = {
-        "frequency": (("mode", name), frequency, {"units": "1", "long_name": "damped frequency"}),
-        "growth": (("mode", name), growth, {"units": "1", "long_name": "growth rate"}),
+        "frequency": (("mode", name), frequency, {"units": "1", "long_name": "damped frequency", "measure": "frequency"}),
+        "growth": (("mode", name), growth, {"units": "1", "long_name": "growth rate", "measure": "growth"}),
         "damping_ratio": (("mode", name), damping, {"units": "1", "long_name": "damping ratio"}),
         "whirl": (("mode", name), whirl, {"units": "1", "long_name": "sense of whirl, 1 forward, -1 backward"}),
-        "line": (("clock", name), line, {"units": "1", "long_name": "order line"}),
+        "line": (("clock", name), line, {"units": "1", "long_name": "order line", "measure": "frequency"}),
         "equilibrium": (("state", name), np.where(found, rest, np.nan), {"units": "1", "long_name": "equilibrium"}),
         "status": status_variable(name, np.where(found, Status.ok, Status.unresolved)),
-        **_crossings(points, line, np.where(counted, frequency, np.nan), damping, whirl, clocks),
+        "mode_name": variable("mode", np.array(shapes.usual(), dtype=str), "1", "body that moves most, and its sense"),
+        "shape": variable(("mode", "body", name), shapes.amplitude, "1", "motion of each body over the largest"),
+        **_crossings(points, line, np.where(counted, frequency, np.nan), damping, whirl, clocks, shapes),
     }
+    data["critical"][2]["measure"] = declared.measure
     coords = {
         name: variable(name, points, declared.unit, declared.meaning),
         "mode": np.arange(len(kept)), "clock": clocks, "state": list(system.states),
+        "body": np.array(shapes.bodies, dtype=str),
     }  # fmt: skip
     return with_attributes(xr.Dataset(data, coords), {**provenance(pieces(system)), "varied": name})
 
@@ -141,24 +147,6 @@ def _shadows(eigenvalues: NDArray[np.complex128]) -> NDArray[np.bool_]:
     return np.asarray(same & (eigenvalues.imag < 0))
 
 
-def centres(system: System) -> list[tuple[int, int]]:
-    """Places of the two coordinates of every centre that has mass: those whose rates are velocities."""
-    names, rates = system.states, {s.name: rate for s, rate in system.model.equations.items()}
-    heavy = [n for n in names if isinstance(rates[n], Symbol) and rates[n].name in names]
-    pairs = [(n, n.replace("x", "y")) for n in heavy if "x" in n]
-    return [(names.index(a), names.index(b)) for a, b in pairs if b in heavy]
-
-
-def _area(system: System, vectors: NDArray[np.complex128]) -> NDArray[np.float64]:
-    """Signed area of the orbits of a mode over that of circles of the same size, shape (point, mode)."""
-    area, size = np.zeros(vectors[:, 0].shape), np.zeros(vectors[:, 0].shape)
-    for i, j in centres(system):
-        x, y = vectors[:, i], vectors[:, j]
-        area += 2 * (x * y.conj()).imag
-        size += np.abs(x) ** 2 + np.abs(y) ** 2
-    return np.divide(area, size, out=np.zeros_like(area), where=size > 0)
-
-
 def _crossings(
     points: NDArray[np.float64],
     line: NDArray[np.float64],
@@ -166,7 +154,8 @@ def _crossings(
     damping: NDArray[np.float64],
     whirl: NDArray[np.int8],
     clocks: list[str],
-) -> dict[str, tuple[str, NDArray[np.generic], dict[str, str]]]:
+    shapes: Shapes,
+) -> dict[str, tuple[Any, ...]]:
     """Find where lines meet frequencies, ascending."""
     gap = frequency[None] - line[:, None]  # (clock, mode, point)
     a, b = gap[..., :-1], gap[..., 1:]
@@ -175,15 +164,19 @@ def _crossings(
     part = a[clock, mode, left] / (a - b)[clock, mode, left]
     where = points[left] + part * (points[left + 1] - points[left])
     ratio = damping[mode, left] + part * (damping[mode, left + 1] - damping[mode, left])
-    order = np.argsort(where, kind="stable")
+    order, nearest = np.argsort(where, kind="stable"), left + (part > 0.5)
+    height = line[clock, left] + part * (line[clock, left + 1] - line[clock, left])
     found = {
         "critical": (where, "critical value"),
         "critical_clock": (np.array(clocks, dtype=str)[clock], "clock of the order line"),
         "critical_mode": (mode, "mode"),
-        "critical_whirl": (whirl[mode, left + (part > 0.5)], "sense of whirl, 1 forward, -1 backward"),
+        "critical_whirl": (whirl[mode, nearest], "sense of whirl, 1 forward, -1 backward"),
         "critical_damping_ratio": (ratio, "damping ratio"),
+        "critical_name": (shapes.names[mode, nearest], "body that moves most, and its sense"),
     }
-    return {
-        key: ("crossing", np.asarray(value)[order], {"units": "1", "long_name": words})
-        for key, (value, words) in found.items()
-    }
+    made = {key: variable("crossing", np.asarray(value)[order], "1", words) for key, (value, words) in found.items()}
+    made["critical_frequency"] = variable("crossing", height[order], "1", "frequency", measure="frequency")
+    made["critical_shape"] = variable(
+        ("crossing", "body"), shapes.amplitude[mode, :, nearest][order], "1", "motion of each body over the largest"
+    )
+    return made

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.analysis.linear import linear_analysis
-from whirlmap.cases import Settled
-from whirlmap.equations.groups import value_of
 from whirlmap.films.linear import linear_film
+from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.system import System
 
 Matrix = NDArray[np.float64]
@@ -53,7 +52,7 @@ def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
     """
     values = {p: float(system.values[p.name]) for p in system.model.parameters}
     rest = dict(zip(system.states, linear_analysis(system).equilibrium, strict=True))
-    force, length, speed = (_unit(system, name) for name in ("force", "length", "speed"))
+    force, length, speed = map(Dimensions(system).worth, ("force", "length", "speed"))
     found = {}
     for name, film in system.model.films.items():
         psi, spin, strength = (float(sympify(e).subs(values)) for e in (film.psi, film.spin, film.strength))
@@ -71,14 +70,3 @@ def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
             eccentricity, load, turn @ one.K @ turn.T, turn @ one.C @ turn.T, W_c, W_c / (abs(spin) * speed)
         )
     return found
-
-
-def _unit(system: System, name: str) -> float:
-    """What a unit of the model is worth in SI; NaN where the case does not say."""
-    settled = system.details
-    groups = settled.case.family.groups if isinstance(settled, Settled) else None
-    if groups is None or name not in groups.units:
-        return np.nan
-    known = {n: given.value for n, given in settled.inputs.items()} | {n: float(v) for n, v in system.values.items()}
-    expression = groups.units[name]
-    return float(value_of(expression, known)) if {q.name for q in expression.free_symbols} <= known.keys() else np.nan

@@ -52,6 +52,8 @@ class Settled:
         Where each value comes from.
     inputs : mapping of str to Input
         Dimensional inputs, where the case has them.
+    given : mapping of str to float
+        Every input in its declared unit, also those that change no parameter because the symbols that they feed are given.
     quantities : mapping of str to (float, Output)
         Dimensional results worth showing; those whose inputs are not all known are left out.
     marks : mapping of str to Mark
@@ -64,6 +66,7 @@ class Settled:
     values: Mapping[str, float | Fraction]
     notes: Mapping[str, str]
     inputs: Mapping[str, Input]
+    given: Mapping[str, float]
     quantities: Mapping[str, tuple[float, Output]]
     marks: Mapping[str, Mark] = field(default_factory=dict)
 
@@ -309,6 +312,7 @@ class _Work:
             values={p.name: values[p.name] for p in self.model.parameters},
             notes=notes,
             inputs=self._shown_inputs(),
+            given={name: float(value) for name, value in self.inputs.items()},
             quantities=self._quantities({**self.inputs, **values}),
             marks=self.history.marks(n for n in self.history.given if n not in self.explicit and n not in written),
         )

@@ -7,13 +7,17 @@ import typer
 from whirlmap.cli import options, pictures, report
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_states, read_brackets
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.system import System
+    from whirlmap.integrate.dimensions import Dimensions
 
 STARTS = "Start states"
+
+#: Keys of the numbers of an attractor that have a unit.
+MEASURED = ("lyapunov", "lyapunov_error", "peak_to_peak", "units")
 
 EXAMPLES = (
     "whirlmap attractors duffing --set gamma=0.2",
@@ -32,8 +36,9 @@ def attractors(
         list[str] | None,
         typer.Option(
             "--box", metavar="STATE=LOW:HIGH", rich_help_panel=STARTS,
-            help="Range from which a state's starts are drawn; may be repeated, and the other states keep their start"
-            " value. Without it all states are drawn from twice the range of the motion from the default start.",
+            help="Range from which a state's starts are drawn, of a case with dimensions also 'y=-20 um:20 um'; may be"
+            " repeated, and the other states keep their start value. Without it all states are drawn from twice the range of"
+            " the motion from the default start.",
         ),
     ] = None,
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Of the drawing.")] = 0,
@@ -47,6 +52,7 @@ def attractors(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -57,10 +63,13 @@ def attractors(
     Starts that end in contact, diverge, or stay undecided are counted as such, and belong to no attractor. The picture
     shows the start states in the colour of their attractor, with its section points.
     """
-    boxes = options.brackets(box, "--box")
+    brackets = read_brackets(box, "--box")
     destination = claim(out, "attractors", force=force)
     system = options.open_system(case, changes, start)
+    ranges = [in_states(system, *read, option="--box") for read in brackets.values()]
+    boxes = {one.name: (one.start, one.stop) for one in ranges}
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.attractors import attractors_in_parts as find
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
@@ -74,10 +83,10 @@ def attractors(
         )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
-    ds = work.dataset
-    files = destination.write(ds, lambda done: pictures.attractors(system, done))
+    ds, units = work.dataset, Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda done: pictures.attractors(units, done))
     report.say_doubts(ds.attrs)
-    facts = summary(system, ds)
+    facts = summary(units, ds)
     if json:
         report.print_json({**facts, "seed": seed, "files": files})
     else:
@@ -87,9 +96,23 @@ def attractors(
         report.interrupted(facts["incomplete"], files, "the same command settles all starts anew")
 
 
-def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
-    """Say what a search found, attractor by attractor."""
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
+    """Say what a search found, attractor by attractor; in ``dimensional`` in these units, where they are others."""
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
+
+    own, shown = _summary(Dimensions(units.system, own=True), ds), _summary(units, shown_in(units, ds))
+    there = {"attractors": [{key: one[key] for key in MEASURED} for one in shown["attractors"]]}
+    return report.beside(own, there, ("attractors",), units)
+
+
+def _summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     from whirlmap.results.regime import Regime
+
+    system, rate = units.system, units.of("rate").unit
+    names_of = [str(q) for q in ds["quantity"].values] if "quantity" in ds.coords else []
+    said: dict[str, Any] = dict.fromkeys(("lyapunov", "lyapunov_error"), rate)
+    said["peak_to_peak"] = {q: units.quantity(q).unit for q in names_of}
 
     made = ds["attractor"].values.tolist() if "attractor" in ds.coords else []
     counted = int(ds["starts"].sum()) + int(ds["outcome_starts"].sum())
@@ -108,7 +131,8 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
                 "starts": int(one["starts"]),
                 **{name: float(one[name]) for name in names},
                 "votes": {str(i): _vote(v) for i, v in _votes(one)},
-                "peak_to_peak": {str(q): float(one["peak_to_peak"].sel(quantity=q)) for q in ds["quantity"].values},
+                "peak_to_peak": {q: float(one["peak_to_peak"].sel(quantity=q)) for q in names_of},
+                "units": said,
             }
             for number, one in ((n, ds.sel(attractor=n)) for n in made)
         ],
@@ -136,17 +160,20 @@ def _vote(vote: Any) -> str:
 def say_attractors(facts: dict[str, Any]) -> None:
     """Print the table of attractors, and how the other starts ended."""
     found = facts["attractors"]
+    shown = facts.get("dimensional", facts)["attractors"]
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     typer.echo(f"{facts['case']}: {facts['starts']} starts, {len(found)} attractor{'s' if len(found) != 1 else ''}")
     rows = []
-    for a in found:
+    for a, numbers in zip(found, shown, strict=True):
         label = f"periodic, {a['period']}T" if a["regime"] == "periodic" else a["regime"]
         votes = ", ".join(f"{name} {vote}" for name, vote in a["votes"].items() if vote != "none")
-        name, swing = next(iter(a["peak_to_peak"].items()))
+        name, swing = next(iter(numbers["peak_to_peak"].items()))
+        units = numbers["units"]
         rows.append((
             str(a["number"]), label, f"{100 * a['share']:.2f} +- {100 * a['share_error']:.2f} %",
-            report.with_error(a["lyapunov"], a["lyapunov_error"]), f"{name} {swing:.4g}" if swing == swing else "-", votes,
+            report.with_error(numbers["lyapunov"], numbers["lyapunov_error"]) + report.unit_behind(units["lyapunov"]),
+            f"{name} {swing:.4g}{report.unit_behind(units['peak_to_peak'][name])}" if swing == swing else "-", votes,
         ))  # fmt: skip
     if rows:
         columns = ("", "regime", "share of the starts", "largest exponent", "peak to peak", "votes")

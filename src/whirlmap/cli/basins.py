@@ -8,6 +8,7 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.attractors import say_attractors, summary
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_states, read_range
 from whirlmap.errors import RangeError
 
 EXAMPLES = (
@@ -22,7 +23,8 @@ def basins(
         list[str],
         typer.Option(
             "--grid", metavar="STATE=START:STOP:COUNT", rich_help_panel="Start states",
-            help="State and range of its start values; given twice. The other states keep their start value.",
+            help="State and range of its start values, of a case with dimensions also 'ux=-50 um:50 um:20'; given twice. The"
+            " other states keep their start value.",
         ),
     ],
     changes: options.Changes = None,
@@ -35,6 +37,7 @@ def basins(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -44,16 +47,18 @@ def basins(
 
     Starts that end in contact, diverge, or stay undecided are shown as such, and belong to no attractor.
     """
-    from whirlmap.sweep.grid import Range
     from whirlmap.sweep.memory import refuse_points
 
-    ranges = [Range.parse(text) for text in grid]
+    read = [read_range(text, "--grid") for text in grid]
+    ranges = [one for one, _ in read]
     if len(ranges) != 2 or ranges[0].name == ranges[1].name:
         raise RangeError(f"--grid: found {' and '.join(r.name for r in ranges)}, expected two different states")
     refuse_points(r.count for r in ranges)
     destination = claim(out, "basins", force=force)
     system = options.open_system(case, changes, start)
+    ranges = [in_states(system, *one, option="--grid") for one in read]
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.basins import basins_in_parts as find
     from whirlmap.sweep.run import expected_periods
 
@@ -66,10 +71,10 @@ def basins(
         )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
-    ds = work.dataset
-    files = destination.write(ds, lambda done: pictures.basins(system, done))
+    ds, units = work.dataset, Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda done: pictures.basins(units, done))
     report.say_doubts(ds.attrs)
-    facts = summary(system, ds)
+    facts = summary(units, ds)
     if json:
         report.print_json({**facts, "grid": {r.name: [r.start, r.stop, r.count] for r in ranges}, "files": files})
     else:

@@ -9,15 +9,19 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import choice
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_parameters, read_range, refuse_twice
 from whirlmap.errors import RangeError, nearest
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
 SWEEP = "Sweep"
 
+#: Keys of the numbers of a sweep that have a unit.
+MEASURED = ("lyapunov", "lyapunov_error", "end_time", "peak_to_peak", "units")
 WAYS = ("up", "down", "both")
 
 EXAMPLES = (
@@ -34,7 +38,8 @@ def bifurcation(
         str,
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
-            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log.",
+            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log; of a case with dimensions also"
+            ' "speed=500 rpm:6000 rpm:200".',
         ),
     ],
     follow: Annotated[
@@ -70,6 +75,7 @@ def bifurcation(
             " the model where absent.",
         ),
     ] = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -78,20 +84,20 @@ def bifurcation(
     """Sweep one parameter of CASE and say where the motion is periodic, and where it is not.
 
     Each point settles, is tested for a return, and gives its Poincaré section once per T. Ctrl-C keeps the
-    points that are finished: they are reported and written, marked as incomplete.
+    points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
+    mm/s, N, rpm and 1/s.
     """
-    from whirlmap.sweep.grid import Range
-
-    swept = Range.parse(vary)
+    swept, unit = read_range(vary)
     if follow is not None:
         choice("--follow", follow, WAYS)
-    if swept.name in options.assignments(changes, "--set"):
-        raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
+    refuse_twice(set(options.assignments(changes, "--set")), swept)
     destination = claim(out, "bifurcation", force=force)
     system = options.open_system(case, changes, start)
-    refuse_input(system, swept.name, "--vary")
+    swept = in_parameters(system, swept, unit)
     states = _states(system, plot)
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.sweep.run import diagram_in_batches, expected_periods
 
     settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
@@ -107,14 +113,18 @@ def bifurcation(
         )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
-    files = destination.write(work.dataset, lambda ds: pictures.diagram(system, ds, states))
+    units = Dimensions(system, own=dimensionless)
+    files = destination.write(work.dataset, lambda ds: pictures.diagram(units, ds, states))
     report.say_doubts(work.dataset.attrs)
-    facts = summary(system, work.dataset, swept.name)
+    small = work.dataset.drop_vars("section")  # which would be in memory twice
+    facts = summary(units, shown_in(units, small), swept.name)
     facts["assumptions"] = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
-        report.print_json({**facts, "files": files})
+        own = summary(Dimensions(system, own=True), work.dataset, swept.name)
+        there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
+        report.print_json({**report.beside(own, there, ("values", "sweeps", "hysteresis", "units"), units), "files": files})
     else:
-        _print(facts)
+        _print(facts, states[0])
         report.print_written(files)
     if not work.complete:
         go_on = "the same command computes all points anew"
@@ -136,25 +146,11 @@ def _states(system: "System", plot: str | None) -> list[str]:
     return states
 
 
-def refuse_input(system: "System", name: str, option: str) -> None:
-    """Say which parameters can be varied in place of a dimensional input."""
-    if name in getattr(system.details, "inputs", {}):
-        fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
-        hint = f"; it feeds {', '.join(fed)}" if fed else ""
-        raise RangeError(
-            f"{option}: found the dimensional input {name!r}, expected a dimensionless parameter{hint}"
-            f"\n  parameters: {' '.join(system.parameters)}"
-        )
-
-
-def _words(text: str) -> list[str]:
-    return "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
-
-
-def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
-    """Say what a diagram holds, every sweep point by point."""
+def summary(units: "Dimensions", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
+    """Say what a diagram holds, which is in these units, every sweep point by point."""
     from whirlmap.sweep.hysteresis import intervals
 
+    system, unit = units.system, units.quantity(parameter).unit
     sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
     return {
         "case": system.case,
@@ -163,13 +159,14 @@ def summary(system: "System", ds: "xr.Dataset", parameter: str) -> dict[str, Any
         "varied": parameter,
         "follow": ds.attrs["follow"],
         "values": ds[parameter].values,
-        "sweeps": [_sweep(sweep) for sweep in sweeps],
+        "sweeps": [_sweep(units, sweep) for sweep in sweeps],
         "hysteresis": intervals(ds, parameter) if "hysteresis" in ds else None,
+        "units": {"values": unit, "hysteresis": unit},
         "incomplete": ds.attrs.get("incomplete"),
     }
 
 
-def _sweep(ds: "xr.Dataset") -> dict[str, Any]:
+def _sweep(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     from whirlmap.results.regime import Regime
     from whirlmap.results.status import Status
 
@@ -185,11 +182,15 @@ def _sweep(ds: "xr.Dataset") -> dict[str, Any]:
         "peak_to_peak": {
             str(q): ds["peak_to_peak"].sel(quantity=q).values for q in ds["quantity"].values
         },
+        "units": {
+            **dict.fromkeys(("lyapunov", "lyapunov_error"), units.of("rate").unit), "end_time": units.of("time").unit,
+            "peak_to_peak": {str(q): units.quantity(str(q)).unit for q in ds["quantity"].values},
+        },
     }  # fmt: skip
 
 
-def _print(facts: dict[str, Any]) -> None:
-    name, values = facts["varied"], facts["values"]
+def _print(facts: dict[str, Any], state: str) -> None:
+    name, values = report.with_unit(facts["varied"], facts["units"]["values"]), facts["values"]
     typer.echo(f"{facts['case']}: {name} from {values[0]:.6g} to {values[-1]:.6g}, {len(values)} points")
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
@@ -199,12 +200,15 @@ def _print(facts: dict[str, Any]) -> None:
         where = f"sweep {sweep['direction']}" if sweep["direction"] else "points"
         typer.echo(f"{where}: {counted}")
         rows = [
-            (f"{values[a]:.6g}", f"{values[b]:.6g}", b - a + 1, labels[a], _largest(sweep, a, b))
+            (f"{values[a]:.6g}", f"{values[b]:.6g}", b - a + 1, labels[a], _largest(sweep, a, b), _swing(sweep, state, a, b))
             for a, b in _stretches(labels)
         ]
         title = f"Regimes, {where}" if sweep["direction"] else "Regimes"
-        columns = (f"{name} from", "to", "points", "regime", "largest exponent")
-        report.show(report.table(title, columns, rows[:60], numbers=(0, 1, 2)))
+        units = sweep["units"]
+        exponent = report.with_unit("largest exponent", units["lyapunov"])
+        swing = report.with_unit(f"largest peak to peak of {state}", units["peak_to_peak"][state])
+        columns = (f"{name} from", "to", "points", "regime", exponent, swing)
+        report.show(report.table(title, columns, rows[:60], numbers=(0, 1, 2, 5)))
         if len(rows) > 60:
             typer.echo(f"  and {len(rows) - 60} more stretches: --json or --out NAME.nc has them all")
     if facts["hysteresis"] is not None:
@@ -221,6 +225,11 @@ def _label(regime: str, period: int | None, status: str) -> str:
 def _largest(sweep: dict[str, Any], first: int, last: int) -> str:
     measured = [v for v in sweep["lyapunov"][first : last + 1] if v == v]
     return f"{min(measured):.3g} to {max(measured):.3g}" if measured else "-"
+
+
+def _swing(sweep: dict[str, Any], state: str, first: int, last: int) -> str:
+    measured = [v for v in sweep["peak_to_peak"][state][first : last + 1] if v == v]
+    return f"{max(measured):.4g}" if measured else "-"
 
 
 def _stretches(labels: list[str]) -> list[tuple[int, int]]:

@@ -1,6 +1,6 @@
 """``whirlmap diagnose``: everything about one operating point, and what its regime is."""
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -10,6 +10,12 @@ from whirlmap.cli import series_options as signals
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
 from whirlmap.errors import InputError
+
+if TYPE_CHECKING:
+    from whirlmap.integrate.dimensions import Dimensions
+
+#: Keys of the numbers per unit of time.
+RATES = ("lyapunov", "lyapunov_error", "divergence", "divergence_error", "phase_exponent", "growth_rate")
 
 EXAMPLES = (
     "whirlmap diagnose duffing --set gamma=0.29",
@@ -70,6 +76,7 @@ def diagnose(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -108,6 +115,8 @@ def diagnose(
     from whirlmap.analysis.diagnosis import diagnose as measure
     from whirlmap.analysis.diagnosis_json import verdict_json
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     longest = RUNS * (system.strobe * (transient + 4 * most + points // RUNS) + max_periods)
@@ -118,18 +127,46 @@ def diagnose(
         )  # fmt: skip
     report.say_doubts(found.attrs)
     assumptions = report.say_assumptions(system)
-    verdict = verdict_json(found)
-    files = destination.write(found, lambda made: pictures.diagnosis(system, made))
+    plain, units = verdict_json(found), Dimensions(system, own=dimensionless)
+    own = _in_units(plain, plain, Dimensions(system, own=True))
+    verdict = _in_units(plain, verdict_json(shown_in(units, found)), units)
+    files = destination.write(found, lambda made: pictures.diagnosis(units, made))
     if json:
-        report.print_json({**verdict, "case": system.case, "assumptions": assumptions, "files": files})
+        facts = report.beside(own, verdict, (*RATES, "drift_rate", "end_time", "amplitude", "min_film", "units"), units)
+        report.print_json({**facts, "case": system.case, "assumptions": assumptions, "files": files})
     else:
         typer.echo(f"{system.case}: {headline(verdict)}")
         _print(verdict)
         report.print_written(files)
 
 
+def _in_units(own: dict[str, Any], found: dict[str, Any], units: "Dimensions") -> dict[str, Any]:
+    """A verdict whose numbers are in these units, with the units beside them; ``own`` is in the model's."""
+    rate, time, length = (units.of(measure) for measure in ("rate", "time", "length"))
+    amplitude = {
+        name: {**sizes, "units": dict.fromkeys(sizes, units.quantity(name).unit)}
+        for name, sizes in found["amplitude"].items()
+    }
+    drift, drifts = own["drift_rate"], units.quantity(own["drift_state"] or "")
+    votes = dict(own["indicators"])
+    if "lyapunov" in votes:
+        sizes = {key: votes["lyapunov"][key] for key in ("value", "error")}
+        votes["lyapunov"] = votes["lyapunov"] | {k: None if v is None else v * rate.size for k, v in sizes.items()}
+    return {
+        **own, **{key: found[key] for key in (*RATES, "end_time")}, "amplitude": amplitude, "indicators": votes,
+        "drift_rate": None if drift is None else drift * drifts.size * rate.size,
+        "min_film": {name: None if film is None else film * length.size for name, film in own["min_film"].items()},
+        "units": {
+            **dict.fromkeys(RATES, rate.unit), "end_time": time.unit, "min_film": length.unit,
+            "drift_rate": drifts.unit if rate.unit == "1" else f"{drifts.unit}/s",
+        },
+    }  # fmt: skip
+
+
 def headline(verdict: dict[str, Any]) -> str:
     """Say the regime in a few words: ``periodic, 4T, 1 common period, 4 turns of forcing``."""
+    units = {key: report.unit_behind(unit) for key, unit in verdict["units"].items()}
+    per_time = units["growth_rate"] or " per unit of time"
     words = [str(verdict["regime"])]
     if verdict["regime"] == "periodic":
         words.append(f"{verdict['period']}T")
@@ -142,16 +179,17 @@ def headline(verdict: dict[str, Any]) -> str:
         n = verdict["period"]
         words.append(f"{'' if n is None else f'{n}-fold '}to a forcing that does not repeat within {LONGEST} T")
     elif verdict["regime"] in ("contact", "diverged"):
-        words.append(f"at time {report.number(verdict.get('end_time'))}")
+        words.append(f"at time {report.number(verdict.get('end_time'))}{units['end_time']}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
     elif verdict["regime"] == "not-settled":
         turns, power = (report.number(verdict[name]) for name in ("winding", "thinning"))
         film = f"{turns} turns per T, a film thins as time to the power {power}"
         words.append("contracts to an orbit that was not reached" if verdict["thinning"] is None else film)
     elif verdict["regime"] == "drifting":
-        words.append(f"{verdict['drift_state']} by {report.number(verdict['drift_rate'])} per unit of time")
+        per = units["drift_rate"] if units["growth_rate"] else f"{units['drift_rate']} per unit of time"
+        words.append(f"{verdict['drift_state']} by {report.number(verdict['drift_rate'])}{per}")
     elif verdict["regime"] in ("growing", "at-rest") and verdict["growth_rate"] is not None:
-        words.append(f"small motions change at the rate {report.number(verdict['growth_rate'])} per unit of time")
+        words.append(f"small motions change at the rate {report.number(verdict['growth_rate'])}{per_time}")
     return ", ".join(words)
 
 
@@ -162,7 +200,9 @@ def _print(verdict: dict[str, Any]) -> None:
     rows: list[tuple[Any, ...]] = [
         (str(i), report.with_error(v, e), c) for i, (v, e, c) in enumerate(zip(*columns_of, strict=True), 1)
     ]
-    columns: tuple[str, ...] = ("", "per unit of time", "per common period")
+    units = verdict["units"]
+    per_time = "per unit of time" if units["lyapunov"] == "1" else f"[{units['lyapunov']}]"
+    columns: tuple[str, ...] = ("", per_time, "per common period")
     if rows:
         rows.append(("mean divergence", report.with_error(verdict["divergence"], verdict["divergence_error"]), None))
     parts = [report.table("Lyapunov exponents", columns, rows, numbers=(0, 1, 2))] if rows else []
@@ -176,11 +216,14 @@ def _print(verdict: dict[str, Any]) -> None:
     parts.append(report.table("Dimensions", ("", "value"), rows, numbers=(1,)))
     rows = [(name, _evidence(vote)) for name, vote in verdict["indicators"].items()]
     parts.append(report.table("Evidence", ("indicator", "says"), rows))
-    rows = [(name, a["peak_to_peak"], a["rms"]) for name, a in verdict["amplitude"].items()]
+    rows = [
+        (report.with_unit(name, a["units"]["rms"]), a["peak_to_peak"], a["rms"]) for name, a in verdict["amplitude"].items()
+    ]
     parts.append(report.table("Amplitude", ("", "peak to peak", "rms about mean"), rows, numbers=(1, 2)))
     if verdict["max_eccentricity"]:
         rows = [(name, e, verdict["min_film"][name]) for name, e in verdict["max_eccentricity"].items()]
-        columns = ("", "largest eccentricity", "thinnest film over c")
+        film = "thinnest film over c" if units["min_film"] == "1" else f"thinnest film [{units['min_film']}]"
+        columns = ("", "largest eccentricity", film)
         parts.append(report.table("Films", columns, rows, numbers=(1, 2)))
     report.show(*parts)
 

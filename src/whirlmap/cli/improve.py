@@ -11,12 +11,15 @@ from whirlmap.cli import options, report
 from whirlmap.cli.machine_input import limit_of, range_of
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import read_range
+from whirlmap.cli.speed_report import sizes_of
 from whirlmap.cli.speeds import SPEEDS, Limit, Quantity, Span
-from whirlmap.errors import CaseError, InputError, RangeError
+from whirlmap.errors import InputError, RangeError
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
     from whirlmap.sweep.grid import Range
 
@@ -59,6 +62,7 @@ def improve(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -80,6 +84,7 @@ def improve(
     import numpy as np
 
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.loading import load
     from whirlmap.sweep.improve import improve_in_batches
     from whirlmap.sweep.memory import refuse_points
@@ -102,10 +107,10 @@ def improve(
     if work.dataset is None:
         raise KeyboardInterrupt
     ds = work.dataset
-    files = destination.write(ds, lambda made: _picture(system, made))
+    scales = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda made: _picture(scales, made))
     report.say_doubts(ds.attrs)
-    facts = summary(system, ds)
-    own = float(system.values["s"])
+    facts, own = summary(scales, ds), float(system.values["s"])
     facts["assumptions"] = report.say_strains(_ends(make, ranges, units, (low / own, high / own)))
     if json:
         report.print_json({**facts, "files": files})
@@ -118,26 +123,12 @@ def improve(
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
     """Ranges of the varied names, and the units of those that have one."""
-    from whirlmap.sweep.grid import Range
-    from whirlmap.units import split
-
     ranges: dict[str, Range] = {}
     units: dict[str, str] = {}
     for text in texts:
-        name, equals, rest = (part.strip() for part in text.partition("="))
-        parts = rest.split(":")
-        if equals and len(parts) in (3, 4):
-            try:
-                ends = [split(part) for part in parts[:2]]
-            except CaseError as error:
-                raise RangeError(f"--vary {name}: {error}") from None
-            if ends[0][1] != ends[1][1]:
-                raise RangeError(f"--vary: found {text!r}, expected the same unit on both ends, as in c=40um:60um:5")
-            if ends[0][1]:
-                units[name] = ends[0][1]
-            parts[:2] = [repr(float(value)) for value, _ in ends]
-            text = f"{name}={':'.join(parts)}"
-        found = Range.parse(text)
+        found, unit = read_range(text)
+        if unit:
+            units[found.name] = unit
         if ranges.setdefault(found.name, found) != found or len(ranges) > 2:
             raise InputError("--vary: expected one or two different design parameters, each given once")
     return ranges, units
@@ -180,13 +171,10 @@ def _ends(
         yield from (design.replace(s=share * float(design.values["s"])) for share in speeds)
 
 
-def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what was found, as plain data."""
-    from whirlmap.sweep.judging import clearance
-
-    names = ds.attrs["varied"].split()
-    length, scale = clearance(system), float(ds["rpm"][-1] / ds["s"][-1]) if "rpm" in ds.coords else None
-    um = length * 1e6 if length == length else None
+    names, system = ds.attrs["varied"].split(), units.system
+    scale, um, _ = (None if size != size else size for size in sizes_of(units))
     rows = []
     for i in range(ds.sizes["design"]):
         one = ds.isel(design=i)
@@ -241,10 +229,10 @@ def _print(facts: dict[str, Any]) -> None:
         typer.echo("no design has a safe speed")
 
 
-def _picture(system: "System", ds: "xr.Dataset") -> Any:
+def _picture(units: "Dimensions", ds: "xr.Dataset") -> Any:
     from whirlmap.plot.improve import improve_figure
-    from whirlmap.sweep.judging import clearance
 
-    length = clearance(system)
-    known = length == length
-    return improve_figure(ds, unit=length * 1e6 if known else 1.0, length="um" if known else "1", title=system.case)
+    rpm, um, _ = sizes_of(units)
+    shown = ds if rpm == rpm else ds.drop_vars("rpm", errors="ignore")
+    known = um == um
+    return improve_figure(shown, unit=um if known else 1.0, length="um" if known else "1", title=units.system.case)

@@ -5,15 +5,11 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from whirlmap.cli import options
+from whirlmap.cli.ranges import MOST_CLEARANCES, MOST_S
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
-
-
-#: Plain numbers are in the model's own measures. Beyond these, of a machine with dimensions, a unit was left out: no limit
-#: of vibration is ten clearances, and no rotor runs at twenty times the speed that its frequencies are counted in.
-MOST_CLEARANCES, MOST_S = 10.0, 20.0
 
 
 def given(system: "System", name: str) -> float | None:

@@ -14,6 +14,7 @@ from whirlmap.cli import interrupts, options, pictures, report
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim
 from whirlmap.cli.progress import Progress
+from whirlmap.cli.ranges import in_parameters, read_range, refuse_input, refuse_twice
 from whirlmap.cli.store_status import say_status
 from whirlmap.errors import InputError, RangeError, nearest
 
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 
     from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
+    from whirlmap.sweep.grid import Range
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.stored import Progress as Chunks
 
@@ -42,7 +44,8 @@ def map(  # noqa: A001 (the command's name)
         list[str] | None,
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
-            help="Parameter and range, ascending; given twice for a map, once for a line.",
+            help="Parameter and range, ascending; given twice for a map, once for a line; of a case with dimensions also"
+            ' "speed=500 rpm:6000 rpm:200".',
         ),
     ] = None,
     draw: Annotated[
@@ -133,6 +136,7 @@ def map(  # noqa: A001 (the command's name)
             " where absent.",
         ),
     ] = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: Annotated[
         bool,
@@ -148,7 +152,7 @@ def map(  # noqa: A001 (the command's name)
 
     Every point says its regime, exponent, amplitudes, largest eccentricity and thinnest film, and how its run ended. Chunks
     of points are committed one by one: after a crash, a kill or Ctrl-C the same command with --resume goes on, and the
-    result is the same to the bit.
+    result is the same to the bit. The picture of a case with dimensions is in rpm and um.
     """
     if status is not None:
         if case or vary or draw or store:
@@ -167,12 +171,14 @@ def map(  # noqa: A001 (the command's name)
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
     from whirlmap.analysis.labels.labelling import Labelling
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.stored import run_sweep
 
     settling = Settling(transient=transient, most=most, tolerance=tolerance)
     labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers=1)
     watch = _Watch(space.points, quiet=quiet)
     before = signal.signal(signal.SIGTERM, interrupts.first)  # Slurm ends a job with it
+    units = Dimensions(system, own=dimensionless)
     with TemporaryDirectory(prefix="whirlmap-") as passing:
         place = Path(passing) / "map" if store is None and not (resume or part or dask) else store
         try:
@@ -184,12 +190,12 @@ def map(  # noqa: A001 (the command's name)
         except KeyboardInterrupt:
             files = []
             if store is None and (kept := watch.kept(place)) is not None:
-                files = destination.write(kept, lambda done: pictures.regime_map(system, done, quantity))
+                files = destination.write(kept, lambda done: pictures.regime_map(units, done, quantity))
             say(watch.interrupted(store, files))
             raise typer.Exit(interrupts.INTERRUPTED) from None
         finally:
             signal.signal(signal.SIGTERM, before)
-        files = destination.write(ds, lambda done: pictures.regime_map(system, done, quantity))
+        files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
         say(f"accuracy not met: {doubts}")
     assumptions = report.say_assumptions(system, {name: (values[0], values[-1]) for name, values in space.axes.items()})
@@ -293,15 +299,15 @@ def _space(
     system: "System", vary: Sequence[str] | None, draw: Sequence[str] | None, draws: int | None, seed: int,
     changed: dict[str, str],
 ) -> "Space":  # fmt: skip
-    from whirlmap.cli.bifurcation import refuse_input
-    from whirlmap.sweep.grid import Range
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.space import Space
     from whirlmap.sweep.tolerances import Tolerance
 
     ranges: dict[str, Range] = {}
     for text in vary or ():
-        swept = Range.parse(text)
+        swept, unit = read_range(text)
+        refuse_twice(set(changed), swept)
+        swept = in_parameters(system, swept, unit)
         if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
         ranges[swept.name] = swept
@@ -314,14 +320,13 @@ def _space(
         raise InputError("--seed: expected --draw beside it, for nothing else is random")
     if not axes and not texts:
         raise InputError("found neither --vary nor --draw, expected one: --vary s=0.3:5:400 --vary psi=1e-5:1:300:log")
-    for name in (*axes, *texts):
-        option = "--vary" if name in axes else "--draw"
+    for name in texts:
         if name in changed:
-            raise RangeError(f"{name}: found it in --set and in {option}, expected it in one of them")
-        refuse_input(system, name, option)
+            raise RangeError(f"{name}: found it in --set and in --draw, expected it in one of them")
+        refuse_input(system, name, "--draw")
         if name not in system.parameters:
             raise RangeError(
-                f"{option}: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
+                f"--draw: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
                 f"\n  parameters: {' '.join(system.parameters)}"
             )
     tolerances = {name: Tolerance.parse(text, float(system.values[name])) for name, text in texts.items()}

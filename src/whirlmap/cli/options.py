@@ -2,11 +2,11 @@
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from whirlmap.errors import InputError, RangeError
+from whirlmap.errors import CaseError, InputError, RangeError
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
@@ -35,7 +35,7 @@ Start = Annotated[
     typer.Option(
         "--start",
         metavar="STATE=VALUE",
-        help="Start value of a state. May be repeated.",
+        help="Start value of a state, of a case with dimensions also with a unit ('y=-150 um'). May be repeated.",
         rich_help_panel=SYSTEM,
     ),
 ]
@@ -53,6 +53,15 @@ Force = Annotated[bool, typer.Option("--force", help="Replace what --out names."
 Json = Annotated[
     bool,
     typer.Option("--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT),
+]
+Dimensionless = Annotated[
+    bool,
+    typer.Option(
+        "--dimensionless",
+        help="Show numbers in the model's own units (clearances, radians of the clock), not in um, mm/s, N, rpm, Hz and s,"
+        " where the case has dimensions.",
+        rich_help_panel=OUTPUT,
+    ),
 ]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Show no progress.", rich_help_panel=OUTPUT)]
 Workers = Annotated[
@@ -184,6 +193,22 @@ def brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple[float,
     return found
 
 
+def _in_states(system: "System", begin: dict[str, str]) -> dict[str, float | str]:
+    """Start values in the model's own numbers; what is no number with a unit stays text, for who says what is wrong."""
+    from whirlmap.cli.ranges import in_state
+    from whirlmap.units import split
+
+    made: dict[str, float | str] = dict(begin)
+    for name, text in begin.items():
+        try:
+            number, unit = split(text)
+        except CaseError:
+            continue
+        value = in_state(system, name, float(number), unit, "--start")
+        made[name] = value if unit else text
+    return made
+
+
 def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] | None) -> "System":
     """Load a case with the changes and the start state of the command line; refuse an impossible start."""
     changed, begin = assignments(changes, "--set"), assignments(start, "--start")
@@ -191,7 +216,8 @@ def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] |
         raise InputError("--set: found start, expected a symbol or a switch; start values are given with --start")
     from whirlmap.integrate.loading import load
 
-    system = load(case, start=begin, **changed)
+    given: dict[str, Any] = dict(changed)
+    system = load(case, start=_in_states(load(case, **given), begin) if begin else None, **given)
     if system.start:
         from whirlmap.sweep.starts import refuse_start
 

@@ -7,6 +7,7 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
 #: Periods T of a time series that its picture shows, the last ones.
@@ -39,22 +40,26 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     from whirlmap.plot.style import WIDE, new_figure
     from whirlmap.plot.time_series import draw_time_series
 
-    states = swing_of(system)
+    states, in_T = swing_of(system), ds["time"].attrs["units"] == "time"  # seconds, where the case says what they are
     fig = new_figure(WIDE, 1.2 + 1.1 * max(len(states), 2))
     grid = fig.add_gridspec(len(states), 2, width_ratios=[3, 2])
     for row, state in enumerate(states):
-        draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN)
+        draw_time_series(ds, state, ax=fig.add_subplot(grid[row, 0]), turns=SHOWN, in_T=in_T)
     draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
     fig.suptitle(system.case)
     return fig
 
 
-def diagnosis(system: "System", ds: "xr.Dataset") -> "Figure":
-    """Draw the sheet of a diagnosis."""
+def diagnosis(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+    """Draw the sheet of a diagnosis in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.figures import diagnosis_figure
 
+    system = units.system
     state = swing_of(system)[0]
-    return diagnosis_figure(ds, state, velocity=partner_of(system, state), title=system.case)
+    return diagnosis_figure(
+        shown_in(units, ds), state, velocity=partner_of(system, state), clearance=units.of("length").size, title=system.case
+    )
 
 
 def series(ds: "xr.Dataset", name: str) -> "Figure":
@@ -64,19 +69,23 @@ def series(ds: "xr.Dataset", name: str) -> "Figure":
     return series_figure(ds, title=name)
 
 
-def diagram(system: "System", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
-    """Bifurcation diagrams of some states over their regimes."""
+def diagram(units: "Dimensions", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
+    """Bifurcation diagrams of some states over their regimes, in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.figures import diagram_figure
 
-    return diagram_figure(ds, list(states), columns=2 if len(states) > 3 else 1, title=system.case)
+    return diagram_figure(shown_in(units, ds), list(states), columns=2 if len(states) > 3 else 1, title=units.system.case)
 
 
-def regime_map(system: "System", ds: "xr.Dataset", quantity: str) -> "Figure":
-    """Draw a map of regimes; a line of points as its amplitude over its regimes."""
+def regime_map(units: "Dimensions", ds: "xr.Dataset", quantity: str) -> "Figure":
+    """Draw a map of regimes in these units; a line of points as its amplitude over its regimes."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.regime_map import regime_line_figure, regime_map_figure
 
-    draw = regime_map_figure if len(ds["regime"].dims) == 2 else regime_line_figure
-    return draw(ds, quantity, title=system.case)
+    if len(ds["regime"].dims) == 1:
+        return regime_line_figure(shown_in(units, ds), quantity, title=units.system.case)
+    small = ds.drop_vars("section", errors="ignore")  # which may be larger than the memory
+    return regime_map_figure(shown_in(units, small), quantity, title=units.system.case)
 
 
 def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
@@ -86,16 +95,19 @@ def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
     return campbell_figure(ds, title=system.case)
 
 
-def attractors(system: "System", ds: "xr.Dataset") -> "Figure":
-    """Draw the start states of a search by their attractor."""
+def attractors(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+    """Draw the start states of a search by their attractor, in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.basins import attractors_figure
 
+    system = units.system
     state = swing_of(system)[0]
-    return attractors_figure(ds, state, partner_of(system, state), title=system.case)
+    return attractors_figure(shown_in(units, ds), state, partner_of(system, state), title=system.case)
 
 
-def basins(system: "System", ds: "xr.Dataset") -> "Figure":
-    """Draw a slice of basins."""
+def basins(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+    """Draw a slice of basins in these units."""
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.plot.basins import basins_figure
 
-    return basins_figure(ds, title=system.case)
+    return basins_figure(shown_in(units, ds), title=units.system.case)

@@ -20,6 +20,7 @@ from whirlmap.cli.messages import say
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
 #: Columns of a table that is piped into a file, where neither a terminal nor COLUMNS says how wide it is.
@@ -61,6 +62,21 @@ def show(*parts: "RenderableType") -> None:
     to = console()
     for part in parts:
         to.print(part)
+
+
+def with_unit(name: str, unit: str) -> str:
+    """A name with its unit, where it has one: ``yp [um]``; a speed ratio in rpm is a speed."""
+    return name if unit == "1" else f"{'speed' if unit == 'rpm' else name} [{unit}]"
+
+
+def unit_behind(unit: str) -> str:
+    """A unit as it stands behind a number, and nothing for a pure number."""
+    return "" if unit == "1" else f" {unit}"
+
+
+def beside(own: Mapping[str, Any], shown: Mapping[str, Any], keys: Iterable[str], units: "Dimensions") -> dict[str, Any]:
+    """Facts for JSON: all in the model's own units, and in ``dimensional`` those of these keys in engineering units."""
+    return {**own, "dimensional": {key: shown[key] for key in keys}} if units.known else dict(own)
 
 
 def number(value: Any) -> str:

@@ -12,6 +12,7 @@ from whirlmap.cli import series_options as signals
 from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
 EXAMPLES = (
@@ -72,10 +73,11 @@ def show(
 
 def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     """All there is to say about a system, as plain data."""
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.equilibrium import start_states
     from whirlmap.references import references
 
-    model, settled = system.model, system.details
+    model, settled, units = system.model, system.details, Dimensions(system)
     x, found = start_states(model, system.vector[:, None])
     begin = {s.name: system.start.get(s.name, float(v)) for s, v in zip(model.states, x[:, 0], strict=True)}
     used = {p.name for p in model.read()}
@@ -110,7 +112,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "states": {
             s.name: {
                 "start": begin[s.name], "unit": s.unit, "meaning": s.meaning, "cyclic": s.cyclic,
-                "given": s.name in system.start,
+                "given": s.name in system.start, "dimensional": _sized(units, s.name, begin[s.name]),
             }
             for s in model.states
         },
@@ -121,6 +123,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "common_multiple": system.common_multiple if system.repeats else None,
         "common_period": system.common_period if system.repeats else None,
         "clocks": _clocks(system),
+        "period_s": system.period * units.of("time").size if units.known else None,
         "sources": {key: references()[key].text for key in model.sources if key in references()},
     }  # fmt: skip
     facts["oil_not_judged"] = _oil(system, facts)
@@ -150,10 +153,22 @@ def _clocks(system: "System") -> dict[str, Any]:
     """Angular frequency of each clock, and its speed ratio where the model counts one."""
     from sympy import sympify
 
+    from whirlmap.integrate.dimensions import Dimensions
+
     numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
     rates = {name: float(sympify(rate).subs(numbers)) for name, rate in system.model.clocks.items()}
     s = float(system.values["s"]) if "s" in system.values else None
-    return {name: {"frequency": w, "s": None if s is None else s * abs(w)} for name, w in rates.items()}
+    hertz = Dimensions(system).of("speed")
+    return {
+        n: {"frequency": w, "s": None if s is None else s * abs(w), "Hz": w * hertz.size if hertz.unit == "Hz" else None}
+        for n, w in rates.items()
+    }
+
+
+def _sized(units: "Dimensions", name: str, value: float) -> dict[str, Any] | None:
+    """A value of a state in its engineering unit; None where the case has no dimensions."""
+    found = units.quantity(name)
+    return {"start": value * found.size, "units": {"start": found.unit}} if units.known else None
 
 
 def _rpm(value: float, unit: str) -> float | None:
@@ -234,14 +249,17 @@ def _print(facts: dict[str, Any]) -> None:
         ]  # fmt: skip
         rest.append(report.table("Dimensional results", ("quantity", "value", "", "meaning"), rows, numbers=(1, 2)))
     if facts["clocks"]:
-        clocks = [(n, c["frequency"], c["s"]) for n, c in facts["clocks"].items()]
-        columns = ("clock", "frequency, per unit of the model's time", "speed ratio s")
-        rest.append(report.table("Clocks", columns, clocks, numbers=(1, 2)))
-    rows = [
-        (n, report.number(s["start"]) + _unit(s["unit"]), s["meaning"], "given" if s["given"] else "")
+        hertz = any(c["Hz"] is not None for c in facts["clocks"].values())
+        clocks = [(n, c["frequency"], c["s"], *([c["Hz"]] if hertz else [])) for n, c in facts["clocks"].items()]
+        columns = ("clock", "frequency, per unit of the model's time", "speed ratio s", *(["Hz"] if hertz else []))
+        rest.append(report.table("Clocks", columns, clocks, numbers=range(1, len(columns))))
+    begin = [
+        (n, report.number(s["start"]) + _unit(s["unit"]), _in_unit(s["dimensional"]), s["meaning"],
+         "given" if s["given"] else "")
         for n, s in facts["states"].items()
-    ]
-    rest.append(report.table(f"Start state ({facts['start']})", ("state", "value", "meaning", ""), rows, numbers=(1,)))
+    ]  # fmt: skip
+    columns = ("state", "value", "", "meaning", "")
+    rest.append(report.table(f"Start state ({facts['start']})", columns, begin, numbers=(1, 2)))
     report.show(*rest)
     if facts["oil_not_judged"]:
         typer.echo(f"temperature of the oil: not judged, for {facts['oil_not_judged']}")
@@ -260,7 +278,12 @@ def _print_periods(facts: dict[str, Any]) -> None:
         return
     common = facts["common_multiple"]
     beside = "no common period" if common is None else f"common period {facts['common_period']:.7g} = {common} T"
-    typer.echo(f"period T = {facts['period']:.7g}, {beside}")
+    seconds = "" if facts["period_s"] is None else f" ({facts['period_s']:.7g} s)"
+    typer.echo(f"period T = {facts['period']:.7g}{seconds}, {beside}")
+
+
+def _in_unit(found: dict[str, Any] | None) -> str:
+    return "" if found is None or found["units"]["start"] == "1" else f"{found['start']:.5g} {found['units']['start']}"
 
 
 def _in_rpm(rpm: float | None) -> str:

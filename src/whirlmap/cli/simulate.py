@@ -12,7 +12,10 @@ from whirlmap.cli.progress import Progress
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.system import System
+    from whirlmap.integrate.dimensions import Dimensions
+
+#: Keys of the numbers of a motion, and of times, that have a unit.
+MOTION, TIMES = ("minimum", "maximum", "mean", "rms", "last"), ("end_time", "period", "common_period", "time")
 
 EXAMPLES = (
     "whirlmap simulate duffing",
@@ -48,6 +51,7 @@ def simulate(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -56,7 +60,8 @@ def simulate(
     """Integrate one operating point of CASE and report how each state and output moves.
 
     T is the period of the fastest forcing; `whirlmap show` says how many of them a turn of each clock takes. Ctrl-C keeps
-    what was recorded until then. --out NAME.csv writes time, states and outputs as a table.
+    what was recorded until then. --out NAME.csv writes time, states and outputs as a table. A case with dimensions is shown
+    in um, mm/s, N and s.
     """
     from whirlmap.results.files import check_writable
     from whirlmap.results.signals import write_series
@@ -66,6 +71,8 @@ def simulate(
         check_writable(table, force=force)
     destination = claim(None if table else out, "simulate", force=force)
     system = options.open_system(case, changes, start)
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
     from whirlmap.sweep.run import simulation_in_stretches
 
     with Progress("simulate", None, quiet=quiet) as progress:
@@ -75,29 +82,33 @@ def simulate(
         )  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
-    files = destination.write(work.dataset, lambda ds: pictures.simulation(system, ds))
+    units = Dimensions(system, own=dimensionless)
+    shown = shown_in(units, work.dataset)
+    files = destination.write(work.dataset, lambda _: pictures.simulation(system, shown))
     if table is not None:
-        made = work.dataset
-        files += write_all([(table, lambda place: write_series(made, place, force=force))])
+        files += write_all([(table, lambda place: write_series(shown, place, force=force))])
     report.say_doubts(work.dataset.attrs)
-    facts = summary(system, work.dataset)
+    facts = summary(units, shown)
     if json:
-        report.print_json({**facts, "files": files})
+        own = summary(Dimensions(system, own=True), work.dataset)
+        report.print_json({**report.beside(own, facts, (*TIMES, "motion", "units"), units), "files": files})
     else:
         _print(facts)
         report.print_written(files)
     if not work.complete:
         rest = f"--transient {transient + work.done} --periods {work.total - work.done}"
         report.interrupted(facts["incomplete"], files, f"the same command with {rest} gives what is missing")
+    clock = facts["units"]["time"]
     if facts["status"] not in ("ok", "contact", "diverged"):
-        say(f"the run was not finished: {facts['status']} at time {facts['end_time']:.9g}")
+        say(f"the run was not finished: {facts['status']} at time {facts['end_time']:.9g}{report.unit_behind(clock)}")
         raise typer.Exit(1)  # those three are motions of the machine; anything else is a run that could not go on
 
 
-def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
-    """Say what a time series holds."""
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
+    """Say what a time series holds, which is in these units."""
     from whirlmap.results.status import Status
 
+    system, clock = units.system, units.of("time")
     series = {**{str(s): ds["x"].sel(state=s) for s in ds["state"].values},
               **{str(o): ds["outputs"].sel(output=o) for o in ds["output"].values}}  # fmt: skip
     return {
@@ -108,17 +119,18 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
         "end_time": float(ds["end_time"]),
         "stop": ds.attrs.get("stop"),
         "start_found": bool(ds["start_found"]),
-        "period": system.period,
-        "common_period": system.common_period if system.repeats else None,
+        "period": system.period * clock.size,
+        "common_period": system.common_period * clock.size if system.repeats else None,
         "samples": ds.sizes["time"],
         "time": [float(ds["time"][0]), float(ds["time"][-1])],
         "motion": {
             name: {
                 "minimum": float(v.min()), "maximum": float(v.max()), "mean": float(v.mean()),
-                "rms": float(v.std()), "last": float(v[-1]),
+                "rms": float(v.std()), "last": float(v[-1]), "units": dict.fromkeys(MOTION, units.quantity(name).unit),
             }
             for name, v in series.items()
         },
+        "units": dict.fromkeys(TIMES, clock.unit),
         "incomplete": ds.attrs.get("incomplete"),
     }  # fmt: skip
 
@@ -127,15 +139,18 @@ def _print(facts: dict[str, Any]) -> None:
     from whirlmap.results.status import Status
 
     begin, end = facts["time"]
-    typer.echo(f"{facts['case']}: {facts['samples']} samples from time {begin:.6g} to {end:.6g}")
-    typer.echo(f"period T = {facts['period']:.7g}, common period = {report.number(facts['common_period'])}")
+    unit = report.unit_behind(facts["units"]["time"])
+    typer.echo(f"{facts['case']}: {facts['samples']} samples from time {begin:.6g} to {end:.6g}{unit}")
+    common = facts["common_period"]
+    repeats = f"{common:.7g}{unit}" if common is not None else "-"
+    typer.echo(f"period T = {facts['period']:.7g}{unit}, common period = {repeats}")
     status = Status[facts["status"]]
     if status == Status.ok:
         typer.echo("status: ok, ran to its end")
     else:
-        typer.echo(f"status: {status.name} at time {facts['end_time']:.9g}: {status.sentence}")
+        typer.echo(f"status: {status.name} at time {facts['end_time']:.9g}{unit}: {status.sentence}")
     if not facts["start_found"]:
         typer.echo("note: there is no static equilibrium; the run began beside the clearance centre")
     columns = ("", "minimum", "maximum", "mean", "rms about mean", "last")
-    rows = [(name, m["minimum"], m["maximum"], m["mean"], m["rms"], m["last"]) for name, m in facts["motion"].items()]
+    rows = [(report.with_unit(name, m["units"]["mean"]), *(m[key] for key in MOTION)) for name, m in facts["motion"].items()]
     report.show(report.table("Motion", columns, rows, numbers=range(1, 6)))

@@ -1,7 +1,7 @@
 """What ``whirlmap speeds`` says: windows and what lies between them, in engineering units where the case has them."""
 
 import json as js
-from math import isfinite, pi
+from math import isfinite, nan, pi
 from typing import TYPE_CHECKING, Any
 
 import typer
@@ -11,16 +11,32 @@ from whirlmap.cli import report
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.system import System
+    from whirlmap.integrate.dimensions import Dimensions
 
 
-def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
+#: Units of the numbers in the facts, by their keys.
+UNITS = {
+    **dict.fromkeys(("s", "limit", "start", "end", "amplitude", "amplitude_cold", "min_film", "max_load", "margin"), "1"),
+    **dict.fromkeys(("limit_um", "length_um", "amplitude_um", "min_film_um"), "um"), "rpm": "rpm", "force_N": "N",
+    "max_load_N": "N",
+}  # fmt: skip
+
+
+def sizes_of(units: "Dimensions") -> tuple[float, float, float]:
+    """What s = 1, the model's length and its force are in rpm, um and N; NaN each where that is not shown."""
+    if units.own:
+        return nan, nan, nan
+    rotation, length, force = (float(units.worth(name)) for name in ("rotation", "length", "force"))
+    return rotation * 30 / pi, length * 1e6, force
+
+
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what was found, as plain data; lengths in um, forces in N and speeds in rpm where the case has dimensions."""
     from collections import Counter
 
-    from whirlmap.sweep.judging import SPEED, Verdict, clearance, force_unit, shaft_speed
+    from whirlmap.sweep.judging import SPEED, Verdict
 
-    rpm, um, newton = shaft_speed(system) * 30 / pi, clearance(system) * 1e6, force_unit(system)
+    system, (rpm, um, newton) = units.system, sizes_of(units)
     rows = [_in_units(row, rpm, um, newton) for row in js.loads(ds.attrs["stretches"])]
     if "probability" in ds:
         for row in rows:
@@ -36,7 +52,7 @@ def summary(system: "System", ds: "xr.Dataset") -> dict[str, Any]:
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
         "operation": _operation(float(system.values[SPEED]), rows, rpm),
         "force_N": newton, "length_um": um, "verdicts": dict(counted), "s": ds["s"].values,
-        "rpm": ds["rpm"].values if "rpm" in ds else None,
+        "rpm": ds["rpm"].values if "rpm" in ds and isfinite(rpm) else None, "units": UNITS,
         "verdict": [Verdict(int(v)).name for v in ds["verdict"].values],
         "other": [Verdict(int(v)).name if v else None for v in ds["other"].values],
     }  # fmt: skip
@@ -164,13 +180,13 @@ def _of_operation(at: dict[str, Any]) -> str:
     return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else 'as is the whole range'}"
 
 
-def picture(system: "System", ds: "xr.Dataset") -> Any:
+def picture(units: "Dimensions", ds: "xr.Dataset") -> Any:
     """Draw what was found."""
     from whirlmap.plot.speeds import speeds_figure
-    from whirlmap.sweep.judging import clearance, force_unit
 
-    um, newton = clearance(system) * 1e6, force_unit(system)
+    rpm, um, newton = sizes_of(units)
+    shown = ds if isfinite(rpm) else ds.drop_vars("rpm", errors="ignore")
     return speeds_figure(
-        ds, unit=um if isfinite(um) else 1.0, length="um" if isfinite(um) else "1",
-        force=newton if isfinite(newton) else 1.0, force_unit="N" if isfinite(newton) else "1", title=system.case,
+        shown, unit=um if isfinite(um) else 1.0, length="um" if isfinite(um) else "1",
+        force=newton if isfinite(newton) else 1.0, force_unit="N" if isfinite(newton) else "1", title=units.system.case,
     )  # fmt: skip

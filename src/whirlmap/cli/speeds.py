@@ -74,6 +74,7 @@ def speeds(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     force: options.Force = False,
     json: options.Json = False,
@@ -90,6 +91,7 @@ def speeds(
     import numpy as np
 
     from whirlmap.analysis.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.machines import safe_probability
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
@@ -126,9 +128,10 @@ def speeds(
                 report.say_doubts(chance.attrs)
                 ds = ds.merge(chance, combine_attrs="override")
                 ds = ds.assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
-    files = destination.write(ds, lambda made: speed_report.picture(system, made))
+    units = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda made: speed_report.picture(units, made))
     report.say_doubts(ds.attrs)
-    facts = speed_report.summary(system, ds)
+    facts = speed_report.summary(units, ds)
     facts["assumptions"] = report.say_assumptions(system, {"s": (low, high)})
     if json:
         report.print_json({**facts, "files": files})

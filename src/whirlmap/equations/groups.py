@@ -96,7 +96,7 @@ class Groups:
         speeds), in inputs and parameters.
     units : mapping of str to Expr
         What the model's units are worth, in inputs and parameters: ``force`` [N], ``length`` [m], ``speed`` of the clock
-        [rad/s].
+        [rad/s], and ``rotation``, the speed of the first shaft at s = 1 [rad/s].
     bearings : callable
         ``bearings(switches) -> {name: Bearing}``.
     routes : tuple of Route

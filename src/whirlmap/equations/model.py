@@ -28,11 +28,12 @@ class Section:
 
 @dataclass(frozen=True)
 class Output:
-    """A quantity computed from states and parameters, with unit and meaning."""
+    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`)."""
 
     expression: Expr
     unit: str
     meaning: str
+    measure: str = ""
 
 
 @dataclass(frozen=True)
@@ -129,6 +130,8 @@ class Model:
         Named angular frequencies, for spectra and for counting turns: "mesh", "pinion", "gear".
     swing : tuple of State
         The displacements that a diagram of this model shows first.
+    bodies : mapping of str to tuple of State
+        Coordinates of each part that moves, for the names and shapes of modes: two of a centre, or one of a torsion.
     sources : tuple of str
         Keys of `references.bib`.
     """
@@ -156,6 +159,7 @@ class Model:
     switches: Mapping[str, str] = field(default_factory=dict)
     clocks: Mapping[str, Expr] = field(default_factory=dict)
     swing: tuple[State, ...] = ()
+    bodies: Mapping[str, tuple[State, ...]] = field(default_factory=dict)
     sources: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -36,18 +36,24 @@ class Quantity(Symbol):
         A few words for people.
     latex : str, optional
         How plots and docs print it; the name where absent.
+    measure : str, optional
+        What a dimensionless quantity is a number of, so that a case with dimensions can be shown in engineering units:
+        ``length``, ``velocity``, ``force`` or ``rotation``, whose sizes follow from `Groups.units`.
     """
 
     unit: str
     meaning: str
     latex: str
+    measure: str
     #: What subclasses carry beside these.
     _more: tuple[str, ...] = ()
 
-    def __new__(cls, name: str, unit: str, meaning: str, *, latex: str = "", **_: Any) -> "Quantity":
+    def __new__(
+        cls, name: str, unit: str, meaning: str, *, latex: str = "", measure: str = "", **_: Any
+    ) -> "Quantity":
         """Create the symbol without SymPy's cache of symbols: equal names in two models must not share units."""
         made = Symbol.__xnew__(cls, name, real=True)
-        made.unit, made.meaning, made.latex = unit, meaning, latex or name
+        made.unit, made.meaning, made.latex, made.measure = unit, meaning, latex or name, measure
         return made
 
     def __call__(self, *arguments: Any) -> Any:
@@ -58,7 +64,7 @@ class Quantity(Symbol):
     def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
         """Arguments that rebuild the quantity (copying and pickling), limits and all."""
         more = {name: getattr(self, name) for name in self._more}
-        return (self.name, self.unit, self.meaning), {"latex": self.latex, **more}
+        return (self.name, self.unit, self.meaning), {"latex": self.latex, "measure": self.measure, **more}
 
 
 class State(Quantity):
@@ -77,10 +83,18 @@ class State(Quantity):
     _more = ("start", "cyclic")
 
     def __new__(
-        cls, name: str, unit: str, meaning: str, *, latex: str = "", start: float = 0.0, cyclic: float | None = None
+        cls,
+        name: str,
+        unit: str,
+        meaning: str,
+        *,
+        latex: str = "",
+        measure: str = "",
+        start: float = 0.0,
+        cyclic: float | None = None,
     ) -> "State":
         """Create the state."""
-        made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
+        made = Quantity.__new__(cls, name, unit, meaning, latex=latex, measure=measure)
         made.start, made.cyclic = float(start), None if cyclic is None else float(cyclic)
         return made
 
@@ -110,13 +124,14 @@ class Parameter(Quantity):
         meaning: str,
         *,
         latex: str = "",
+        measure: str = "",
         above: float | None = None,
         at_least: float | None = None,
         below: float | None = None,
         order: bool = False,
     ) -> "Parameter":
         """Create the parameter."""
-        made = Quantity.__new__(cls, name, unit, meaning, latex=latex)
+        made = Quantity.__new__(cls, name, unit, meaning, latex=latex, measure=measure)
         made.above, made.at_least, made.below, made.order = above, at_least, below, order
         return made
 
@@ -139,9 +154,9 @@ class Parameter(Quantity):
 t = Symbol("t", real=True)
 
 
-def states(text: str, unit: str, meaning: str) -> tuple[State, ...]:
+def states(text: str, unit: str, meaning: str, measure: str = "") -> tuple[State, ...]:
     """Declare several states that differ in name only: ``states("x y", "1", "displacement")``."""
     names = text.split()
     if not names:
         raise ModelError("states(...) needs at least one name")
-    return tuple(State(name, unit, meaning) for name in names)
+    return tuple(State(name, unit, meaning, measure=measure) for name in names)

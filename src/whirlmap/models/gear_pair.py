@@ -32,18 +32,18 @@ from whirlmap.models import mesh, rub, torsion
 from whirlmap.models.absent import NOT_IN_ROTOR_MODELS
 
 LENGTH = "1"  # lengths are in units of the clearance c
-u1x, u1y = states("u1x u1y", LENGTH, "journal 1 relative to its bearing, over c")
-u2x, u2y = states("u2x u2y", LENGTH, "journal 2 relative to its bearing, over c")
-xp, yp = states("xp yp", LENGTH, "pinion centre, over c")
-xg, yg = states("xg yg", LENGTH, "gear centre, over c")
-x1, y1 = states("x1 y1", LENGTH, "centre of bearing 1, over c")
-x2, y2 = states("x2 y2", LENGTH, "centre of bearing 2, over c")
-vxp, vyp = states("vxp vyp", "1", "pinion velocity, over c and clock radian")
-vxg, vyg = states("vxg vyg", "1", "gear velocity, over c and clock radian")
-vx1, vy1 = states("vx1 vy1", "1", "velocity of bearing 1, over c and clock radian")
-vx2, vy2 = states("vx2 vy2", "1", "velocity of bearing 2, over c and clock radian")
+u1x, u1y = states("u1x u1y", LENGTH, "journal 1 relative to its bearing, over c", "length")
+u2x, u2y = states("u2x u2y", LENGTH, "journal 2 relative to its bearing, over c", "length")
+xp, yp = states("xp yp", LENGTH, "pinion centre, over c", "length")
+xg, yg = states("xg yg", LENGTH, "gear centre, over c", "length")
+x1, y1 = states("x1 y1", LENGTH, "centre of bearing 1, over c", "length")
+x2, y2 = states("x2 y2", LENGTH, "centre of bearing 2, over c", "length")
+vxp, vyp = states("vxp vyp", "1", "pinion velocity, over c and clock radian", "velocity")
+vxg, vyg = states("vxg vyg", "1", "gear velocity, over c and clock radian", "velocity")
+vx1, vy1 = states("vx1 vy1", "1", "velocity of bearing 1, over c and clock radian", "velocity")
+vx2, vy2 = states("vx2 vy2", "1", "velocity of bearing 2, over c and clock radian", "velocity")
 
-s = Parameter("s", "1", "speed ratio: clock speed over sqrt(K_p/m_p)", above=0)
+s = Parameter("s", "1", "speed ratio: clock speed over sqrt(K_p/m_p)", measure="rotation", above=0)
 psi = Parameter("psi", "1", "permeability 12 Phi H/c^3", latex=r"\psi", at_least=0)
 f = Parameter("f", "1", "weight m_p g/(K_p c)", at_least=0)
 Lambda = Parameter("Lambda", "1", "mesh stiffness K_m/K_p", latex=r"\Lambda", at_least=0)
@@ -61,9 +61,9 @@ S_1 = Parameter("S_1", "1", "s_1/s: housing 1 against the shaft, swept with s", 
 S_2 = Parameter("S_2", "1", "s_2/s: housing 2 against the shaft, swept with s", above=0)
 a_1 = Parameter("a_1", "1", "cubic stiffness of suspension 1, alpha_1 of (38)", at_least=0)
 a_2 = Parameter("a_2", "1", "cubic stiffness of suspension 2, alpha_2 of (40)", at_least=0)
-b_p = Parameter("b_p", "1", "unbalance eccentricity of the pinion over c", at_least=0)
-b_g = Parameter("b_g", "1", "unbalance eccentricity of the gear over c", at_least=0)
-E = Parameter("E", "1", "static transmission error over c, E_p of the paper")
+b_p = Parameter("b_p", "1", "unbalance eccentricity of the pinion over c", measure="length", at_least=0)
+b_g = Parameter("b_g", "1", "unbalance eccentricity of the gear over c", measure="length", at_least=0)
+E = Parameter("E", "1", "static transmission error over c, E_p of the paper", measure="length")
 Gamma_1 = Parameter("Gamma_1", "1", "film group of bearing 1 at s = 1, swept with s", latex=r"\Gamma_1", above=0)
 Gamma_2 = Parameter("Gamma_2", "1", "film group of bearing 2 at s = 1, swept with s", latex=r"\Gamma_2", above=0)
 r_p = Parameter("r_p", "1", "pinion speed over clock speed", order=True)
@@ -101,6 +101,11 @@ def housing(i: int, suspension: str = "cubic") -> tuple[Expr, Expr]:
 BEYOND = {
     "mesh": "isotropic", "stiffness": "constant", "backlash": "none", "torsion": "none", "suspension": "cubic",
     "centring": "none", "contact": "stop",
+}  # fmt: skip
+
+BODIES = {
+    "pinion": (xp, yp), "gear": (xg, yg), "pinion housings": (x1, y1), "gear housings": (x2, y2),
+    "pinion journals": (u1x, u1y), "gear journals": (u2x, u2y),
 }  # fmt: skip
 
 VELOCITIES = {xp: vxp, yp: vyp, xg: vxg, yg: vyg, x1: vx1, y1: vy1, x2: vx2, y2: vy2}
@@ -294,8 +299,8 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         outputs={
             "eps_1": Output(sqrt(u1x**2 + u1y**2), "1", "eccentricity of journal 1"),
             "eps_2": Output(sqrt(u2x**2 + u2y**2), "1", "eccentricity of journal 2"),
-            "load_1": Output(film_load(1, switches), "1", "force of the film of one bearing 1, over K_p c"),
-            "load_2": Output(film_load(2, switches), "1", "force of the film of one bearing 2, over K_p c"),
+            "load_1": Output(film_load(1, switches), "1", "force of the film of one bearing 1, over K_p c", "force"),
+            "load_2": Output(film_load(2, switches), "1", "force of the film of one bearing 2, over K_p c", "force"),
         },
         stops={
             "contact_1": Stop(1 - u1x**2 - u1y**2, f"journal 1: {wall}", reachable),
@@ -321,6 +326,7 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         switches=switches,
         clocks={"mesh": r_m, "pinion": r_p, "gear": r_g},
         swing=(yp, yg, y1, y2),
+        bodies={**BODIES, **(torsion.BODIES if turning else {})},
         sources=(
             "changjian-psfd", "capone1991", "morgan1957",
             *(("kahraman1990",) if line else ()), *(("chu1998",) if rubs else ()),

@@ -228,7 +228,7 @@ GEAR_PAIR_MACHINE = replace(
             "1": Bearing(R_1, L_1, c, mu, rho, pair.j_p, "eps_1"),
             "2": Bearing(R_2, L_2, c, mu, rho, pair.j_g, "eps_2"),
         },
-        units={"force": K_p * c, "length": c, "speed": pair.s * omega_0},
+        units={"force": K_p * c, "length": c, "speed": pair.s * omega_0, "rotation": pair.r_p * omega_0},
         routes=ROUTES,
         shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()}

@@ -20,13 +20,13 @@ from whirlmap.errors import ModelError
 from whirlmap.films.law import film_law, plain_fixed_force
 from whirlmap.models.absent import NOT_IN_ROTOR_MODELS
 
-ux, uy = states("ux uy", "1", "journal centre relative to the bearing, over c")
-vx, vy = states("vx vy", "1", "rotor velocity, over c and clock radian")
-x, y = states("x y", "1", "rotor centre, over c")
+ux, uy = states("ux uy", "1", "journal centre relative to the bearing, over c", "length")
+vx, vy = states("vx vy", "1", "rotor velocity, over c and clock radian", "velocity")
+x, y = states("x y", "1", "rotor centre, over c", "length")
 
-s = Parameter("s", "1", "speed ratio omega sqrt(c/g)", above=0)
+s = Parameter("s", "1", "speed ratio omega sqrt(c/g)", measure="rotation", above=0)
 Gamma = Parameter("Gamma", "1", "film group A sqrt(g/c)/W, at s = 1", latex=r"\Gamma", above=0)
-b = Parameter("b", "1", "unbalance eccentricity over c", at_least=0)
+b = Parameter("b", "1", "unbalance eccentricity over c", measure="length", at_least=0)
 k = Parameter("k", "1", "shaft stiffness K c/W", above=0)
 k_c = Parameter("k_c", "1", "squirrel cage of one damper, K_c c/W", above=0)
 xi = Parameter("xi", "1", "damping of the rotor, C/(2 M) sqrt(c/g)", latex=r"\xi", at_least=0)
@@ -38,7 +38,7 @@ def outputs(F_x: Expr, F_y: Expr) -> dict[str, Output]:
     """What is recorded beside the states; F is the force of one film over W."""
     return {
         "eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal"),
-        "load": Output(sqrt(F_x**2 + F_y**2), "1", "force of the film of one bearing, over W"),
+        "load": Output(sqrt(F_x**2 + F_y**2), "1", "force of the film of one bearing, over W", "force"),
     }
 
 
@@ -64,6 +64,7 @@ def rigid() -> Model:
         switches={"rotor": "rigid", "arc": "fixed", "bearing": "journal"},
         clocks={"shaft": 1},
         swing=(uy,),
+        bodies={"rotor": (ux, uy)},
         sources=("capone1991", "childs1993"),
     )
 
@@ -100,6 +101,7 @@ def flexible(arc: str, bearing: str) -> Model:
         switches={"rotor": "flexible", "arc": arc, "bearing": bearing},
         clocks={"shaft": 1},
         swing=(y, uy),
+        bodies={"rotor": (x, y), "journals": (ux, uy)},
         sources=("capone1991", "childs1993"),
     )
 

@@ -92,7 +92,7 @@ JEFFCOTT_MACHINE = replace(
         declare=groups,
         quantities=quantities,
         bearings=lambda switches: {"1": Bearing(R, L, c, mu, rho, 0 if switches["bearing"] == "damper" else 1, "eps")},
-        units={"force": W, "length": c, "speed": rotor.s * sqrt(g / c)},
+        units={"force": W, "length": c, "speed": rotor.s * sqrt(g / c), "rotation": sqrt(g / c)},
         routes=ROUTES,
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()},
         operation=tuple(q.name for q in OPERATION),

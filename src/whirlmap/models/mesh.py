@@ -19,7 +19,7 @@ from sympy import Expr, Integer
 
 from whirlmap.equations import Parameter, cos, pi, sin, when
 
-F_0 = Parameter("F_0", "1", "transmitted mesh load T_p/(R_bp K_p c)", at_least=0)
+F_0 = Parameter("F_0", "1", "transmitted mesh load T_p/(R_bp K_p c)", measure="force", at_least=0)
 phi_m = Parameter("phi_m", "rad", "direction in which the pinion pushes the gear, from x", latex=r"\varphi_m")
 
 # stiffness = fourier: K_m (1 + sum of v_n cos(n phi + chi_n)), phi the mesh phase
@@ -35,7 +35,7 @@ CR = Parameter("CR", "1", "contact ratio of spur teeth", above=1, below=2)
 v_m = Parameter("v_m", "1", "step between one pair and two, over the mean mesh stiffness", at_least=0)
 chi_m = Parameter("chi_m", "rad", "mesh phase at which two pairs are half through", latex=r"\chi_m")
 
-B_m = Parameter("B_m", "1", "backlash along the line of action, over c", above=0)
+B_m = Parameter("B_m", "1", "backlash along the line of action, over c", measure="length", above=0)
 
 #: Terms of the rectangle's Fourier series.
 TERMS = 6

@@ -12,8 +12,8 @@ from sympy import Expr
 
 from whirlmap.equations import Parameter, State, states
 
-qp, qg = states("qp qg", "1", "arc of the base circle from uniform rotation, over c")
-vqp, vqg = states("vqp vqg", "1", "its rate, over c and clock radian")
+qp, qg = states("qp qg", "1", "arc of the base circle from uniform rotation, over c", "length")
+vqp, vqg = states("vqp vqg", "1", "its rate, over c and clock radian", "velocity")
 
 iota_p = Parameter("iota_p", "1", "inertia of the pinion J_p/(m_p R_bp^2)", latex=r"\iota_p", above=0)
 iota_g = Parameter("iota_g", "1", "inertia of the gear J_g/(m_p R_bg^2)", latex=r"\iota_g", above=0)
@@ -23,6 +23,7 @@ xi_tp = Parameter("xi_tp", "1", "torsional damping to the driver c_tp/(2 m_p ome
 xi_tg = Parameter("xi_tg", "1", "torsional damping to the load c_tg/(2 m_p omega_0 R_bg^2)", at_least=0)
 
 STATES = (qp, qg, vqp, vqg)
+BODIES = {"pinion torsion": (qp,), "gear torsion": (qg,)}
 PARAMETERS = (iota_p, iota_g, kappa_tp, kappa_tg, xi_tp, xi_tg)
 
 

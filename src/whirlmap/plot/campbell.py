@@ -4,7 +4,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.figure import Figure
 
-from whirlmap.plot.labels import axis_label
+from whirlmap.plot.labels import axis_label, unit_of, unit_text
 from whirlmap.plot.style import BLUE, GREY, INK, VERMILION, WIDE, new_figure, styled
 
 #: Colour and words of each sense of whirl.
@@ -45,7 +45,7 @@ def campbell_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
         ]
         upper.plot(critical, height, "o", mfc="none", mec=INK, ms=5, ls="none", label="critical")
     upper.set_ylim(0, top)
-    upper.set_ylabel("damped frequency [–]")
+    upper.set_ylabel(f"damped frequency {unit_text(unit_of(ds, 'frequency'))}")
     if upper.get_legend_handles_labels()[0]:
         # one entry per sense, however many modes have it
         handles = dict(zip(*reversed(upper.get_legend_handles_labels()), strict=True))

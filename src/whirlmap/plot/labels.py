@@ -59,7 +59,7 @@ def unit_text(unit: str) -> str:
 
 def unit_of(ds: xr.Dataset, name: str) -> str:
     """Look up the unit of a state, an output or a coordinate, from what the Dataset says."""
-    for variable, dim in (("x", "state"), ("section", "state"), ("outputs", "output")):
+    for variable, dim in (("x", "state"), ("section", "state"), ("outputs", "output"), ("peak_to_peak", "quantity")):
         if variable in ds and dim in ds.coords and name in ds[dim].values:
             each = str(ds[variable].attrs.get("unit_of_each", "")).split()
             position = ds[dim].values.tolist().index(name)

@@ -11,6 +11,7 @@ import xarray as xr
 
 from whirlmap.analysis.spectral_lines import spectral_lines
 from whirlmap.analysis.spectrum import power_spectrum
+from whirlmap.plot.labels import unit_of
 from whirlmap.results.status import Status
 
 
@@ -70,6 +71,8 @@ def spectrum_of(ds: xr.Dataset, coordinate: str) -> tuple[xr.Dataset | None, xr.
     # A record that holds its first and its last point would count one sample of the period twice.
     whole = x[:-1] if abs(turn[0] - np.rint(turn[0])) < 1e-9 and abs(turn[-1] - np.rint(turn[-1])) < 1e-9 else x
     spectrum = power_spectrum(whole, rate=rate, unit="T")
+    if (unit := unit_of(ds, coordinate)) != "1":
+        spectrum["power"].attrs["units"] = f"{unit}^2"
     return spectrum, spectral_lines(spectrum)
 
 

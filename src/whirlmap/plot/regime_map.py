@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from whirlmap.errors import RangeError
 from whirlmap.plot.diagram import draw_diagram
-from whirlmap.plot.labels import axis_label, check_name, symbol
+from whirlmap.plot.labels import axis_label, check_name, symbol, unit_of, unit_text
 from whirlmap.plot.limits import cell_edges, is_log
 from whirlmap.plot.regime_strip import draw_regime_strip, legend_handles
 from whirlmap.plot.style import BLUE, GREY, INK, REGIMES, SKY, UNFINISHED, WIDE, Look, axes_or_new, new_figure, styled
@@ -162,7 +162,7 @@ def regime_line_figure(ds: xr.Dataset, quantity: str, *, title: str | None = Non
         return _finished(fig, ds, x, below, title)
     height = ds["peak_to_peak"].sel(quantity=check_name(quantity, [str(q) for q in ds["quantity"].values], "quantity"))
     above.plot(at, height.values, ls="", marker="o", ms=1.8, mew=0, color=INK, rasterized=True)
-    above.set_ylabel(f"peak to peak of {symbol(quantity)}")
+    above.set_ylabel(_amplitude_words(ds, quantity))
     return _finished(fig, ds, x, below, title)
 
 
@@ -180,8 +180,13 @@ def _legend(ds: xr.Dataset, quantity: str | None) -> list[Any]:
         for k in np.unique(codes(ds))
     ]
     if quantity is not None:
-        handles.append(Line2D([], [], color=INK, lw=0.7, label=f"peak to peak of {symbol(quantity)}"))
+        handles.append(Line2D([], [], color=INK, lw=0.7, label=_amplitude_words(ds, quantity)))
     return handles
+
+
+def _amplitude_words(ds: xr.Dataset, quantity: str) -> str:
+    unit = unit_of(ds, quantity)
+    return f"peak to peak of {symbol(quantity)}" + (f" {unit_text(unit)}" if unit != "1" else "")
 
 
 def _axes_of(ds: xr.Dataset) -> tuple[str, str]:
@@ -216,7 +221,11 @@ def _contours(ax: Axes, ds: xr.Dataset, x: str, y: str, quantity: str, levels: i
         colors=INK, linewidths=0.45, alpha=0.75,
     )  # fmt: skip
     _drop_short(lines, LEAST_LINE * sum(height.shape))
-    ax.clabel(lines, fontsize=5.5, fmt="%.2g", inline_spacing=2, inline=min(height.shape) > 40)
+    ax.clabel(lines, fontsize=5.5, fmt=_two_digits, inline_spacing=2, inline=min(height.shape) > 40)
+
+
+def _two_digits(level: float) -> str:
+    return f"{level:.0f}" if 100 <= abs(level) < 1e5 else f"{level:.2g}"
 
 
 def _drop_short(lines: ContourSet, least: float) -> None:

@@ -69,6 +69,7 @@ def draw_section(
     )
     ax.set_xlabel(axis_label(ds, x))
     ax.set_ylabel(axis_label(ds, y))
+    ax.locator_params(axis="x", nbins=5)  # numbers of many digits must not run into each other
     ax.set_title(f"{keep.sum()} point{'s' * bool(keep.sum() > 1)}" + _how_often(ds))
     return ax
 

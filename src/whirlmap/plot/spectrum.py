@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 
-from whirlmap.plot.labels import symbol
+from whirlmap.plot.labels import symbol, unit_text
 from whirlmap.plot.style import BLUE, GREY, INK, ORANGE, VERMILION, axes_or_new, styled
 
 Orders = Mapping[str, Fraction | float]
@@ -88,7 +88,9 @@ def draw_power_spectrum(
     ax.set_ylim(float(ends[0]), float(ends[1]))
     ax.set_xlabel(f"frequency / {clock} frequency [–]" if clock else "frequency, in $1/T$ [–]")
     what = f"power of {symbol(name)}" if name else "power"
-    ax.set_ylabel(f"{what} [dB re 1]" if decibel else f"{what}, $a^2/2$ [–]")
+    unit = str(ds["power"].attrs.get("units", "1"))
+    level_unit = f"[dB re {'1' if unit == '1' else f'1 {unit}'}]"
+    ax.set_ylabel(f"{what} {level_unit}" if decibel else f"{what}, $a^2/2$ {unit_text(unit)}")
     mark_orders(ax, orders or {})
     ax.set_title(title)
     return ax

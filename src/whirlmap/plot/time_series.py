@@ -42,7 +42,8 @@ def how_ended(ds: xr.Dataset) -> str:
         return ""
     time = float(ds["end_time"]) if "end_time" in ds else np.nan
     stop = str(ds.attrs.get("stop", status.name))
-    return f"{stop.replace('_', ' ')} at time {time:.6g}" if np.isfinite(time) else stop
+    unit = f" {words}" if (words := unit_of(ds, "end_time")) not in ("1", "time") else ""
+    return f"{stop.replace('_', ' ')} at time {time:.6g}{unit}" if np.isfinite(time) else stop
 
 
 def last_turns(ds: xr.Dataset, turns: float | None) -> xr.Dataset:

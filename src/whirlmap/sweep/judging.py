@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.points import make_ensemble, parameter_values
 from whirlmap.analysis.teeth import tooth_contact
-from whirlmap.assumptions.strain import SHAFT
 from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
@@ -133,25 +133,17 @@ def verdicts(regime: ArrayLike, amplitude: ArrayLike, limit: ArrayLike, touching
 
 def shaft_speed(system: System) -> float:
     """Speed of the first shaft at ``s = 1`` [rad/s], or NaN for a system without dimensions."""
-    known = _quantities(system)
-    found = [known[name][0] for name in SHAFT if name in known]
-    return found[0] / float(system.values[SPEED]) if found else np.nan
+    return float(Dimensions(system).worth("rotation"))
 
 
 def force_unit(system: System) -> float:
     """The force [N] that the model's forces are in units of, or NaN for a system without dimensions."""
-    known = _quantities(system)
-    return float(known["force_unit"][0]) if "force_unit" in known else np.nan
+    return float(Dimensions(system).worth("force"))
 
 
 def clearance(system: System) -> float:
     """The length [m] that the model's lengths are in units of, or NaN for a system without dimensions."""
-    found = (getattr(system.details, "inputs", None) or {}).get("c")
-    return np.nan if found is None else float(found.value)
-
-
-def _quantities(system: System) -> Mapping[str, Any]:
-    return getattr(system.details, "quantities", None) or {}
+    return float(Dimensions(system).worth("length"))
 
 
 def verdict_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
@@ -162,7 +154,7 @@ def verdict_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
 
 def amplitude_variable(dims: Any, values: ArrayLike, rows: Sequence[str]) -> tuple[Any, ...]:
     """Peak to peak of the judged quantities."""
-    return variable(dims, values, "1", f"peak to peak of {', '.join(rows)}, the largest")
+    return variable(dims, values, "1", f"peak to peak of {', '.join(rows)}, the largest", measure="length")
 
 
 def contact_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:

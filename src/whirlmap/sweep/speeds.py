@@ -155,14 +155,16 @@ def _dataset(
     ds = whole[[name for name in KEPT if name in whole]]
     rows = stretches(ds, edges)
     windows = [row for row in rows if row["verdict"] == Verdict.safe.name]
-    ds["margin"] = variable(SPEED, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds")
+    ds["margin"] = variable(SPEED, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds",
+                            measure="rotation")  # fmt: skip
     for name, key, meaning in (
         ("window_start", "start", "first safe speed ratio"), ("window_end", "end", "last safe speed ratio"),
         ("gap_start", "gap_start", "distance to the first speed below that was judged and is not safe"),
         ("gap_end", "gap_end", "distance to the first speed above that was judged and is not safe"),
         ("window_amplitude", "amplitude", "largest peak to peak in the window"),
     ):  # fmt: skip
-        ds[name] = variable("window", [w[key] for w in windows], "1", meaning)
+        measure = "length" if key == "amplitude" else "rotation"
+        ds[name] = variable("window", [w[key] for w in windows], "1", meaning, measure=measure)
     scale = shaft_speed(system) * 30 / np.pi
     if np.isfinite(scale):
         ds["rpm"] = variable(SPEED, at * scale, "rpm", "speed of the first shaft")

@@ -1,0 +1,104 @@
+"""What the numbers of a system are worth in engineering units: the one place that knows, for tables, files and pictures."""
+
+from dataclasses import dataclass
+from functools import cached_property
+from math import isfinite, nan
+from typing import Any
+
+import numpy as np
+from sympy import lambdify
+
+from whirlmap.cases import Settled
+from whirlmap.equations.groups import value_of
+from whirlmap.integrate.system import System
+from whirlmap.units import convert
+
+#: For each measure its SI unit, and the unit in which engineers write it. `Hz` is not read as a unit, for it does not say
+#: whether turns or radians are meant; here it is turns.
+WRITTEN = {
+    "length": ("m", "um"), "velocity": ("m/s", "mm/s"), "force": ("N", "N"), "rotation": ("rad/s", "rpm"),
+    "time": ("s", "s"), "rate": ("1/s", "1/s"), "frequency": ("rad/s", "Hz"),
+    "growth": ("1/s", "1/s"), "speed": ("rad/s", "Hz"),
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Measured:
+    """A unit, and how many of it one of the model's own units is; a pure number has the unit "1"."""
+
+    size: Any
+    unit: str
+
+
+PURE = Measured(1.0, "1")
+
+
+@dataclass(frozen=True)
+class Dimensions:
+    """Units of the states, outputs and parameters of a system, and of its time.
+
+    Numbers of a case that does not say what its clearance is stay in the model's own units; with ``own`` all do.
+    """
+
+    system: System
+    own: bool = False
+
+    @cached_property
+    def known(self) -> bool:
+        """Whether numbers are converted: the case says what the model's length is."""
+        return not self.own and isfinite(self.worth("length"))
+
+    def worth(self, measure: str, **varied: Any) -> Any:
+        """What one of the model's units of a measure is in SI; NaN where the case does not say.
+
+        Parameters
+        ----------
+        measure : str
+            ``length`` [m], ``force`` [N], ``speed`` of the clock [rad/s], ``rotation`` (speed of the first shaft at s = 1)
+            [rad/s], ``velocity`` [m/s], ``time`` [s], ``rate`` [1/s], or ``frequency`` [rad/s] and ``growth`` [1/s], both
+            over the clock's speed at s = 1, as in a Campbell diagram.
+        **varied : array
+            Values of parameters that replace the system's own; the result has their shape.
+        """
+        if measure == "velocity":
+            return self.worth("length", **varied) * self.worth("speed", **varied)
+        if measure in ("time", "rate"):
+            speed = self.worth("speed", **varied)
+            return speed if measure == "rate" else 1 / speed
+        if measure in ("frequency", "growth"):
+            return self.worth("speed", **varied) / np.asarray(varied.get("s", float(self.system.values.get("s", 1.0))))
+        settled = self.system.details
+        groups = settled.case.family.groups if isinstance(settled, Settled) else None
+        if groups is None or measure not in groups.units:
+            return nan
+        expression, symbols = groups.units[measure], groups.units[measure].free_symbols
+        # The groups of some cases are all given, so that their clearance says nothing; their speeds are still worth showing.
+        inputs = {name: settled.given[name] for name in settled.inputs} if measure == "length" else settled.given
+        known = {**inputs, **{name: float(value) for name, value in self.system.values.items()}}
+        if not {q.name for q in symbols} <= known.keys():
+            return nan
+        changing = [q for q in symbols if q.name in varied]
+        if not changing:
+            return float(value_of(expression, known))
+        fixed = expression.subs({q: known[q.name] for q in symbols if q.name not in varied})
+        return lambdify(changing, fixed, "numpy")(*(np.asarray(varied[q.name], dtype=float) for q in changing))
+
+    def of(self, measure: str, **varied: Any) -> Measured:
+        """The unit in which numbers of a measure are written, and its size; a pure number where the case does not say."""
+        if measure not in WRITTEN or not self.known:
+            return PURE
+        worth, (si, unit) = self.worth(measure, **varied), WRITTEN[measure]
+        if not np.isfinite(worth).all():
+            return PURE
+        return Measured(worth * (1.0 if unit == si else convert(1.0, si, "turn/s" if unit == "Hz" else unit)), unit)
+
+    def quantity(self, name: str, **varied: Any) -> Measured:
+        """The unit of a state, an output or a parameter, by its name; the declared one where it has no measure."""
+        model = self.system.model
+        declared: Any = model.outputs.get(name)
+        if declared is None:
+            declared = next((q for q in (*model.states, *model.parameters) if q.name == name), None)
+        if declared is None:
+            return PURE
+        found = self.of(declared.measure, **varied)
+        return Measured(1.0, declared.unit) if found.unit == PURE.unit else found

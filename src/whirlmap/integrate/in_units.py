@@ -1,0 +1,127 @@
+"""Results in engineering units: what tables, CSV files and pictures show of a system whose case has dimensions."""
+
+from typing import TYPE_CHECKING, Any, TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.integrate.dimensions import PURE, Dimensions, Measured
+from whirlmap.integrate.system import System
+from whirlmap.results.findings import Findings, Variable
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Result = TypeVar("Result", Findings, "xr.Dataset")
+
+#: Units of a Dataset's variables that stand for the model's own time, and the measure of each.
+OF_TIME = {"time": "time", "1/time": "rate"}
+#: Variables of another measure than their unit, that of time, says: rates of states, whose own units differ.
+OTHER = {"drift_rate": "", "min_film": "length", "max_load": "force"}
+#: Variables with a number for each state or output, which the coordinate of their last such dimension names.
+EACH = {
+    "x": "state", "section": "state", "outputs": "output", "equilibrium": "state", "start_state": "state",
+    "end_state": "state",
+    **dict.fromkeys(("peak_to_peak", "rms", "maximum", "minimum", "mean"), "quantity"),
+}  # fmt: skip
+
+
+def in_units(system: System, result: Result) -> Result:
+    """Convert a result from the model's own units to those of its engineers: um, mm/s, N, rpm, s, 1/s and Hz.
+
+    Parameters
+    ----------
+    system : System
+        What the result was computed from.
+    result : xr.Dataset or Findings
+        Of `simulate`, `section`, `lyapunov_spectrum`, `bifurcation_diagram`, `regime_map`, `label_points`, `diagnose`,
+        `attractors`, `basins`, `safe_speeds` or `campbell`.
+
+    Returns
+    -------
+    xr.Dataset or Findings
+        With the same variables. Their attribute ``units`` says the unit; ``unit_of_each`` does so for every state, output
+        or quantity. What the case does not give a unit, as every result of a case without dimensions, is returned as it is.
+    """
+    return shown_in(Dimensions(system), result)
+
+
+def shown_in(units: Dimensions, result: Result) -> Result:
+    """Convert a result from the model's own units to these; see `in_units`."""
+    if not units.known:
+        return result
+    found = result if isinstance(result, Findings) else Findings.of(result)
+    every = {**found.coordinates, **found.variables}
+    varied = {name: every[name] for name in units.system.parameters if name in every}
+    converted = _Converter(units.system, units, every, varied)
+    made = Findings(
+        {name: converted(name, variable) for name, variable in found.variables.items()},
+        {name: converted(name, variable) for name, variable in found.coordinates.items()}, found.attrs,
+    )  # fmt: skip
+    return made if isinstance(result, Findings) else made.dataset()
+
+
+class _Converter:
+    """Converts one variable after another of a result."""
+
+    def __init__(
+        self, system: System, units: Dimensions, every: dict[str, Variable], varied: dict[str, Variable]
+    ) -> None:
+        self.system, self.units, self.every, self.varied = system, units, every, varied
+        self.dims: dict[str, tuple[str, ...]] = {name: _dims(variable) for name, variable in varied.items()}
+
+    def __call__(self, name: str, variable: Variable) -> Variable:
+        """Return a variable in its engineering unit."""
+        dims, values, attrs = _dims(variable), np.asarray(variable[1]), dict(variable[2]) if len(variable) > 2 else {}
+        along = EACH.get(name)
+        if along in dims and along in self.every:
+            return self._each(dims, values, attrs, along)
+        if name in self.system.parameters or (name in dims and name in (*self.system.states, *self.system.model.outputs)):
+            found = self._quantity(name, dims)
+        else:
+            measure = OTHER.get(name, attrs.get("measure") or OF_TIME.get(attrs.get("units", ""), ""))
+            found = self._measure(measure, dims)
+        if found.unit == PURE.unit:
+            return variable
+        words = {"long_name": "speed of the first shaft"} if name == "s" else {}
+        return dims, values * found.size, {**attrs, **words, "units": found.unit}
+
+    def _each(self, dims: tuple[str, ...], values: NDArray[Any], attrs: dict[str, Any], along: str) -> Variable:
+        place = dims.index(along)
+        rest = tuple(d for d in dims if d != along)
+        out, said = np.array(values, dtype=float), []
+        for i, name in enumerate(np.asarray(self.every[along][1]).tolist()):
+            found = self._quantity(str(name), rest)
+            part = (slice(None),) * place + (i,)
+            out[part] *= found.size
+            said.append(found.unit)
+        return dims, out, {**attrs, "unit_of_each": " ".join(said)}
+
+    def _quantity(self, name: str, dims: tuple[str, ...]) -> Measured:
+        if name == "s":
+            return self.units.quantity(name)  # speeds are proportional to it, whatever it is
+        return self._spread(dims, lambda values: self.units.quantity(name, **values))
+
+    def _measure(self, measure: str, dims: tuple[str, ...]) -> Measured:
+        return self._spread(dims, lambda values: self.units.of(measure, **values))
+
+    def _spread(self, dims: tuple[str, ...], measured: Any) -> Measured:
+        """A unit whose size may differ from point to point, laid out along the dimensions of a variable."""
+        values = {
+            name: _laid_out(np.asarray(variable[1], dtype=float), self.dims[name], dims)
+            for name, variable in self.varied.items() if set(self.dims[name]) <= set(dims)
+        }  # fmt: skip
+        found = measured(values)
+        assert isinstance(found, Measured)
+        return found
+
+
+def _dims(variable: Variable) -> tuple[str, ...]:
+    return (variable[0],) if isinstance(variable[0], str) else tuple(variable[0])
+
+
+def _laid_out(values: NDArray[np.float64], own: tuple[str, ...], dims: tuple[str, ...]) -> NDArray[np.float64]:
+    """Values over their own dimensions, ready to be multiplied with an array of others."""
+    order = [own.index(d) for d in dims if d in own]
+    sizes = dict(zip(own, values.shape, strict=True))
+    return values.transpose(order).reshape([sizes.get(d, 1) for d in dims])
