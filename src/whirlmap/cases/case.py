@@ -28,6 +28,7 @@ from whirlmap.cases import entries, origin
 from whirlmap.cases.entries import Given, place
 from whirlmap.equations.model import Family
 from whirlmap.errors import CaseError, nearest
+from whirlmap.results.listing import Listed, Listing, Rows
 from whirlmap.units import read as read_number
 
 STOCK = Path(__file__).parent
@@ -35,8 +36,8 @@ STOCK = Path(__file__).parent
 Layer = Mapping[str, Given]
 
 
-@dataclass(frozen=True)
-class Case:
+@dataclass(frozen=True, repr=False)
+class Case(Listed):
     """A case as written, before units are converted.
 
     Attributes
@@ -72,6 +73,15 @@ class Case:
     def given(self) -> dict[str, Given]:
         """Every number that the case gives, by name."""
         return {name: given for layer in self.layers for name, given in layer.items()}
+
+    def listing(self) -> Listing:
+        """What it says, for a terminal and a notebook."""
+        rows = [(name, given.written, given.note) for name, given in self.given.items()]
+        return Listing(
+            f"Case {self.name}: model {self.family.name}",
+            [self.description],
+            [Rows("Entries", ("name", "as written", "where it comes from"), rows)],
+        )
 
 
 def names() -> list[str]:
