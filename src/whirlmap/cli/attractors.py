@@ -48,6 +48,9 @@ def attractors(
     method: options.Method = None,
     workers: options.Workers = None,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -58,7 +61,7 @@ def attractors(
     shows the start states in the colour of their attractor, with its section points.
     """
     boxes = options.brackets(box, "--box")
-    destination = claim(out, "attractors", force=force)
+    destination = claim(out, "attractors", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.settling import Settling
     from whirlmap.sweep.attractors import attractors as find

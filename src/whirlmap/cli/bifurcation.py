@@ -71,6 +71,9 @@ def bifurcation(
         ),
     ] = None,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -87,7 +90,7 @@ def bifurcation(
         choice("--follow", follow, WAYS)
     if swept.name in options.assignments(changes, "--set"):
         raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
-    destination = claim(out, "bifurcation", force=force)
+    destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     refuse_input(system, swept.name, "--vary")
     states = _states(system, plot)

@@ -34,6 +34,9 @@ def campbell(
     ],
     changes: options.Changes = None,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
 ) -> None:  # fmt: skip
@@ -43,7 +46,7 @@ def campbell(
     swept = Range.parse(vary)
     if swept.name in options.assignments(changes, "--set"):
         raise RangeError(f"{swept.name}: found it in --set and in --vary, expected it in one of them")
-    destination = claim(out, "campbell", force=force)
+    destination = claim(out, "campbell", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, None)
     refuse_input(system, swept.name, "--vary")
     from whirlmap.analysis.campbell import campbell as compute

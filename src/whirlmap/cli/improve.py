@@ -60,6 +60,9 @@ def improve(
     method: options.Method = None,
     workers: options.Workers = None,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -74,7 +77,7 @@ def improve(
     settings = options.assignments(changes, "--set")
     for name in ranges.keys() & settings.keys():
         raise RangeError(f"{name}: found it in --set and in --vary, expected it in one of them")
-    destination = claim(out, "improve", force=force)
+    destination = claim(out, "improve", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     _refuse_unknown(system, ranges, units)
     import numpy as np

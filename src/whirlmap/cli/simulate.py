@@ -49,6 +49,9 @@ def simulate(
     method: options.Method = None,
     workers: options.Workers = None,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -64,7 +67,7 @@ def simulate(
     table = out if out is not None and out.suffix.lower() == ".csv" else None
     if table is not None:
         check_writable(table, force=force)
-    destination = claim(None if table else out, "simulate", force=force)
+    destination = claim(None if table else out, "simulate", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.record_length import shown_periods
     from whirlmap.analysis.trajectory import SAMPLES

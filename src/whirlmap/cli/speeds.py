@@ -75,6 +75,9 @@ def speeds(
     method: options.Method = None,
     workers: options.Workers = None,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -85,7 +88,7 @@ def speeds(
     speed is from their ends, what forbids the speeds between them, and the thinnest film and the largest bearing load.
     """
     tolerances = tolerances_of(tolerance)
-    destination = claim(out, "speeds", force=force)
+    destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     import numpy as np
 

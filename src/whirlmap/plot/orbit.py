@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 from whirlmap.plot.labels import axis_label
 from whirlmap.plot.limits import limits, markersize
 from whirlmap.plot.phase_portrait import at_turns, line_style
-from whirlmap.plot.style import BLUE, GREY, VERMILION, axes_or_new, styled, write_reason
+from whirlmap.plot.style import BLUE, GREY, VERMILION, axes_or_new, styled, text_size, write_reason
 from whirlmap.plot.time_series import how_ended, last_turns, values_of
 
 
@@ -115,7 +115,7 @@ def _inset(ax: Axes, u: np.ndarray, v: np.ndarray, marks: np.ndarray, clearance:
         f"width {np.diff(inset.get_xlim())[0]:.2g}",
         transform=inset.transAxes,
         ha="center",
-        fontsize=6.5,
+        fontsize=text_size(6.5),
     )
     ax.indicate_inset_zoom(inset, edgecolor="#777777", lw=0.6)
 
