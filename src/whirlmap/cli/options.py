@@ -61,7 +61,7 @@ Dpi = Annotated[
     int | None,
     typer.Option(
         "--dpi", metavar="N", min=20, max=2400, rich_help_panel=OUTPUT,
-        help="Dots per inch of the picture; 200 where absent.",
+        help="Dots per inch of the picture; 200 where absent, 110 of an animation.",
     ),
 ]  # fmt: skip
 Title = Annotated[

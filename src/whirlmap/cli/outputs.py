@@ -140,7 +140,14 @@ def write_all(kinds: Sequence[tuple[Path | None, Callable[[Path], Path]]]) -> li
 
 
 def claim(
-    out: Path | None, name: str, *, force: bool, size: str | None = None, dpi: int | None = None, title: str | None = None
+    out: Path | None,
+    name: str,
+    *,
+    force: bool,
+    size: str | None = None,
+    dpi: int | None = None,
+    title: str | None = None,
+    animated: bool = False,
 ) -> Destination:
     """Read ``--out`` and refuse a place that cannot be written or must not be overwritten.
 
@@ -150,6 +157,8 @@ def claim(
         Name, without suffix, of the files in a folder.
     size, dpi, title
         Of the picture, as the options give them.
+    animated : bool
+        Whether the command draws an animation, for which they count too.
 
     Raises
     ------
@@ -158,10 +167,10 @@ def claim(
     OutputError
         See `whirlmap.results.files`.
     """
-    drawn = out is not None and out.suffix.lower() not in (".nc", ".csv")
+    drawn = animated or (out is not None and out.suffix.lower() not in (".nc", ".csv"))
     looks = Looks.read(size, dpi, title, picture="" if drawn else "--out NAME.png, .svg or .pdf, or a folder")
     if out is None:
-        return Destination(None, force)
+        return Destination(None, force, looks)
     from whirlmap.results.files import check_writable, places
 
     found = places(out, name)

@@ -1,5 +1,6 @@
 """``whirlmap simulate``: the time series of one operating point."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -8,6 +9,7 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim, write_all
 from whirlmap.cli.progress import Progress
+from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
 EXAMPLES = (
     "whirlmap simulate duffing",
     "whirlmap simulate duffing --set gamma=0.29 --start x=0.5 --transient 100 --out run.png",
+    "whirlmap simulate machines/jeffcott-rig --transient 100 --animate orbit.gif",
     'whirlmap simulate gear-psfd/machine --set "speed=1500 rpm" --periods 10 --every 5 --out run.nc',
 )
 
@@ -48,6 +51,14 @@ def simulate(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option(
+            "--animate", metavar="NAME.gif", rich_help_panel=options.OUTPUT,
+            help="Write two seconds of the orbit as it moves: the last 4 T, or two turns of a slower shaft; with --periods"
+            " all that is recorded.",
+        ),
+    ] = None,
     out: options.Out = None,
     size: options.Size = None,
     dpi: options.Dpi = None,
@@ -67,7 +78,13 @@ def simulate(
     table = out if out is not None and out.suffix.lower() == ".csv" else None
     if table is not None:
         check_writable(table, force=force)
-    destination = claim(None if table else out, "simulate", force=force, size=size, dpi=dpi, title=title)
+    if animate is not None:
+        if animate.suffix.lower() != ".gif":
+            raise InputError(f"--animate: found {animate}, expected a name that ends in .gif")
+        check_writable(animate, force=force)
+    destination = claim(
+        None if table else out, "simulate", force=force, size=size, dpi=dpi, title=title, animated=animate is not None
+    )
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.record_length import shown_periods
     from whirlmap.analysis.trajectory import SAMPLES
@@ -85,6 +102,12 @@ def simulate(
     if table is not None:
         made = work.dataset
         files += write_all([(table, lambda place: write_series(made, place, force=force))])
+    if animate is not None:
+        moved = work.dataset
+        files += write_all(
+            [(animate, lambda place: pictures.animation(
+                system, moved, place, looks=destination.looks, turns=periods, force=force))]
+        )  # fmt: skip
     report.say_doubts(work.dataset.attrs)
     facts = summary(system, work.dataset)
     if json:

@@ -2,7 +2,8 @@
 
 Every ``draw_...`` function takes ``ax=`` and returns the Axes that it drew into; without it a figure is made, which is
 ``ax.figure``. The ``..._figure`` functions compose these and return the Figure. A notebook shows both where they are the
-last line of a cell. `save` writes PNG, SVG or PDF. Settings of matplotlib that the user has changed stay.
+last line of a cell. `save` writes PNG, SVG or PDF, `animate_orbit` a GIF. Settings of matplotlib that the user has
+changed stay.
 
 Examples
 --------
@@ -15,6 +16,7 @@ Examples
 'portrait.pdf'
 """
 
+from whirlmap.plot.animation import animate_orbit as animate_orbit
 from whirlmap.plot.basins import attractors_figure as attractors_figure
 from whirlmap.plot.basins import basins_figure as basins_figure
 from whirlmap.plot.basins import draw_basins as draw_basins
