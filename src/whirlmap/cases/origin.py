@@ -38,7 +38,7 @@ def find(name: str, folder: Path, place: str) -> Family:
         raise CaseError(f"{place}: found model = {name!r}, expected file and name: 'my_rotor.py:MY_ROTOR'")
     path = (folder / file).resolve()
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin a file with a mark
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(f"{place}: model file {path} cannot be read ({_reason(error)})") from None
     module = _run(path, text, hashlib.sha256(text.encode()).hexdigest())

@@ -88,7 +88,7 @@ def improve(
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
 
-    refuse_points(r.count for r in ranges.values())
+    refuse_points([*(r.count for r in ranges.values()), points])
     allowed = limit_of(system, limit)
     at, settling = np.linspace(*range_of(system, span), points), Settling(transient=transient)
     designs = int(np.prod([r.count for r in ranges.values()]))

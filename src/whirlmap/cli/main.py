@@ -4,6 +4,7 @@ Exit codes: 0 done, 1 a check failed, 2 the input was wrong, 130 interrupted.
 """
 
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Annotated, Any
 
@@ -142,4 +143,5 @@ for module in (
 def run() -> None:
     """Entry point of the program."""
     plain_letters()
+    warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
     app(prog_name="whirlmap")

@@ -201,7 +201,7 @@ def _print(facts: dict[str, Any]) -> None:
 
     typer.echo(f"{facts['case']}: model {facts['model']}")
     if facts["description"]:
-        typer.echo(facts["description"])
+        report.show(facts["description"])
     for text in facts["warnings"]:
         typer.echo(f"warning: {text}")
     tables = []

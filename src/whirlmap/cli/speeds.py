@@ -100,7 +100,7 @@ def speeds(
 
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
-    refuse_points([points])
+    refuse_points([points, draws] if tolerances else [points])
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
     judged = points * (3 if follow else 1) * (1 + (draws if tolerances else 0))
     with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet) as progress:
