@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from whirlmap.version import __version__ as __version__
 
 if TYPE_CHECKING:
+    from whirlmap import plot as plot
     from whirlmap.analysis.campbell import campbell as campbell
     from whirlmap.analysis.diagnosis import diagnose as diagnose
     from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
@@ -72,13 +73,15 @@ _HOMES = {
     "waterfall": "whirlmap.sweep.waterfall",
 }
 
-__all__ = ["__version__", *_HOMES]
+__all__ = ["__version__", "plot", *_HOMES]
 
 
 def __getattr__(name: str) -> Any:
     """Import a public name from its home."""
     if name in _HOMES:
         return getattr(import_module(_HOMES[name]), name)
+    if name == "plot":
+        return import_module("whirlmap.plot")
     raise AttributeError(f"module 'whirlmap' has no attribute {name!r}")
 
 

@@ -94,11 +94,20 @@ def test_a_home_that_cannot_be_written_costs_the_cache_alone(tmp_path):
     done = program("simulate duffing --periods 2 --json", **gone)
     assert done.stdout.startswith("{")
     assert done.stderr.count("compiled kernels are not kept") == 1 and "WHIRLMAP_CACHE" in done.stderr
+    assert "warning: compiled" in done.stderr and ".py" not in done.stderr
 
 
 def test_a_byte_order_mark_is_no_part_of_a_case_file(tmp_path):
     (tmp_path / "mine.toml").write_bytes(b'\xef\xbb\xbfextends = "duffing"\r\n')
     assert whirlmap.load("mine.toml").values == whirlmap.load("duffing").values
+
+
+def test_a_byte_order_mark_is_no_part_of_a_model_file(tmp_path):
+    model = 'from whirlmap.equations import *\nx = State("x", "1", "x")\n'
+    model += 'M = Model("m", (x,), (), {x: -x}, section=Section(x, "rising"))\n'
+    (tmp_path / "mine.py").write_bytes(b"\xef\xbb\xbf" + model.encode())
+    (tmp_path / "mine.toml").write_text('model = "mine.py:M"\n')
+    assert whirlmap.load("mine.toml").states == ("x",)
 
 
 @pytest.mark.parametrize("text", ["60 C", "60 °C", "60 degC", "60°C", "333.15 K", "140 F", "140 °F"])
@@ -114,6 +123,8 @@ def test_temperatures_as_people_write_them(text):
         "basins duffing --grid x=-1:1:100000 --grid v=-1:1:100000",
         "attractors duffing --starts 10000000000",
         "speeds machines/jeffcott-rig --points 10000000000",
+        "speeds machines/jeffcott-rig --points 4 --tolerance c=5% --draws 10000000000",
+        "improve machines/jeffcott-rig --vary c=60um:140um:2 --points 10000000000",
         "improve machines/jeffcott-rig --vary c=60um:140um:100000 --vary xi=0.01:0.02:100000",
     ],
 )
@@ -126,7 +137,9 @@ def test_ten_thousand_million_points_are_refused_before_anything_is_made(line, t
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize("line", ["--help", "map --help", "show gear-psfd/machine", "cases", "show duffing --json"])
+@pytest.mark.parametrize(
+    "line", ["--help", "map --help", "show gear-psfd/machine", "cases", "show duffing --json", "show duffing"]
+)
 def test_an_ascii_terminal_gets_letters_that_it_has(line):
     said = program(line, PYTHONIOENCODING="ascii", COLUMNS="100").stdout
     assert said.isascii() and "?" not in said.replace("(?", "")
@@ -138,6 +151,18 @@ def test_piped_tables_are_as_wide_as_columns_says(columns):
     table = said[said.index("Dimensional inputs") :].splitlines()
     widest = max(len(line.rstrip()) for line in table[: table.index("Groups") if "Groups" in table else 30])
     assert columns - 40 < widest <= columns
+
+
+def test_a_description_is_wrapped_between_words(tmp_path):
+    said = program("show gear-psfd/machine", COLUMNS="60").stdout
+    words = said[: said.index("warning:")].splitlines()[1:]
+    assert len(words) > 5 and max(map(len, words)) <= 60 and "".join(words).replace(" ", "").endswith("clock.")
+
+
+def test_letters_of_cases_that_an_ascii_terminal_lacks_are_written_plainly(tmp_path):
+    text = 'extends = "machines/aero-damper"\ndescription = "Größe in µm – für 60 °C"\n'
+    (tmp_path / "mine.toml").write_text(text, encoding="utf-8")
+    assert "Grosse in um - fur 60 deg C" in program("show mine.toml", PYTHONIOENCODING="ascii").stdout
 
 
 def test_a_table_that_a_full_disk_refuses_is_kept_elsewhere_too(tmp_path, monkeypatch):

@@ -1,12 +1,13 @@
 """``whirlmap new``: a template that loads as it is, with every input of the model in it."""
 
+import re
 import shlex
 
 import pytest
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.cases.case import names, read
+from whirlmap.cases.case import STOCK, names, read
 from whirlmap.cases.template import template
 from whirlmap.cli.main import app
 from whirlmap.errors import CaseError
@@ -59,3 +60,39 @@ def test_what_exists_is_kept_and_other_suffixes_are_refused(tmp_path):
 def test_a_model_without_dimensions_has_no_template():
     with pytest.raises(CaseError, match="no dimensional inputs"):
         template(read("duffing"))
+
+
+#: Comments that would be entries, switches or tables without their mark.
+COMMENTED = re.compile(r"^# ?(?=[\w\[\]\"'-]+\s*(?:=|$))", re.MULTILINE)
+
+
+def uncommented(text, folder):
+    """The system of a file all of whose commented entries are taken for what they say, and how many there are."""
+    more, count = COMMENTED.subn("", text)
+    (folder / "all.toml").write_text(more)
+    return whirlmap.load(folder / "all.toml"), count
+
+
+@pytest.mark.parametrize("name", names())
+def test_a_stock_case_says_nothing_else_in_its_comments(name, tmp_path):
+    text = (STOCK / f"{name}.toml").read_text()
+    system, _ = uncommented(text, tmp_path)
+    assert system.values == whirlmap.load(name).values and system.model is whirlmap.load(name).model
+
+
+@pytest.mark.parametrize("name", [*MACHINES, "gear-psfd/reference", "gear-psfd/literal"])
+def test_a_template_is_the_same_machine_without_its_comment_marks(name, tmp_path):
+    text = template(read(name))
+    (tmp_path / "mine.toml").write_text(text)
+    (system, count), mine = uncommented(text, tmp_path), whirlmap.load(tmp_path / "mine.toml")
+    assert count >= 1 and system.values == mine.values and system.model is mine.model
+    assert system.details.switches == mine.details.switches
+    stock = whirlmap.load(name)
+    assert {k: v for k, v in mine.values.items() if k != "s"} == {k: v for k, v in stock.values.items() if k != "s"}
+
+
+@pytest.mark.parametrize("name", ["gear-psfd/intended", "gear-psfd/literal-best", "jeffcott"])
+def test_a_case_without_dimensions_is_no_machine_to_begin_with(name, tmp_path):
+    done = run(f"new {tmp_path / 'a.toml'} --like {name}")
+    assert done.exit_code == 2 and "no speed in rpm follows; expected a machine" in done.stderr
+    assert not list(tmp_path.iterdir())

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from whirlmap.equations import Model, Parameter, State
+from whirlmap.equations import Model, Parameter, Section, State, magnitude
 from whirlmap.equations.pieces import Table
 from whirlmap.errors import ModelError
 from whirlmap.integrate.ensemble import Ensemble
@@ -125,3 +125,15 @@ def test_a_kernel_without_a_function_says_so():
     kernel = lane_kernel(system.plain_model(), RK4, slopes="none", kind="free")
     with pytest.raises(AssertionError, match="advance"):
         kernel.advance  # noqa: B018
+
+
+HIDING = Parameter("exp", "1", "of the name of a function")
+
+
+@pytest.mark.parametrize("term", [sp.erf(b), v * magnitude(b), HIDING * sp.exp(v)], ids=str)
+def test_a_pole_beside_functions_that_numpy_lacks_or_names_hide(term):
+    y, values = State("y", "1", "y"), {b: 0.7, HIDING: 0.4}
+    used = tuple(p for p in values if term.has(p))
+    pole = Model("pole", (y, v), used, {y: v, v: term - 1 / y}, section=Section(v, "falling"))
+    rate = System(pole, {p.name: values[p] for p in used}).rhs(0.0, [0.3, 0.1])[1]
+    assert rate == pytest.approx(float(term.replace(magnitude, sp.Abs).subs({v: 0.1, **values})) - 1 / 0.3)

@@ -13,6 +13,8 @@ A case is a TOML file::
     R = { value = 25, unit = "mm", source = "drawing" }   # R_1 and R_2, which have the same value
     start = { x = 0.1 }                      # optional start state
 
+A case of a model of one's own may also say ``zeta = 0.05`` or ``c = "50 um"``: numbers without a source.
+
 What a file says replaces what the file that it extends says.
 """
 
@@ -29,6 +31,7 @@ from whirlmap.cases.entries import Given, place
 from whirlmap.equations import hints
 from whirlmap.equations.model import Family
 from whirlmap.errors import CaseError, nearest
+from whirlmap.results.listing import Listed, Listing, Rows
 from whirlmap.units import read as read_number
 
 STOCK = Path(__file__).parent
@@ -36,8 +39,8 @@ STOCK = Path(__file__).parent
 Layer = Mapping[str, Given]
 
 
-@dataclass(frozen=True)
-class Case:
+@dataclass(frozen=True, repr=False)
+class Case(Listed):
     """A case as written, before units are converted.
 
     Attributes
@@ -58,6 +61,8 @@ class Case:
         Start values that the case sets.
     digest : str
         SHA-256 of the text of the files, which says more than converted floats could.
+    own : bool
+        Whether the model is the user's own.
     """
 
     name: str
@@ -68,11 +73,21 @@ class Case:
     layers: tuple[Layer, ...] = ()
     start: Mapping[str, float] = field(default_factory=dict)
     digest: str = ""
+    own: bool = False
 
     @property
     def given(self) -> dict[str, Given]:
         """Every number that the case gives, by name."""
         return {name: given for layer in self.layers for name, given in layer.items()}
+
+    def listing(self) -> Listing:
+        """What it says, for a terminal and a notebook."""
+        rows = [(name, given.written, given.note) for name, given in self.given.items()]
+        return Listing(
+            f"Case {self.name}: model {self.family.name}",
+            [self.description],
+            [Rows("Entries", ("name", "as written", "where it comes from"), rows)],
+        )
 
 
 def names() -> list[str]:
@@ -145,7 +160,8 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
     told = head.description
     if not told and base and base.description:
         told = f"extends {base.name}: {base.description}"  # which says the numbers of that case
-    switches, layer = _body(file, raw, table, head.switches, family)
+    own = base.own if base else ".py" in (head.model or "")
+    switches, layer = _body(file, raw, table, head.switches, family, own=own)
     digest = hashlib.sha256(raw.encode()).hexdigest()
     if not base:
         base = Case(name, path, family, digest="")
@@ -158,6 +174,7 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         layers=(*base.layers, layer),
         start={**base.start, **start_values(head.start, place(file, raw, "start") + ": start")},
         digest=hashlib.sha256((base.digest + digest).encode()).hexdigest() if base.digest else digest,
+        own=own,
     )
 
 
@@ -176,7 +193,7 @@ def _parse(path: Path) -> tuple[str, dict[str, Any]]:
 
 
 def _body(
-    file: str, raw: str, table: Mapping[str, Any], chosen: Mapping[str, str], family: Family
+    file: str, raw: str, table: Mapping[str, Any], chosen: Mapping[str, str], family: Family, *, own: bool
 ) -> tuple[dict[str, str], dict[str, Given]]:
     """Switches and entries of a file. Which entries the model reads depends on the switches: see `settle`."""
     switches: dict[str, str] = {}
@@ -188,7 +205,7 @@ def _body(
         grouped = isinstance(value, Mapping) and value and all(isinstance(v, Mapping) for v in value.values())
         if grouped or (key in sections and isinstance(value, Mapping)):
             for name, entry in _section(file, raw, key, value, family).items():
-                _put(layer, entries.given(file, raw, name, entry, _unit(family, name)), family)
+                _put(layer, entries.given(file, raw, name, entry, _unit(family, name), own=own), family)
             continue
         if key in family.switches:
             if value not in family.switches[key]:
@@ -198,13 +215,13 @@ def _body(
                 )
             switches[key] = value
             continue
-        if isinstance(value, str):  # text is a switch or a heading; a number without braces is a short entry
+        if isinstance(value, str) and not own:  # text is a switch or a heading; a number without braces is a short entry
             known = [*entries.RESERVED, *family.switches]
             raise CaseError(
                 f"{place(file, raw, key)}: found the unknown key {key!r} = {value!r}, expected one of"
                 f" {', '.join(known)}, or an entry.{family.hint(key, known, value)}"
             )
-        _put(layer, entries.given(file, raw, key, value, _unit(family, key)), family)
+        _put(layer, entries.given(file, raw, key, value, _unit(family, key), own=own), family)
     return switches, layer
 
 

@@ -7,7 +7,7 @@ from decimal import Decimal
 from fractions import Fraction
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, ValidationInfo, model_validator
 
 from whirlmap.equations.names import CASE_KEYS
 from whirlmap.errors import CaseError, nearest
@@ -17,6 +17,10 @@ Text = Annotated[str, Field(min_length=1)]
 
 #: Keys of a case file that are not entries.
 RESERVED = CASE_KEYS
+
+
+#: Origin of a number of a model of one's own that says none.
+NO_SOURCE = "no source given"
 
 
 @dataclass(frozen=True)
@@ -32,7 +36,7 @@ class Given:
     unit : str or None
         As written; None where absent or part of ``value``.
     note : str
-        ``"source: ..."``, ``"assumed: ..."`` or ``"set by the user"``.
+        ``"source: ..."``, ``"assumed: ..."``, ``"no source given"`` or ``"set by the user"``.
     place : str
         File and line, empty for a change that was asked for by hand.
     only : mapping of str to str
@@ -69,7 +73,9 @@ class Entry(BaseModel):
     only: dict[str, str] = Field(default_factory=dict)
 
     @model_validator(mode="after")
-    def _one_origin(self) -> "Entry":
+    def _one_origin(self, info: ValidationInfo) -> "Entry":
+        if info.context and self.source is self.assumed is None:  # of a model of one's own
+            return self
         if (self.source is None) == (self.assumed is None):
             both = "both" if self.source else "neither"
             raise ValueError(f"found {both} of 'source' and 'assumed', expected exactly one of them")
@@ -99,8 +105,15 @@ def header(file: str, text: str, table: Mapping[str, Any]) -> Header:
         raise CaseError(f"{place(file, text, key)}: {key}: {_sentence(problem, found)}") from None
 
 
-def given(file: str, text: str, name: str, table: Any, unit: str = "1") -> Given:
-    """Check one entry of a case file; ``unit`` is that of the quantity, for the example in a message.
+def given(file: str, text: str, name: str, table: Any, unit: str = "1", *, own: bool = False) -> Given:
+    """Check one entry of a case file.
+
+    Parameters
+    ----------
+    unit : str
+        Unit of the quantity, for the example in a message.
+    own : bool
+        Whether the case is of a model of one's own: its numbers may stand there plainly, and need no source.
 
     Raises
     ------
@@ -108,16 +121,18 @@ def given(file: str, text: str, name: str, table: Any, unit: str = "1") -> Given
         Naming file, line, key, what was found and what was expected.
     """
     where = place(file, text, name)
+    if own and not isinstance(table, Mapping | list | bool):
+        table = {"value": table}
     if not isinstance(table, Mapping):
         raise CaseError(
-            f"{where}: {name}: found {_shown(table)}, expected an entry such as"
+            f"{where}: {name}: found {_shown(table)}, expected {'a number, or ' if own else ''}an entry such as"
             f" {name} = {{ {_example(unit)}, assumed = \"why\" }} or with source = \"key, place\""
         )
     try:
-        entry = Entry(**table)
+        entry = Entry.model_validate(table, context=own)
     except ValidationError as error:
         raise CaseError(f"{where}: {name}: {_sentence(error.errors()[0], table)}") from None
-    note = f"source: {entry.source}" if entry.source else f"assumed: {entry.assumed}"
+    note = f"source: {entry.source}" if entry.source else f"assumed: {entry.assumed}" if entry.assumed else NO_SOURCE
     return Given(name, entry.value, entry.unit, note, where, entry.only)
 
 

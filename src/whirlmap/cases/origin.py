@@ -38,7 +38,7 @@ def find(name: str, folder: Path, place: str) -> Family:
         raise CaseError(f"{place}: found model = {name!r}, expected file and name: 'my_rotor.py:MY_ROTOR'")
     path = (folder / file).resolve()
     try:
-        text = path.read_text(encoding="utf-8")
+        text = path.read_text(encoding="utf-8-sig")  # editors of Windows begin a file with a mark
     except (OSError, UnicodeDecodeError) as error:
         raise CaseError(f"{place}: model file {path} cannot be read ({_reason(error)})") from None
     module = _run(path, text, hashlib.sha256(text.encode()).hexdigest())
@@ -70,8 +70,26 @@ def _run(path: Path, text: str, digest: str) -> ModuleType:
     except WhirlmapError as error:
         raise type(error)(f"{path}{_line(error, path)}: {error}") from None
     except Exception as error:
-        raise CaseError(f"{path}{_line(error, path)}: {type(error).__name__}: {error}") from error
+        raise CaseError(f"{path}{_line(error, path)}: {type(error).__name__}: {error}{_way_out(error)}") from error
     return module
+
+
+#: What Python, NumPy and SymPy say where a formula is written with what knows numbers only, and what to write instead.
+WAYS_OUT = {
+    "cannot determine truth value": "a condition on a state is not known yet; expected when(condition, value, otherwise), or"
+    " Max and Min in place of max and min",
+    "Cannot convert expression to float": "the module math knows numbers only; expected functions of whirlmap.equations,"
+    " such as sin(y)",
+    "has no callable": "NumPy's functions know numbers only; expected functions of whirlmap.equations, such as sin(y)",
+    "object arrays are not supported": "an interpolation knows numbers only; expected a formula, or a Table of"
+    " whirlmap.equations",
+    "and 'StrictLessThan'": "a condition is no number; expected when(condition, value, otherwise)",
+    "and 'StrictGreaterThan'": "a condition is no number; expected when(condition, value, otherwise)",
+}
+
+
+def _way_out(error: Exception) -> str:
+    return next((f": {way}" for said, way in WAYS_OUT.items() if said in str(error)), "")
 
 
 def _line(error: Exception, path: Path) -> str:

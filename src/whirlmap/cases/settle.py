@@ -23,6 +23,7 @@ from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Family, Model, Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, ModelError
+from whirlmap.results.listing import Listed, Listing, Rows
 from whirlmap.units import read
 
 
@@ -36,8 +37,8 @@ class Input:
     note: str
 
 
-@dataclass(frozen=True)
-class Settled:
+@dataclass(frozen=True, repr=False)
+class Settled(Listed):
     """A model with a value for each of its parameters, and how they came about.
 
     Attributes
@@ -69,6 +70,15 @@ class Settled:
     given: Mapping[str, float]
     quantities: Mapping[str, tuple[float, Output]]
     marks: Mapping[str, Mark] = field(default_factory=dict)
+
+    def listing(self) -> Listing:
+        """Its dimensional inputs, for a terminal and a notebook."""
+        rows = [(name, one.written, one.parameter.meaning, one.note) for name, one in self.inputs.items()]
+        return Listing(
+            f"Settled case {self.case.name}: model {self.model.name}",
+            [f"values: {', '.join(f'{name} = {float(value):.6g}' for name, value in self.values.items())}"],
+            [Rows("Inputs", ("name", "as given", "meaning", "where it comes from"), rows)],
+        )
 
 
 def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:

@@ -21,22 +21,23 @@ def template(case: Case) -> str:
     Raises
     ------
     CaseError
-        The case's model has no dimensional inputs.
+        The case's model has no dimensional inputs or is the user's own, or the case gives none from which a speed follows.
     """
     groups = case.family.groups
     if groups is None or not groups.inputs:
         raise CaseError(f"{case.name}: {case.family.name} has no dimensional inputs, so there is no machine to describe")
-    given: dict[str, Given] = {}
-    for layer in case.layers:
-        given |= layer
+    if case.own:
+        raise CaseError(f"{case.name}: its model is your own; copy the case file instead")
+    settled = settle(case)
     inputs = {q.name: q for q in groups.inputs}
-    given = _at_a_speed(given, settle(case)) if "speed" in inputs else given
+    given = {name: one for name, one in case.given.items() if name not in inputs or name in settled.inputs}
+    given = _at_a_speed(given, settled) if "speed" in inputs else given
     shared = {name: shared for shared, names in groups.shared.items() for name in names}
     lines = [
         f"# A machine after {case.name}. Replace the numbers by yours, and say for each where it comes from:",
         '#   name = { value = 1.5, unit = "mm", source = "drawing 4711" }   or   assumed = "why"',
-        "# Lines that begin with # are inputs that this machine does not give, and switches as they are in force.",
-        "# `whirlmap show` prints what follows.",
+        "# Switches behind a # stand there as they are in force. Inputs behind a # and three spaces are not given: fill in",
+        "# what you know, and take the # away. `whirlmap show` prints what follows.",
         f'model = "{case.family.name}"',
         f'description = """\n{case.description.strip()}\n"""',
         "",
@@ -46,7 +47,7 @@ def template(case: Case) -> str:
         *_switches(case),
     ]
     for title, names in groups.sections.items():
-        head = f"[{title}]" if any(name in given for name in names) else f"# [{title}]"  # an empty table is no entry
+        head = f"[{title}]" if any(name in given for name in names) else f"#   [{title}]"  # an empty table is no entry
         lines += ["", head, *(_line(name, inputs[name], given, shared) for name in names if name in inputs)]
     return "\n".join(lines) + "\n"
 
@@ -57,6 +58,11 @@ def _at_a_speed(given: Mapping[str, Given], settled: Settled) -> dict[str, Given
     if groups is None or "s" not in given or "speed" in settled.inputs:
         return dict(given)
     known = {name: one.value for name, one in settled.inputs.items()} | {"speed": 1.0}
+    if groups.missing("s", settled.switches, frozenset(known)):
+        raise CaseError(
+            f"{settled.case.name}: found numbers without dimensions, from which no speed in rpm follows; expected a machine"
+            " to begin with, such as machines/turbo-gearbox or machines/jeffcott-rig"
+        )
     of_one, _ = groups.evaluate("s", settled.switches, known)
     rpm = float(f"{convert(float(settled.values['s']) / float(of_one), 'rad/s', 'rpm'):.4g}")
     why = f"assumed: s = {given['s'].written} of {settled.case.name}"
@@ -78,7 +84,7 @@ def _line(name: str, q: Parameter, given: Mapping[str, Given], shared: Mapping[s
         return f"{_entry(name, given[name])}  # {q.meaning}"
     unit = "" if q.unit == "1" else f', unit = "{example(q.unit).partition(" ")[2] or q.unit}"'
     both = f" (or {shared[name]} for all of its kind)" if name in shared else ""
-    return f'# {name} = {{ value = "?"{unit}, assumed = "?" }}  # {q.meaning}{both}'
+    return f'#   {name} = {{ value = "?"{unit}, assumed = "?" }}  # {q.meaning}{both}'
 
 
 def _entry(name: str, one: Given) -> str:

@@ -54,6 +54,9 @@ def attractors(
     workers: options.Workers = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -64,7 +67,7 @@ def attractors(
     shows the start states in the colour of their attractor, with its section points.
     """
     brackets = read_brackets(box, "--box")
-    destination = claim(out, "attractors", force=force)
+    destination = claim(out, "attractors", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     ranges = [in_states(system, *read, option="--box") for read in brackets.values()]
     boxes = {one.name: (one.start, one.stop) for one in ranges}

@@ -39,6 +39,9 @@ def basins(
     workers: options.Workers = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -54,7 +57,7 @@ def basins(
     if len(ranges) != 2 or ranges[0].name == ranges[1].name:
         raise RangeError(f"--grid: found {' and '.join(r.name for r in ranges)}, expected two different states")
     refuse_points(r.count for r in ranges)
-    destination = claim(out, "basins", force=force)
+    destination = claim(out, "basins", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     ranges = [in_states(system, *one, option="--grid") for one in read]
     from whirlmap.analysis.settling import Settling

@@ -7,6 +7,7 @@ import typer
 
 from whirlmap.cli import options, report
 from whirlmap.cli.messages import say
+from whirlmap.cli.outputs import Looks
 
 EXAMPLES = (
     "whirlmap bench --quick",
@@ -23,6 +24,9 @@ def bench(
             "--picture", metavar="FILE", help="Draw error against time: .svg, .png or .pdf.", rich_help_panel=options.OUTPUT
         ),
     ] = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace what --picture names.", rich_help_panel=options.OUTPUT)
     ] = False,
@@ -36,6 +40,7 @@ def bench(
     compilation apart.
     heyoka comes with `pip install 'whirlmap[benchmarks]'`; without it the others are still compared.
     """
+    looks = Looks.read(size, dpi, title, picture="" if picture else "--picture FILE")
     if picture is not None:
         from whirlmap.results.files import check_writable
 
@@ -47,7 +52,7 @@ def bench(
         from whirlmap.bench.report import figure
         from whirlmap.plot.save import save
 
-        save(figure(result), picture)
+        save(looks.figure(lambda: figure(result)), picture, dpi=looks.dpi)
     if json:
         report.print_json(result)
         return

@@ -77,6 +77,9 @@ def bifurcation(
     ] = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -91,7 +94,7 @@ def bifurcation(
     if follow is not None:
         choice("--follow", follow, WAYS)
     refuse_twice(set(options.assignments(changes, "--set")), swept)
-    destination = claim(out, "bifurcation", force=force)
+    destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     swept = in_parameters(system, swept, unit)
     states = _states(system, plot)

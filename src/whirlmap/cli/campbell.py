@@ -37,6 +37,9 @@ def campbell(
     changes: options.Changes = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
 ) -> None:  # fmt: skip
@@ -47,7 +50,7 @@ def campbell(
     """
     swept, unit = read_range(vary)
     refuse_twice(set(options.assignments(changes, "--set")), swept)
-    destination = claim(out, "campbell", force=force)
+    destination = claim(out, "campbell", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, None)
     swept = in_parameters(system, swept, unit)
     from whirlmap.analysis.campbell import campbell as compute

@@ -78,6 +78,9 @@ def diagnose(
     workers: options.Workers = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -98,7 +101,8 @@ def diagnose(
                 raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
         recorded.diagnose_file(
             series, column=column, time=time, rate=rate, separator=separator, decimal=decimal, skip=skip, missing=missing,
-            window=window, speed=speed, teeth=teeth, out=out, force=force, json=json, quiet=quiet,
+            window=window, speed=speed, teeth=teeth, out=out, size=size, dpi=dpi, title=title, force=force,
+            json=json, quiet=quiet,
         )  # fmt: skip
         return
     for name in signals.options_given(
@@ -109,7 +113,7 @@ def diagnose(
     if case is None:
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
                          "  try: whirlmap diagnose --help")  # fmt: skip
-    destination = claim(out, "diagnose", force=force)
+    destination = claim(out, "diagnose", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     from whirlmap.analysis.diagnosis import RUNS
     from whirlmap.analysis.diagnosis import diagnose as measure

@@ -64,6 +64,9 @@ def improve(
     workers: options.Workers = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -78,7 +81,7 @@ def improve(
     settings = options.assignments(changes, "--set")
     for name in ranges.keys() & settings.keys():
         raise RangeError(f"{name}: found it in --set and in --vary, expected it in one of them")
-    destination = claim(out, "improve", force=force)
+    destination = claim(out, "improve", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     _refuse_unknown(system, ranges, units)
     import numpy as np
@@ -90,7 +93,7 @@ def improve(
     from whirlmap.sweep.memory import refuse_points
     from whirlmap.sweep.run import expected_periods
 
-    refuse_points(r.count for r in ranges.values())
+    refuse_points([*(r.count for r in ranges.values()), points])
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
     at, settling = np.linspace(low, high, points), Settling(transient=transient)

@@ -4,6 +4,7 @@ Exit codes: 0 done, 1 a check failed, 2 the input was wrong, 130 interrupted.
 """
 
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import Annotated, Any
 
@@ -145,4 +146,5 @@ def run() -> None:
     """Entry point of the program."""
     interrupts.begin()
     plain_letters()
+    warnings.showwarning = lambda message, *_, **__: say(f"warning: {message}")
     app(prog_name="whirlmap")

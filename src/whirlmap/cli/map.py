@@ -138,6 +138,9 @@ def map(  # noqa: A001 (the command's name)
     ] = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: Annotated[
         bool,
         typer.Option(
@@ -162,7 +165,7 @@ def map(  # noqa: A001 (the command's name)
     if case is None:
         raise InputError("found no CASE, expected the name or path of one, or --status DIR")
     part = _share(share)
-    destination = claim(out, "map", force=force)
+    destination = claim(out, "map", force=force, size=size, dpi=dpi, title=title)
     space = None
     system = options.open_system(case, changes, start)
     space = _space(system, vary, draw, draws, seed, options.assignments(changes, "--set"))

@@ -28,7 +28,7 @@ _LIMITS = {"greater_than_equal": ("ge", "at least"), "less_than_equal": ("le", "
 
 #: What stands for letters that an encoding does not have.
 _PLAIN = {"•": "*", "·": "*", "×": "x", "°": "deg ", "–": "-", "—": "-", "…": "...", "≤": "<=", "≥": ">=", "±": "+-",
-          "µ": "u", "μ": "u", "’": "'", "“": '"', "”": '"'}  # fmt: skip
+          "µ": "u", "μ": "u", "’": "'", "“": '"', "”": '"', "ß": "ss", "∆": "D", "→": "->"}  # fmt: skip
 
 
 def plain_letters() -> None:
@@ -37,9 +37,25 @@ def plain_letters() -> None:
     Without this an ASCII terminal ends ``--help`` in a traceback.
     """
     codecs.register_error("whirlmap_plain", _nearest_letters)
+    codecs.register(_meant_ascii)
     for stream in (sys.stdout, sys.stderr):
         if isinstance(stream, io.TextIOWrapper) and not stream.encoding.lower().startswith("utf"):
-            stream.reconfigure(errors="whirlmap_plain")
+            ascii_alone = codecs.lookup(stream.encoding).name == "ascii"
+            stream.reconfigure(encoding=MEANT if ascii_alone else stream.encoding, errors="whirlmap_plain")
+
+
+#: ASCII by another name: typer takes an ASCII stream for a mistake, and writes UTF-8 into it.
+MEANT = "whirlmap_ascii"
+
+
+def _meant_ascii(name: str) -> codecs.CodecInfo | None:
+    if name != MEANT:
+        return None
+    found = codecs.lookup("ascii")
+    return codecs.CodecInfo(
+        found.encode, found.decode, found.streamreader, found.streamwriter, found.incrementalencoder,
+        found.incrementaldecoder, name,
+    )  # fmt: skip
 
 
 def _nearest_letters(error: UnicodeError) -> tuple[str, int]:

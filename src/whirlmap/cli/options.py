@@ -50,6 +50,23 @@ Out = Annotated[
     ),
 ]
 Force = Annotated[bool, typer.Option("--force", help="Replace what --out names.", rich_help_panel=OUTPUT)]
+Size = Annotated[
+    str | None,
+    typer.Option(
+        "--size", metavar="WxH", rich_help_panel=OUTPUT,
+        help="Width and height of the picture, in inches (7x4.5) or with a unit (180x120mm).",
+    ),
+]  # fmt: skip
+Dpi = Annotated[
+    int | None,
+    typer.Option(
+        "--dpi", metavar="N", min=20, max=2400, rich_help_panel=OUTPUT,
+        help="Dots per inch of the picture; 200 where absent, 110 of an animation.",
+    ),
+]  # fmt: skip
+Title = Annotated[
+    str | None, typer.Option("--title", metavar="TEXT", help="Title of the picture.", rich_help_panel=OUTPUT)
+]
 Json = Annotated[
     bool,
     typer.Option("--json", help="Print one JSON object, and nothing else, to stdout.", rich_help_panel=OUTPUT),

@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     import xarray as xr
     from matplotlib.figure import Figure
 
+    from whirlmap.cli.outputs import Looks
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
@@ -48,6 +51,52 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
     draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
     fig.suptitle(system.case)
     return fig
+
+
+def animation(
+    units: "Dimensions", ds: "xr.Dataset", place: "Path", *, looks: "Looks", turns: float | None, force: bool
+) -> "Path":
+    """Write the orbit of the first journal, or of the states that swing, as it moves.
+
+    Where ``turns`` is absent, the last 4 T, or two turns of the shaft that is marked in other pictures where that is more.
+    """
+    from whirlmap.analysis.record_length import turns_per_T
+    from whirlmap.plot.animation import animate_orbit
+    from whirlmap.plot.parts import journal_of, marked_shaft
+
+    system = units.system
+    first = swing_of(system)[0]
+    journal = journal_of(ds)
+    _, order = marked_shaft(turns_per_T(system))
+    return animate_orbit(
+        ds, place, *(journal or (first, partner_of(system, first))), clearance=units.of("length").size if journal else None,
+        marks=system.model.forced, turns=max(4.0, 2 / abs(float(order))) if turns is None else turns,
+        size=looks.size, dpi=looks.dpi, title=operating_point(system) if looks.title is None else looks.title,
+        force=force,
+    )  # fmt: skip
+
+
+#: Parameters of a model without dimensions all of which stand in a title.
+FEW = 6
+
+
+def operating_point(system: "System") -> str:
+    """The case with the values that say which motion it is: all of a small model, else the speed and what the user set."""
+    from math import pi
+
+    settled, names = system.details, system.parameters
+    every = len(names) <= FEW and not (settled and settled.inputs)
+    shown = {name: f"{float(system.values[name]):.4g}" for name in names if every or _by_user(system.notes.get(name, ""))}
+    if settled:
+        shown |= {name: one.written for name, one in settled.inputs.items() if _by_user(one.note)}
+        speeds = [value for name, (value, _) in settled.quantities.items() if name in ("pinion_speed", "shaft_speed")]
+        if speeds and "speed" not in shown:
+            shown["speed"] = f"{abs(speeds[0]) * 30 / pi:.4g} rpm"
+    return f"{system.case}: {', '.join(f'{name} = {value}' for name, value in shown.items())}" if shown else system.case
+
+
+def _by_user(note: str) -> bool:
+    return note == "set by the user"
 
 
 def diagnosis(units: "Dimensions", ds: "xr.Dataset") -> "Figure":

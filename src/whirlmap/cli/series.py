@@ -30,12 +30,15 @@ def diagnose_file(
     speed: str | None,
     teeth: int | None,
     out: Path | None,
+    size: str | None,
+    dpi: int | None,
+    title: str | None,
     force: bool,
     json: bool,
     quiet: bool,
 ) -> None:
     """Do what ``whirlmap diagnose --series`` does."""
-    destination = claim(out, "diagnose", force=force)
+    destination = claim(out, "diagnose", force=force, size=size, dpi=dpi, title=title)
     part, length = window_of(window)
     turns, tacho = turns_per_second(speed)
     if teeth is not None and speed is None:

@@ -220,7 +220,7 @@ def _print(facts: dict[str, Any]) -> None:
 
     typer.echo(f"{facts['case']}: model {facts['model']}")
     if facts["description"]:
-        typer.echo(facts["description"])
+        report.show(facts["description"])
     if facts["changed"]:
         what = ", ".join(facts["changed"])
         typer.echo(f"changed: {what}; what the case says in words was written for its own numbers")

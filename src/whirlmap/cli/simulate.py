@@ -1,5 +1,6 @@
 """``whirlmap simulate``: the time series of one operating point."""
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -8,6 +9,7 @@ from whirlmap.cli import options, pictures, report
 from whirlmap.cli.messages import say
 from whirlmap.cli.outputs import claim, write_all
 from whirlmap.cli.progress import Progress
+from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -20,6 +22,7 @@ MOTION, TIMES = ("minimum", "maximum", "mean", "rms", "last"), ("end_time", "per
 EXAMPLES = (
     "whirlmap simulate duffing",
     "whirlmap simulate duffing --set gamma=0.29 --start x=0.5 --transient 100 --out run.png",
+    "whirlmap simulate machines/jeffcott-rig --transient 100 --animate orbit.gif",
     'whirlmap simulate gear-psfd/machine --set "speed=1500 rpm" --periods 10 --every 5 --out run.nc',
 )
 
@@ -51,8 +54,19 @@ def simulate(
     accuracy: options.Accuracy = None,
     method: options.Method = None,
     workers: options.Workers = None,
+    animate: Annotated[
+        Path | None,
+        typer.Option(
+            "--animate", metavar="NAME.gif", rich_help_panel=options.OUTPUT,
+            help="Write two seconds of the orbit as it moves: the last 4 T, or two turns of a slower shaft; with --periods"
+            " all that is recorded.",
+        ),
+    ] = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -69,7 +83,13 @@ def simulate(
     table = out if out is not None and out.suffix.lower() == ".csv" else None
     if table is not None:
         check_writable(table, force=force)
-    destination = claim(None if table else out, "simulate", force=force)
+    if animate is not None:
+        if animate.suffix.lower() != ".gif":
+            raise InputError(f"--animate: found {animate}, expected a name that ends in .gif")
+        check_writable(animate, force=force)
+    destination = claim(
+        None if table else out, "simulate", force=force, size=size, dpi=dpi, title=title, animated=animate is not None
+    )
     system = options.open_system(case, changes, start)
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in
@@ -87,6 +107,11 @@ def simulate(
     files = destination.write(work.dataset, lambda _: pictures.simulation(system, shown))
     if table is not None:
         files += write_all([(table, lambda place: write_series(shown, place, force=force))])
+    if animate is not None:
+        files += write_all(
+            [(animate, lambda place: pictures.animation(
+                units, shown, place, looks=destination.looks, turns=periods, force=force))]
+        )  # fmt: skip
     report.say_doubts(work.dataset.attrs)
     facts = summary(units, shown)
     if json:

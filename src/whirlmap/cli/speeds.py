@@ -76,6 +76,9 @@ def speeds(
     workers: options.Workers = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
     quiet: options.Quiet = False,
@@ -86,7 +89,7 @@ def speeds(
     speed is from their ends, what forbids the speeds between them, and the thinnest film and the largest bearing load.
     """
     tolerances = tolerances_of(tolerance)
-    destination = claim(out, "speeds", force=force)
+    destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     import numpy as np
 
@@ -99,7 +102,7 @@ def speeds(
 
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
-    refuse_points([points])
+    refuse_points([points, draws] if tolerances else [points])
     at, settling = np.linspace(low, high, points), Settling(transient=transient)
     judged = points * (3 if follow else 1)
     drawn_points = judged * draws if tolerances else 0

@@ -13,6 +13,7 @@ from whirlmap.equations.declaration import parts, refuse_contradictions
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State
 from whirlmap.errors import ModelError, nearest
+from whirlmap.results.listing import Listed, Listing, Rows
 
 if TYPE_CHECKING:
     from whirlmap.equations.groups import Groups
@@ -77,8 +78,8 @@ class Film:
     strength: Expr
 
 
-@dataclass(frozen=True, eq=False)
-class Model:
+@dataclass(frozen=True, eq=False, repr=False)
+class Model(Listed):
     """States, parameters and one expression for the rate of each state.
 
     Attributes
@@ -184,6 +185,23 @@ class Model:
         """Return the parameter of that name, or raise `ModelError`."""
         return _by_name(self.parameters, name, self.name, "parameter")
 
+    def listing(self) -> Listing:
+        """Its equations and parameters, for a terminal and a notebook."""
+        facts = [f"switches: {', '.join(f'{name} = {choice}' for name, choice in self.switches.items())}"]
+        facts += [f"forced at {', '.join(map(str, self.harmonics))}" if self.forced else "unforced"]
+        equations = [(s.name, s.unit, s.meaning, str(self.equations[s])) for s in self.states]
+        parameters = [(p.name, p.unit, p.meaning) for p in self.parameters]
+        outputs = [(name, o.unit, o.meaning) for name, o in self.outputs.items()]
+        return Listing(
+            f"Model {self.name}: {self.dimension} states, {len(self.parameters)} parameters",
+            facts if self.switches else facts[1:],
+            [
+                Rows("Equations", ("state", "unit", "meaning", "rate"), equations),
+                Rows("Parameters", ("name", "unit", "meaning"), parameters),
+                Rows("Outputs", ("name", "unit", "meaning"), outputs, details=True),
+            ],
+        )
+
     def read(self) -> frozenset[Parameter]:
         """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
@@ -207,8 +225,8 @@ def _by_name(known: tuple[Named, ...], name: str, model: str, kind: str) -> Name
     raise ModelError(f"model {model!r} has no {kind} {name!r}.{nearest(name, names)}\n  {kind}s: {', '.join(names)}")
 
 
-@dataclass(frozen=True)
-class Family:
+@dataclass(frozen=True, repr=False)
+class Family(Listed):
     """Models that differ by declared switches, so that their difference can be read in one place.
 
     Attributes
@@ -264,6 +282,11 @@ class Family:
         if key not in self._made:  # equal switches are the same object, so that kernels are found again
             self._made[key] = self.declare(**settled)
         return self._made[key]
+
+    def listing(self) -> Listing:
+        """Its switches, for a terminal and a notebook."""
+        rows = [(name, " | ".join(choices), self.meanings.get(name, "")) for name, choices in self.switches.items()]
+        return Listing(f"Family {self.name}", (), [Rows("Switches", ("name", "choices, default first", "meaning"), rows)])
 
     def hint(self, name: str, known: Iterable[str], value: object = "") -> str:
         """Say that the model lacks what an unknown name or its value asks for, else suggest the nearest known name."""

@@ -15,8 +15,10 @@ from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.system_listing import system_listing
 from whirlmap.kernels.formulas import Formula, numpy_function
 from whirlmap.kernels.reference import reference_rates
+from whirlmap.results.listing import Listed, Listing
 
 Array = NDArray[np.float64]
 
@@ -77,8 +79,8 @@ def common_multiple_attribute(orders: Sequence[Fraction]) -> dict[str, int]:
     return {"common_multiple": common_multiple(orders)} if repeats(orders) else {}
 
 
-@dataclass(frozen=True, eq=False)
-class System:
+@dataclass(frozen=True, eq=False, repr=False)
+class System(Listed):
     """One operating point of a model.
 
     Attributes
@@ -92,6 +94,8 @@ class System:
         Name of the case that the values come from, for provenance.
     notes : mapping of str to str
         Where each value comes from.
+    details : Settled, optional
+        The case as it was read, with its dimensional inputs; None for a system made of a model and numbers.
     """
 
     model: Model
@@ -185,6 +189,10 @@ class System:
             if float(self.values[parameter.name]) == 0.0:
                 return _plain(self.model, parameter)
         return self.model
+
+    def listing(self) -> Listing:
+        """Its numbers, for a terminal and a notebook."""
+        return system_listing(self)
 
     def rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result."""

@@ -11,11 +11,12 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Expr, Symbol, lambdify
+from sympy import Abs, Expr, Symbol, erf, erfc, lambdify
 from sympy.printing.numpy import NumPyPrinter
 
 from whirlmap.equations.identity import model_digest
 from whirlmap.equations.model import Model
+from whirlmap.equations.pieces import magnitude
 from whirlmap.kernels import cache
 from whirlmap.kernels.normal_form import normal_form
 
@@ -121,6 +122,17 @@ class HoistedFunction:
     @cached_property
     def _compiled(self) -> Callable[..., Sequence[Any]]:
         return _function(self.text, {})
+
+
+def array_function(arguments: Sequence[Any], expressions: Sequence[Expr]) -> Callable[..., list[Any]]:
+    """NumPy function of a few expressions, for one use; nothing of it is kept.
+
+    Names are replaced, for a parameter named exp would hide the function.
+    """
+    plain = [e.replace(magnitude, Abs) for e in expressions]
+    special = any(e.has(erf, erfc) for e in plain)  # SciPy is imported where it is needed
+    made: Callable[..., list[Any]] = lambdify(arguments, plain, ["scipy", "numpy"] if special else ["numpy"], dummify=True)
+    return made
 
 
 def _called() -> Any:

@@ -12,11 +12,12 @@ from copy import copy
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Abs, Add, Expr, Max, Min, Mul, Piecewise, Pow, cos, lambdify, sign, sqf_list, sympify, tan
+from sympy import Abs, Add, Expr, Max, Min, Mul, Piecewise, Pow, cos, sign, sqf_list, sympify, tan
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
 from whirlmap.equations.quantities import Parameter, t
+from whirlmap.kernels.formulas import array_function
 
 Array = NDArray[np.float64]
 
@@ -127,16 +128,16 @@ class _Lines:
     def evaluate(self, expression: Expr, place: Array) -> Array:
         """An expression at one place of every line, or at many: shape (..., line)."""
         x = [b + place * a for b, a in zip(self.begin, self.along, strict=True)]
-        function = lambdify(self.symbols, expression, modules="numpy")
-        return np.broadcast_to(np.asarray(function(*x, *self.values), dtype=float), place.shape)
+        (value,) = array_function(self.symbols, [expression])(*x, *self.values)
+        return np.broadcast_to(np.asarray(value, dtype=float), place.shape)
 
     def zeros(self, base: Expr) -> tuple[Array, Array]:
         """First zero of an expression on every line, and the place before it that was tried; NaN where there is none."""
-        function = lambdify(self.symbols, base, modules="numpy")
+        function = array_function(self.symbols, [base])
 
         def sign(place: Array) -> Array:
             x = [b + place * a for b, a in zip(self.begin, self.along, strict=True)]
-            return np.broadcast_to(np.sign(np.asarray(function(*x, *self.values), dtype=float)), place.shape)
+            return np.broadcast_to(np.sign(np.asarray(function(*x, *self.values)[0], dtype=float)), place.shape)
 
         lines = self.begin.shape[1]
         signs = sign(np.repeat(PLACES[:, None], lines, axis=1))

@@ -16,12 +16,13 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Abs, Expr, Integer, Pow, Symbol, cos, erf, erfc, lambdify, sign
+from sympy import Abs, Expr, Integer, Pow, Symbol, cos, sign
 from sympy.core.relational import GreaterThan, LessThan, StrictGreaterThan, StrictLessThan
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import magnitude, tabulated
 from whirlmap.equations.quantities import t
+from whirlmap.kernels.formulas import array_function
 from whirlmap.kernels.normal_form import may_be_nan, normal_form
 
 UPWARD, DOWNWARD = StrictGreaterThan | GreaterThan, StrictLessThan | LessThan
@@ -151,18 +152,11 @@ def _jumps(model: Model, found: Sided) -> list[bool]:
     A surface on which no state was found counts as one where rates jump: its crossings then cost more, and nothing else.
     """
     symbols = [*model.states, *model.parameters, t]
-
-    def function(expressions: list[Expr]) -> Any:
-        """NumPy function; names are replaced, for a parameter named exp would hide the function."""
-        special = any(e.has(erf, erfc) for e in expressions)  # SciPy is imported where it is needed
-        modules = ["scipy", "numpy"] if special else ["numpy"]
-        return lambdify([symbols, found.sides], expressions, modules, dummify=True)
-
-    rates = function([_without_tables(e) for e in found.rates])
+    rates = array_function([symbols, found.sides], [_without_tables(e) for e in found.rates])
     out = []
     for k, surface in enumerate(found.surfaces):
         slopes = [surface.diff(s) for s in (*model.states, t)]
-        g = function([surface, *slopes])
+        g = array_function([symbols, found.sides], [surface, *slopes])
         differences = list(_differences(g, rates, k, len(model.states), len(symbols), len(found.sides)))
         out.append(not differences or max(differences) > JUMP)
     return out

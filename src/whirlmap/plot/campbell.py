@@ -5,7 +5,7 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from whirlmap.plot.labels import axis_label, unit_of, unit_text
-from whirlmap.plot.style import BLUE, GREY, INK, VERMILION, WIDE, new_figure, styled
+from whirlmap.plot.style import BLUE, GREY, INK, VERMILION, WIDE, new_figure, styled, text_size
 
 #: Colour and words of each sense of whirl.
 SENSES = {1: (BLUE, "forward"), -1: (VERMILION, "backward"), 0: (INK, "no orbit")}
@@ -35,7 +35,7 @@ def campbell_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
         if inside.size:
             upper.annotate(
                 str(clock), (at[inside[-1]], line[inside[-1]]), xytext=(-3, 3), textcoords="offset points", ha="right",
-                fontsize=7, color="#666666",
+                fontsize=text_size(7), color="#666666",
             )  # fmt: skip
     critical = ds["critical"].values
     if critical.size:

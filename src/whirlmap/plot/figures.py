@@ -19,7 +19,7 @@ from whirlmap.plot.phase_portrait import draw_phase_portrait
 from whirlmap.plot.regime_strip import draw_exponents, draw_regime_strip, legend_handles
 from whirlmap.plot.section import draw_section
 from whirlmap.plot.spectrum import Orders, draw_power_spectrum
-from whirlmap.plot.style import WIDE, new_figure, styled, write_reason
+from whirlmap.plot.style import WIDE, new_figure, styled, text_size, write_reason
 from whirlmap.plot.time_series import draw_time_series
 
 Reasons = Mapping[str, str]
@@ -239,7 +239,7 @@ def _sheet(
         else:
             draw(ds, ax)
         # In the corner, as titles stand above: what a caption refers to.
-        ax.text(0.985, 0.975, letter, transform=ax.transAxes, ha="right", va="top", weight="bold", size=9,
+        ax.text(0.985, 0.975, letter, transform=ax.transAxes, ha="right", va="top", weight="bold", size=text_size(9),
                 zorder=1e5, bbox={"fc": "white", "ec": "none", "pad": 1.0, "alpha": 0.8})  # fmt: skip
     if title:
         fig.suptitle(title)

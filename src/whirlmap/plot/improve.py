@@ -11,7 +11,7 @@ from matplotlib.ticker import LogLocator, NullLocator
 
 from whirlmap.plot.labels import symbol, unit_text
 from whirlmap.plot.limits import cell_edges, is_log
-from whirlmap.plot.style import BLUE, GREEN, GREY, INK, VERMILION, WIDE, new_figure, styled, write_reason
+from whirlmap.plot.style import BLUE, GREEN, GREY, INK, VERMILION, WIDE, new_figure, styled, text_size, write_reason
 
 #: Markers and colours of the two best designs, by the attribute that holds their number.
 BEST = {"widest": ("widest window", "*", GREEN), "calmest": ("lowest amplitude", "D", BLUE)}
@@ -63,7 +63,7 @@ def _line(ax: Axes, ds: xr.Dataset, name: str, values: np.ndarray, label: str) -
     if ended.size:
         foot: dict[str, Any] = {"transform": ax.get_xaxis_transform(), "color": VERMILION}
         ax.plot(ended, np.full(ended.size, 0.03), "x", ms=4, **foot)
-        ax.text(ended.max(), 0.06, "runs end early", ha="right", fontsize=7, **foot)
+        ax.text(ended.max(), 0.06, "runs end early", ha="right", fontsize=text_size(7), **foot)
     _mark(ax, ds, at, values)
     coarse = at[ds["refined"].values == 0]
     ax.set_xscale("log" if is_log(coarse) else "linear")
@@ -111,7 +111,7 @@ def _trade(ax: Axes, ds: xr.Dataset, width: tuple[np.ndarray, str], worst: tuple
         ax.yaxis.set(major_locator=LogLocator(subs=(1, 2, 5)), major_formatter="{x:g}", minor_locator=NullLocator())
     left_out = int((~np.isfinite(worst[0])).sum())
     if left_out:
-        ax.set_title(f"without {left_out} whose runs end early", fontsize=7, color=VERMILION)
+        ax.set_title(f"without {left_out} whose runs end early", fontsize=text_size(7), color=VERMILION)
     ax.legend(fontsize="small")
 
 

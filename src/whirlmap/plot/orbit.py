@@ -11,7 +11,7 @@ from matplotlib.patches import Circle
 from whirlmap.plot.labels import axis_label
 from whirlmap.plot.limits import limits, markersize
 from whirlmap.plot.phase_portrait import at_turns, line_style
-from whirlmap.plot.style import BLUE, GREY, VERMILION, axes_or_new, styled, write_reason
+from whirlmap.plot.style import BLUE, GREY, VERMILION, axes_or_new, styled, text_size, write_reason
 from whirlmap.plot.time_series import how_ended, last_turns, values_of
 
 
@@ -79,7 +79,7 @@ def draw_orbit(
         if not ended and max(np.ptp(u), np.ptp(v)) < 0.5 * clearance:
             _inset(ax, u, v, marks, clearance)
     else:
-        _equal_limits(ax, u, v, float(np.nanmax(np.abs(part["x"].values))))
+        equal_limits(ax, u, v, float(np.nanmax(np.abs(part["x"].values))))
     ax.set_xlabel(axis_label(ds, x))
     ax.set_ylabel(axis_label(ds, y))
     ax.set_title(ended or f"orbit, marked once per turn{' of the ' + shaft if shaft else ''}")
@@ -103,7 +103,7 @@ def _inset(ax: Axes, u: np.ndarray, v: np.ndarray, marks: np.ndarray, clearance:
     bottom = 0.52 if np.mean(v) <= 0 else 0.08
     inset = ax.inset_axes((left, bottom, 0.4, 0.4), gid="inset")
     _path(inset, u, v, marks)
-    _equal_limits(inset, u, v, clearance)
+    equal_limits(inset, u, v, clearance)
     inset.set_aspect("equal", adjustable="box")
     for spine in inset.spines.values():
         spine.set(visible=True, color=GREY)
@@ -115,12 +115,12 @@ def _inset(ax: Axes, u: np.ndarray, v: np.ndarray, marks: np.ndarray, clearance:
         f"width {np.diff(inset.get_xlim())[0]:.2g}",
         transform=inset.transAxes,
         ha="center",
-        fontsize=6.5,
+        fontsize=text_size(6.5),
     )
     ax.indicate_inset_zoom(inset, edgecolor="#777777", lw=0.6)
 
 
-def _equal_limits(ax: Axes, u: np.ndarray, v: np.ndarray, others: float) -> None:
+def equal_limits(ax: Axes, u: np.ndarray, v: np.ndarray, others: float) -> None:
     """Give both axes the same length, so that the plane is not stretched."""
     (a, b), (c, d) = limits(u, others=others), limits(v, others=others)
     half = max(b - a, d - c) / 2

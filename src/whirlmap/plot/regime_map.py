@@ -18,7 +18,20 @@ from whirlmap.plot.diagram import draw_diagram
 from whirlmap.plot.labels import axis_label, check_name, symbol, unit_of, unit_text
 from whirlmap.plot.limits import cell_edges, is_log
 from whirlmap.plot.regime_strip import draw_regime_strip, legend_handles
-from whirlmap.plot.style import BLUE, GREY, INK, REGIMES, SKY, UNFINISHED, WIDE, Look, axes_or_new, new_figure, styled
+from whirlmap.plot.style import (
+    BLUE,
+    GREY,
+    INK,
+    REGIMES,
+    SKY,
+    UNFINISHED,
+    WIDE,
+    Look,
+    axes_or_new,
+    new_figure,
+    styled,
+    text_size,
+)
 from whirlmap.results.regime import Regime
 
 Codes = NDArray[np.int64]
@@ -221,7 +234,7 @@ def _contours(ax: Axes, ds: xr.Dataset, x: str, y: str, quantity: str, levels: i
         colors=INK, linewidths=0.45, alpha=0.75,
     )  # fmt: skip
     _drop_short(lines, LEAST_LINE * sum(height.shape))
-    ax.clabel(lines, fontsize=5.5, fmt=_two_digits, inline_spacing=2, inline=min(height.shape) > 40)
+    ax.clabel(lines, fontsize=text_size(5.5), fmt=_two_digits, inline_spacing=2, inline=min(height.shape) > 40)
 
 
 def _two_digits(level: float) -> str:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from whirlmap.plot.labels import axis_label, unit_of, unit_text
 from whirlmap.plot.limits import cell_edges, is_log, limits, runs
-from whirlmap.plot.style import DIRECTIONS, HYSTERESIS, INK, Look, axes_or_new, look_of, styled
+from whirlmap.plot.style import DIRECTIONS, HYSTERESIS, INK, Look, axes_or_new, look_of, styled, text_size
 from whirlmap.plot.sweeps import directions, parameter_axis, shade_ended, shade_hysteresis, share, sweeps, varied
 
 
@@ -140,7 +140,7 @@ def _write_period(ax: Axes, edges: NDArray[np.float64], first: int, last: int, b
             text,
             ha="center",
             va="center",
-            fontsize=6.5,
+            fontsize=text_size(6.5),
             color=look.text,
             clip_on=True,
         )

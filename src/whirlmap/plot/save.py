@@ -9,13 +9,13 @@ import matplotlib as mpl
 from matplotlib.figure import Figure
 
 from whirlmap.errors import OutputError
-from whirlmap.plot.style import HOUSE
+from whirlmap.plot.style import house, set_by_user
 from whirlmap.results.files import replace_file
 
 Format = Literal["png", "svg", "pdf"]
 
-#: Dots per inch of a saved picture, and of a quick look on a screen.
-PRINT_DPI, SCREEN_DPI = 200, 110
+#: Dots per inch of a saved picture.
+PRINT_DPI = 200
 
 #: What the files say about themselves: no date, nothing that differs between two runs.
 _METADATA: dict[str, dict[str, Any]] = {
@@ -25,21 +25,22 @@ _METADATA: dict[str, dict[str, Any]] = {
 }
 
 
-def encode(fig: Figure, form: Format, *, dpi: float = PRINT_DPI) -> bytes:
-    """Give a figure as the bytes of a file; the same figure gives the same bytes."""
+def encode(fig: Figure, form: Format, *, dpi: float | None = None) -> bytes:
+    """Give a figure as the bytes of a file; the same figure gives the same bytes. ``dpi`` as in `save`."""
     settings: dict[Any, Any] = {
-        **HOUSE,
+        **house(),
         "svg.hashsalt": "whirlmap",
         "svg.fonttype": "path",
         "pdf.fonttype": 42,
     }
+    dots = dpi or set_by_user("savefig.dpi") or PRINT_DPI
     buffer = BytesIO()
     with mpl.rc_context(settings):
-        fig.savefig(buffer, format=form, dpi=dpi, metadata=_METADATA[form])
+        fig.savefig(buffer, format=form, dpi=dots, metadata=_METADATA[form])
     return buffer.getvalue()
 
 
-def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float = PRINT_DPI) -> Path:
+def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float | None = None) -> Path:
     """Write a figure to ``path``, in the format that its suffix names.
 
     The picture is complete before the file appears: it is written under a temporary name in the same folder
@@ -50,8 +51,9 @@ def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float = PRINT_DPI) -
     fig : Figure
     path : path
         Ends in ``.png``, ``.svg`` or ``.pdf``; its folder exists.
-    dpi : float
-        Dots per inch, also of the rasterised clouds of points in SVG and PDF.
+    dpi : float, optional
+        Dots per inch, also of the rasterised clouds of points in SVG and PDF. Where absent the ``savefig.dpi`` of the
+        user's settings, else 200.
 
     Returns
     -------

@@ -21,6 +21,7 @@ from whirlmap.plot.style import (
     look_of,
     new_figure,
     styled,
+    text_size,
     write_reason,
 )
 from whirlmap.results.regime import Regime
@@ -93,7 +94,7 @@ def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     shown = {look.label: look for look in looks}
     ax.legend(handles=[Patch(facecolor=look.colour, alpha=0.35, label=name) for name, look in shown.items()],
         loc="upper left",
-              bbox_to_anchor=(0.0, 1.25), ncols=len(shown), fontsize=6.5)  # fmt: skip
+              bbox_to_anchor=(0.0, 1.25), ncols=len(shown), fontsize=text_size(6.5))  # fmt: skip
     return ax
 
 
@@ -111,8 +112,8 @@ def draw_series_spectrum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     for line in spectrum["named"][:6]:
         if line["name"] and line["frequency"] <= frequency[last]:
             height = power[int(np.abs(frequency - line["frequency"]).argmin())]
-            ax.annotate(line["name"], (line["frequency"], height), xytext=(0, 3), textcoords="offset points", fontsize=6.0,
-                        ha="center", color=VERMILION)  # fmt: skip
+            ax.annotate(line["name"], (line["frequency"], height), xytext=(0, 3), textcoords="offset points",
+                        fontsize=text_size(6.0), ha="center", color=VERMILION)  # fmt: skip
     share = 100 * (1 - spectrum["broadband_fraction"])
     ax.set(xlabel=f"frequency [1/{ds.attrs['unit']}]", ylabel="power", title=f"{spectrum['lines']} lines hold {share:.3g} %")
     ax.set_ylim(floor, 10 * top)
@@ -132,8 +133,8 @@ def draw_embedding(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         return ax
     inset = ax.inset_axes((0.5, 0.5, 0.46, 0.4))
     inset.semilogy(ds["dimension"].values, np.maximum(ds["false_neighbours"].values, 1e-4), "o-", ms=2.5, color=ORANGE)
-    inset.set_title("false neighbours", fontsize=6.5, color=ORANGE)
-    inset.tick_params(labelsize=5.5)
+    inset.set_title("false neighbours", fontsize=text_size(6.5), color=ORANGE)
+    inset.tick_params(labelsize=text_size(5.5))
     found = int(ds.attrs["embedding_dimension"])
     ax.set_title(f"lag {int(ds.attrs['lag'])}, " + (f"dimension {found}" if found else "no dimension"))
     return ax
@@ -158,5 +159,5 @@ def draw_parting(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             level = np.mean(curve[a : b + 1] - vote["value"] * time[a : b + 1])
             ax.plot(time[[a, b]], level + vote["value"] * time[[a, b]], color=INK, lw=1.2, ls="--", gid=f"fit-{name}")
     ax.set(xlabel=f"time [{ds.attrs['unit']}]", ylabel=r"$\langle \ln d \rangle$", title="parting of neighbours")
-    ax.legend(loc="lower right", fontsize=6.5)
+    ax.legend(loc="lower right", fontsize=text_size(6.5))
     return ax

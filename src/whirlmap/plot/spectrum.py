@@ -8,7 +8,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from whirlmap.plot.labels import symbol, unit_text
-from whirlmap.plot.style import BLUE, GREY, INK, ORANGE, VERMILION, axes_or_new, styled
+from whirlmap.plot.style import BLUE, GREY, INK, ORANGE, VERMILION, axes_or_new, styled, text_size
 
 Orders = Mapping[str, Fraction | float]
 
@@ -152,7 +152,7 @@ def mark_orders(ax: Axes, orders: Orders) -> None:
             ha="center",
             va="top",
             rotation=90,
-            fontsize=6.5,
+            fontsize=text_size(6.5),
             color="#444444",
             annotation_clip=False,
             bbox={"fc": "white", "ec": "none", "pad": 0.6},

@@ -45,7 +45,7 @@ def speeds_figure(
     _grounds([first, *rest[: len(bearings)]], ds, at[-1] / ds["s"].values[-1])
     _legend(first, ds)
     _amplitude(first, ds, at, unit, length)
-    first.set_title(title)
+    fig.suptitle(title)
     for ax, name in zip(rest, bearings, strict=False):
         film = name == "min_film"
         _bearings(ax, ds[name] * (unit if film else force), at, names=ax is rest[0])

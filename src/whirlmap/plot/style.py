@@ -1,13 +1,15 @@
 """One house style for every picture: sizes, fonts, colours, and how a regime looks.
 
 Nothing here touches matplotlib's global settings for longer than a call: drawing functions carry `styled`,
-which sets `HOUSE` around them. The colours are those of Okabe and Ito, told apart with any colour vision; a
-regime also has a marker, and an ended run a hatch, so that a print in grey can be read.
+which sets `house` around them: the settings of `HOUSE` that the user has left at matplotlib's own values. The colours
+are those of Okabe and Ito, told apart with any colour vision; a regime also has a marker, and an ended run a hatch, so
+that a print in grey can be read.
 """
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import wraps
+from io import BytesIO
 from textwrap import fill
 from typing import Any, ParamSpec, TypeVar
 
@@ -26,6 +28,9 @@ SKY, PURPLE, INDIGO, INK, GREY, PALE = "#56B4E9", "#CC79A7", "#332288", "#1A1A1A
 
 #: Ground behind values at which sweeps in both directions differ.
 HYSTERESIS = "#FBF0D2"
+
+#: Dots per inch of a picture on a screen.
+SCREEN_DPI = 110
 
 #: Width of a figure over both columns of a page, and over one [inch].
 WIDE, NARROW = 7.2, 4.2
@@ -57,6 +62,25 @@ HOUSE: dict[Any, Any] = {
     "savefig.facecolor": "white",
     "path.simplify": True,
 }
+
+
+#: Settings of `HOUSE` that grow with a font size that the user has set.
+SIZES = frozenset(name for name in HOUSE if name.endswith(("labelsize", "titlesize", "fontsize")))
+
+
+def house() -> dict[Any, Any]:
+    """Settings of `HOUSE` where matplotlib's have their default: what the user has set (rcParams, a style, a file) stays."""
+    return {
+        name: text_size(value) if name in SIZES else value
+        for name, value in HOUSE.items()
+        if mpl.rcParams[name] == mpl.rcParamsDefault[name]
+    }
+
+
+def text_size(size: float) -> float:
+    """Size of a text [pt] that is ``size`` with the font of `HOUSE`, and follows a font size that the user has set."""
+    font = float(mpl.rcParams["font.size"])
+    return size if font == mpl.rcParamsDefault["font.size"] else size * font / float(HOUSE["font.size"])
 
 
 @dataclass(frozen=True)
@@ -110,20 +134,44 @@ def styled(function: Callable[P, R]) -> Callable[P, R]:
 
     @wraps(function)
     def inside(*args: P.args, **kwargs: P.kwargs) -> R:
-        with mpl.rc_context(HOUSE):
+        with mpl.rc_context(house()):
             return function(*args, **kwargs)
 
     return inside
 
 
-def new_figure(width: float = WIDE, height: float = 4.5) -> Figure:
-    """Give an empty figure [inch] that lays out its panels so that no label is cut."""
-    return Figure(figsize=(width, height), layout="constrained")
+class Picture(Figure):
+    """A figure that a notebook shows by itself, without pyplot."""
+
+    def _repr_png_(self) -> bytes:
+        buffer = BytesIO()
+        with mpl.rc_context(house()):
+            self.savefig(buffer, format="png", dpi=set_by_user("figure.dpi") or SCREEN_DPI)
+        return buffer.getvalue()
+
+
+class Panel(Axes):
+    """The only Axes of a `Picture`, which a notebook shows as the picture."""
+
+    def _repr_png_(self) -> bytes | None:
+        figure = self.get_figure(root=True)
+        return figure._repr_png_() if isinstance(figure, Picture) else None
+
+
+def set_by_user(name: Any) -> Any:
+    """A setting of matplotlib that is not its default; None where it is."""
+    value = mpl.rcParams[name]
+    return None if value == mpl.rcParamsDefault[name] else value
+
+
+def new_figure(width: float = WIDE, height: float = 4.5) -> Picture:
+    """Give an empty figure [inch] that lays out its panels so that no label is cut; the user's ``figure.figsize`` counts."""
+    return Picture(figsize=set_by_user("figure.figsize") or (width, height), layout="constrained")
 
 
 def axes_or_new(ax: Axes | None, width: float = NARROW, height: float = 3.2) -> Axes:
     """Return the given Axes, or those of a new figure."""
-    return new_figure(width, height).add_subplot() if ax is None else ax
+    return new_figure(width, height).add_subplot(axes_class=Panel) if ax is None else ax
 
 
 def write_reason(ax: Axes, reason: str) -> Axes:

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from whirlmap.errors import RangeError
 from whirlmap.plot.labels import axis_label
 from whirlmap.plot.limits import cell_edges, runs
-from whirlmap.plot.style import DIRECTIONS, HYSTERESIS, INK, look_of
+from whirlmap.plot.style import DIRECTIONS, HYSTERESIS, INK, look_of, text_size
 
 
 def varied(ds: xr.Dataset) -> str:
@@ -68,7 +68,7 @@ def shade_ended(ax: Axes, ds: xr.Dataset, at: NDArray[np.float64], log: bool, *,
                     transform=ax.get_xaxis_transform(),
                     ha="center",
                     va="center",
-                    fontsize=7,
+                    fontsize=text_size(7),
                     bbox={"fc": "white", "ec": "none", "pad": 1.5},
                     clip_on=True,
                 )

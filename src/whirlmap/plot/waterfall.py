@@ -11,7 +11,7 @@ from whirlmap.errors import RangeError
 from whirlmap.plot.labels import axis_label, symbol, unit_of, unit_text
 from whirlmap.plot.limits import cell_edges
 from whirlmap.plot.spectrum import Orders
-from whirlmap.plot.style import BLUE, VERMILION, axes_or_new, styled
+from whirlmap.plot.style import BLUE, VERMILION, axes_or_new, styled, text_size
 
 Array = NDArray[np.float64]
 
@@ -78,7 +78,7 @@ def draw_waterfall(
                 (abs(float(value)) * clock * end, end),
                 (1, 3),
                 textcoords="offset points",
-                fontsize=6.5,
+                fontsize=text_size(6.5),
                 rotation=40,
                 color="#444444",
                 annotation_clip=False,

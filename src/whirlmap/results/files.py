@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
 DATASETS = (".nc",)
 PICTURES = (".png", ".svg", ".pdf")
+ANIMATIONS = (".gif",)
 TEXTS = (".md", ".json", ".toml", ".csv")
 #: Files that this process has written, for whoever must say what there is when it is interrupted.
 WRITTEN: list[Path] = []
@@ -105,7 +106,7 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
     if not parent.is_dir():
         fault = "is not a folder" if parent.exists() else "does not exist"
         raise OutputError(f"{path}: the folder {parent} {fault}; make it first")
-    as_file = path.suffix.lower() in (*DATASETS, *PICTURES, *TEXTS)
+    as_file = path.suffix.lower() in (*DATASETS, *PICTURES, *ANIMATIONS, *TEXTS)
     if as_file and path.is_dir():
         raise OutputError(f"{path}: found a folder, expected a file or nothing")
     if not as_file and path.exists() and not path.is_dir():

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ParamSpec, Protocol, cast
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.results.listing import Listed, Listing, Rows
 from whirlmap.results.schema import validate
 
 if TYPE_CHECKING:
@@ -23,8 +24,8 @@ P = ParamSpec("P")
 Variable = tuple[Any, ...]
 
 
-@dataclass(frozen=True)
-class Findings:
+@dataclass(frozen=True, repr=False)
+class Findings(Listed):
     """Variables, coordinates and attributes of a Dataset, as plain values.
 
     ``found["power"]`` are the numbers of a variable or coordinate.
@@ -52,11 +53,41 @@ class Findings:
     def __contains__(self, name: str) -> bool:
         return name in self.variables or name in self.coordinates
 
+    def listing(self) -> Listing:
+        """Every variable with its dimensions, numbers and meaning."""
+        rows = [
+            (str(name), ", ".join(_names(dims)), _shown(np.asarray(values)), of.get("units", ""), of.get("long_name", ""))
+            for name, (dims, values, of) in self.variables.items()
+        ]
+        attributes = [(name, str(value)) for name, value in self.attrs.items()]
+        return Listing(
+            f"Findings of {self.attrs['case']}" if self.attrs.get("case") else "Findings",
+            [f"coordinates: {', '.join(map(str, self.coordinates))}", ".dataset() gives the xarray.Dataset"],
+            [
+                Rows("Variables", ("name", "dimensions", "value or range", "unit", "meaning"), rows),
+                Rows("Attributes", ("name", "value"), attributes, details=True),
+            ],
+        )
+
     def dataset(self) -> "xr.Dataset":
         """Make the Dataset; `ModelError` where a variable does not say its unit and meaning."""
         import xarray as xr
 
         return validate(xr.Dataset(self.variables, self.coordinates, self.attrs))
+
+
+def _names(dims: Any) -> tuple[str, ...]:
+    return (dims,) if isinstance(dims, str) else tuple(map(str, dims))
+
+
+def _shown(values: NDArray[Any]) -> str:
+    """The number, or how many there are and between which they lie."""
+    if values.size == 1:
+        return f"{values.item():.6g}" if values.dtype.kind == "f" else str(values.item())
+    count = " x ".join(map(str, values.shape))
+    if values.dtype.kind not in "iufb" or not (known := values[np.isfinite(values)]).size:
+        return count
+    return f"{count}: {known.min():.4g} to {known.max():.4g}"
 
 
 class Analysis(Protocol[P]):
