@@ -1,12 +1,13 @@
 """What the numbers of a system are worth in engineering units: the one place that knows, for tables, files and pictures."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 from math import isfinite, nan
 from typing import Any
 
 import numpy as np
-from sympy import lambdify
+from sympy import Expr, Symbol, lambdify
 
 from whirlmap.cases import Settled
 from whirlmap.equations.groups import value_of
@@ -23,14 +24,14 @@ WRITTEN = {
 
 
 @dataclass(frozen=True)
-class Measured:
+class Unit:
     """A unit, and how many of it one of the model's own units is; a pure number has the unit "1"."""
 
     size: Any
     unit: str
 
 
-PURE = Measured(1.0, "1")
+PURE = Unit(1.0, "1")
 
 
 @dataclass(frozen=True)
@@ -77,22 +78,22 @@ class Dimensions:
         known = {**inputs, **{name: float(value) for name, value in self.system.values.items()}}
         if not {q.name for q in symbols} <= known.keys():
             return nan
-        changing = [q for q in symbols if q.name in varied]
+        changing = tuple(q for q in sorted(symbols, key=str) if q.name in varied)
         if not changing:
             return float(value_of(expression, known))
-        fixed = expression.subs({q: known[q.name] for q in symbols if q.name not in varied})
-        return lambdify(changing, fixed, "numpy")(*(np.asarray(varied[q.name], dtype=float) for q in changing))
+        fixed = tuple((q, known[q.name]) for q in sorted(symbols, key=str) if q.name not in varied)
+        return _function(expression, changing, fixed)(*(np.asarray(varied[q.name], dtype=float) for q in changing))
 
-    def of(self, measure: str, **varied: Any) -> Measured:
+    def of(self, measure: str, **varied: Any) -> Unit:
         """The unit in which numbers of a measure are written, and its size; a pure number where the case does not say."""
         if measure not in WRITTEN or not self.known:
             return PURE
         worth, (si, unit) = self.worth(measure, **varied), WRITTEN[measure]
         if not np.isfinite(worth).all():
             return PURE
-        return Measured(worth * (1.0 if unit == si else convert(1.0, si, "turn/s" if unit == "Hz" else unit)), unit)
+        return Unit(worth * (1.0 if unit == si else convert(1.0, si, "turn/s" if unit == "Hz" else unit)), unit)
 
-    def quantity(self, name: str, **varied: Any) -> Measured:
+    def quantity(self, name: str, **varied: Any) -> Unit:
         """The unit of a state, an output or a parameter, by its name; the declared one where it has no measure."""
         model = self.system.model
         declared: Any = model.outputs.get(name)
@@ -101,4 +102,11 @@ class Dimensions:
         if declared is None:
             return PURE
         found = self.of(declared.measure, **varied)
-        return Measured(1.0, declared.unit) if found.unit == PURE.unit else found
+        return Unit(1.0, declared.unit) if found.unit == PURE.unit else found
+
+
+@lru_cache(maxsize=64)
+def _function(expression: Expr, changing: tuple[Symbol, ...], fixed: tuple[tuple[Symbol, float], ...]) -> Callable[..., Any]:
+    """An expression as a function of arrays: many states of a result ask for the same one."""
+    made: Callable[..., Any] = lambdify(changing, expression.subs(dict(fixed)), "numpy")
+    return made

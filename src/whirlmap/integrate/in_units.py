@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.dimensions import PURE, Dimensions, Measured
+from whirlmap.integrate.dimensions import PURE, Dimensions, Unit
 from whirlmap.integrate.system import System
 from whirlmap.results.findings import Findings, Variable
 
@@ -97,22 +97,22 @@ class _Converter:
             said.append(found.unit)
         return dims, out, {**attrs, "unit_of_each": " ".join(said)}
 
-    def _quantity(self, name: str, dims: tuple[str, ...]) -> Measured:
+    def _quantity(self, name: str, dims: tuple[str, ...]) -> Unit:
         if name == "s":
             return self.units.quantity(name)  # speeds are proportional to it, whatever it is
         return self._spread(dims, lambda values: self.units.quantity(name, **values))
 
-    def _measure(self, measure: str, dims: tuple[str, ...]) -> Measured:
+    def _measure(self, measure: str, dims: tuple[str, ...]) -> Unit:
         return self._spread(dims, lambda values: self.units.of(measure, **values))
 
-    def _spread(self, dims: tuple[str, ...], measured: Any) -> Measured:
+    def _spread(self, dims: tuple[str, ...], measured: Any) -> Unit:
         """A unit whose size may differ from point to point, laid out along the dimensions of a variable."""
         values = {
             name: _laid_out(np.asarray(variable[1], dtype=float), self.dims[name], dims)
             for name, variable in self.varied.items() if set(self.dims[name]) <= set(dims)
         }  # fmt: skip
         found = measured(values)
-        assert isinstance(found, Measured)
+        assert isinstance(found, Unit)
         return found
 
 
