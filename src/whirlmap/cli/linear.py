@@ -54,6 +54,7 @@ def linear(
     from whirlmap.analysis.film_coefficients import film_coefficients
     from whirlmap.analysis.linear import NotLinearError, linear_analysis
     from whirlmap.analysis.threshold import NoThresholdError, stability_threshold
+    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.equilibrium import rest_state
 
     found, films = None, dict[str, dict[str, Any]]()
