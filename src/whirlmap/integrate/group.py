@@ -81,10 +81,12 @@ class Group:
             begun = perf_counter()
             run.end = min(run.begin + length, run.total)
             self._reach_end(local, run)
-            if not run.alive.any():
-                run.end = run.total
-            faster = CALL / max(perf_counter() - begun, 1e-6)
-            length, run.begin = max(int(length * min(faster, 8.0)), LEAST), run.end
+            if run.end < run.total:
+                if not run.alive.any():
+                    run.end = run.total
+                faster = CALL / max(perf_counter() - begun, 1e-6)
+                length = max(int(length * min(faster, 8.0)), LEAST)
+            run.begin = run.end
             if progress:
                 now = run.end * at.size // self.steps
                 progress(now - said)
@@ -104,8 +106,10 @@ class Group:
 
     def _reach_end(self, local: Points, run: _Run) -> None:
         """Take the points of a run that have not ended to the end of the present call."""
-        run.active[:], run.first[:] = run.alive, run.begin
-        chosen = np.flatnonzero(run.active.any(axis=(1, 2)))
+        chosen = np.arange(run.blocks)
+        if run.begin:
+            run.active[:], run.first[:] = run.alive, run.begin
+            chosen = np.flatnonzero(run.active.any(axis=(1, 2)))
         while chosen.size:
             run.call(chosen, int(self.ensemble.turns[self.members[local[0]]]) * self.steps)
             lost = np.flatnonzero(run.failed.reshape(-1)[: local.size] >= 0)
@@ -181,8 +185,8 @@ class _Run:
         self.blocks = self.y.shape[0]
         self.inputs = group.packed(local)
         self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
-        self.alive = np.zeros((self.blocks, 1, LANES), dtype=np.int64)
-        self.alive.reshape(-1)[: local.size] = 1
+        self.active.reshape(-1)[: local.size] = 1
+        self.alive = self.active.copy()  # those that have not ended
         self.begin = self.end = 0
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
         self.growth = np.zeros((self.blocks, group.orth * record.growth.shape[0], self.count, LANES))
@@ -201,20 +205,24 @@ class _Run:
         ``phase`` is the number of steps after phase zero at which the run began. The kernel begins at the last step before
         the call at which what is saved and the growths both begin anew: up to the call's own first step all lanes wait.
         """
-        unit = lcm(self.save_every if self.saved.shape[1] else 1, self.orth_every if self.growth.shape[1] else 1)
-        begin = self.begin // unit * unit
+        begin = 0
+        if self.begin:
+            unit = lcm(self.save_every if self.saved.shape[1] else 1, self.orth_every if self.growth.shape[1] else 1)
+            begin = self.begin // unit * unit
         whole, all_steps = chosen.size == self.blocks, begin == 0 and self.end == self.total
         arrays: dict[str, Any] = {name: getattr(self, name) for name in _IN_PLACE}
         steady = {name: self.inputs[name] for name in ("h", "p", "offsets")}
         if not whole:
             arrays = {name: np.ascontiguousarray(a[chosen]) for name, a in arrays.items()}
             steady = {name: np.ascontiguousarray(a[chosen]) for name, a in steady.items()}
-        rows = {"saved": self.save_every, "growth": self.orth_every}
-        parts = {name: slice(begin // every, self.end // every) for name, every in rows.items()}
-        for name, part in parts.items():
-            here = getattr(self, name)
-            arrays[name] = here if whole and all_steps else np.ascontiguousarray(here[chosen, part])
-        first = np.ascontiguousarray(self.first[chosen] - begin)
+        first, parts = self.first, dict[str, slice]()
+        if whole and all_steps:
+            arrays |= {"saved": self.saved, "growth": self.growth}
+        else:
+            for name, every in (("saved", self.save_every), ("growth", self.orth_every)):
+                parts[name] = slice(begin // every, self.end // every)
+                arrays[name] = np.ascontiguousarray(getattr(self, name)[chosen, parts[name]])
+            first = np.ascontiguousarray(first[chosen] - begin)
         kernel = self.group.kernel
         kernel.advance(
             blocks=chosen.size, count=self.count, **arrays, **steady, first=first, tables=self.inputs["tables"],
@@ -225,10 +233,10 @@ class _Run:
         if not whole:
             for name in _IN_PLACE:
                 getattr(self, name)[chosen] = arrays[name]
-        if not (whole and all_steps):
-            for name, part in parts.items():
-                getattr(self, name)[chosen, part] = arrays[name]
-        self.failed[self.failed >= 0] += begin
+        for name, part in parts.items():
+            getattr(self, name)[chosen, part] = arrays[name]
+        if begin:
+            self.failed[self.failed >= 0] += begin
 
     def after_mended_step(self, block: Points, lane: Points, done: Integers) -> None:
         """Do after mended steps what the kernel does after its own where it is due: orthonormalise, and save."""
