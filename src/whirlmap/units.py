@@ -273,14 +273,9 @@ def _nearest(unit: str, expected: str) -> str:
     return nearest(unit, [name for name in COMMON if name in _SI and _SI[name][1] == _SI[expected][1]])
 
 
-def is_written(text: str) -> bool:
-    """Whether a text is a unit that engineers write, of more than one letter."""
-    return len(text) > 1 and text in _SI
-
-
-def of_dimension(unit: str, other: str) -> bool:
-    """Whether a unit that engineers write is of the dimension of another one."""
-    return other in _SI and _SI[unit][1] == _SI[other][1]
+def is_unit_of(text: str, unit: str) -> bool:
+    """Whether a text is a unit that engineers write, of more than one letter and of the dimension of another unit."""
+    return len(text) > 1 and text in _SI and unit in _SI and _SI[text][1] == _SI[unit][1]
 
 
 def known(unit: str) -> bool:

@@ -6,7 +6,7 @@ import re
 from typing import TYPE_CHECKING
 
 from whirlmap.errors import closest
-from whirlmap.units import example, is_written, of_dimension
+from whirlmap.units import example, is_unit_of
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -27,9 +27,8 @@ def of_symbol(family: Family, model: Model, name: str, quantities: Iterable[Para
     if lacking := family.hint(name, (), value):
         return lacking
     known = {q.name: q for q in quantities}
-    if is_written(name):
-        fitting = next((q for q in known.values() if q.unit != "1" and of_dimension(name, q.unit)), None)
-        return f" {name} is a unit{f', as in {fitting.name} = {example(fitting.unit)}' if fitting else ''}."
+    if measured := next((q for q in known.values() if is_unit_of(name, q.unit)), None):
+        return f" {name} is a unit, as in {measured.name} = {example(measured.unit)}."
     near = closest(name, [*known, *family.switches])
     if near is None or near.casefold() != name.casefold():
         words = re.findall(r"[a-z]{4,}", name.casefold().replace("_", " "))
