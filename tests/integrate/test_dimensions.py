@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
+from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import PURE, Dimensions
 
 
@@ -32,6 +33,15 @@ def test_velocities_follow_a_varied_speed(gearbox):
     many = Dimensions(gearbox).quantity("vyp", s=s).size
     one = [Dimensions(gearbox.replace(s=value)).quantity("vyp").size for value in s]
     np.testing.assert_allclose(many, one, rtol=1e-14)
+
+
+def test_a_result_is_converted_once_and_by_its_own_case(gearbox):
+    ds = whirlmap.simulate(gearbox, periods=2)
+    shown = whirlmap.in_units(gearbox, ds)
+    with pytest.raises(RangeError, match="already"):
+        whirlmap.in_units(gearbox, shown)
+    with pytest.raises(RangeError, match="found a result of machines/turbo-gearbox"):
+        whirlmap.in_units(whirlmap.load("machines/jeffcott-rig"), ds)
 
 
 @pytest.mark.parametrize("case", ["duffing", "jeffcott", "gear-psfd/intended"])

@@ -7,6 +7,7 @@ from typer.testing import CliRunner
 
 from whirlmap.cli.main import app
 from whirlmap.integrate.loading import load
+from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep import attractor_search
 from whirlmap.sweep import attractors as found
@@ -84,7 +85,13 @@ def test_basins_interrupted_while_starts_settle_keep_those_that_have(monkeypatch
     assert work.done == 32 and ds.attrs["incomplete"] == "interrupted after 32 of 120 starts"
     status = ds["start_status"].values.ravel()
     assert (status[:32] == Status.ok).all() and (status[32:] == Status.failed).all()
-    assert int(ds["outcome_starts"].sum()) == 32
+    assert int(ds["starts"].sum()) == 32 and int(ds["outcome_starts"].sum()) == 0  # none of them is undecided
+    assert (ds["regime"] == Regime.periodic).all()
+
+
+def test_starts_of_a_strange_attractor_that_nobody_has_labelled_yet_are_not_called_undecided(monkeypatch):
+    interrupt(monkeypatch, attractor_search.Search, "_label")
+    assert attractors_in_parts(load("duffing", gamma=0.5), starts=16, workers=1).dataset is None
 
 
 def test_basins_interrupted_before_the_measurement_keep_attractors_and_shares(monkeypatch):

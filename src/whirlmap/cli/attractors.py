@@ -160,6 +160,11 @@ def _vote(vote: Any) -> str:
     return Vote(int(vote)).name
 
 
+def _exponent(numbers: dict[str, Any], unit: str) -> str:
+    value = numbers["lyapunov"]
+    return report.with_error(value, numbers["lyapunov_error"]) + report.unit_behind(unit) if value == value else "-"
+
+
 def say_attractors(facts: dict[str, Any]) -> None:
     """Print the table of attractors, and how the other starts ended."""
     found = facts["attractors"]
@@ -175,7 +180,7 @@ def say_attractors(facts: dict[str, Any]) -> None:
         units = numbers["units"]
         rows.append((
             str(a["number"]), label, f"{100 * a['share']:.2f} +- {100 * a['share_error']:.2f} %",
-            report.with_error(numbers["lyapunov"], numbers["lyapunov_error"]) + report.unit_behind(units["lyapunov"]),
+            _exponent(numbers, units["lyapunov"]),
             f"{name} {swing:.4g}{report.unit_behind(units['peak_to_peak'][name])}" if swing == swing else "-", votes,
         ))  # fmt: skip
     if rows:

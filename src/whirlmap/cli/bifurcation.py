@@ -101,10 +101,12 @@ def bifurcation(
     from whirlmap.analysis.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in
+    from whirlmap.sweep.memory import refuse_memory
     from whirlmap.sweep.run import diagram_in_batches, expected_periods
 
     settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
     total = swept.count * (2 if follow == "both" else 1)
+    refuse_memory("the diagram", 2 * total * keep * len(states))  # at least, and before anything of its size is made
     expected = expected_periods(system, total, settling, {swept.name: swept.values})
     with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
         work = diagram_in_batches(

@@ -92,7 +92,7 @@ def linear(
         modes = [(m["growth"], m["frequency"], m["damping_ratio"], m["name"]) for m in facts["eigenvalues"]]
         report.show(report.table(title, (growth, frequency, "damping ratio", "mode"), modes, numbers=(0, 1, 2)))
     for name, one in films.items():
-        keys = [key for key in one if key[0] in "KC" and one[key] is not None]
+        keys = [key for key in one if key[0] in "KC" and one[key] is not None and (units.known or "_over_" in key)]
         rows = [
             (axes, *(float(one[key][i][j]) for key in keys))
             for axes, i, j in (("xx", 0, 0), ("xy", 0, 1), ("yx", 1, 0), ("yy", 1, 1))

@@ -194,6 +194,12 @@ def map(  # noqa: A001 (the command's name)
             files = []
             if store is None and (kept := watch.kept(place)) is not None:
                 files = destination.write(kept, lambda done: pictures.regime_map(units, done, quantity))
+            if json and watch.last is not None:
+                now = f"interrupted after {watch.last.points_done} of {watch.last.points_total} points"
+                report.print_json({
+                    "case": system.case, "model": system.model.name, "varied": list(space.names),
+                    **watch.facts(space.points, refine), "store": store, "files": files, "incomplete": now,
+                })  # fmt: skip
             say(watch.interrupted(store, files))
             raise typer.Exit(interrupts.INTERRUPTED) from None
         finally:
@@ -205,6 +211,7 @@ def map(  # noqa: A001 (the command's name)
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.names),
         **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
+        "incomplete": None,
     }  # fmt: skip
     if json:
         report.print_json(facts)

@@ -170,7 +170,9 @@ def _print(facts: dict[str, Any]) -> None:
     repeats = f"{common:.7g}{unit}" if common is not None else "-"
     typer.echo(f"period T = {facts['period']:.7g}{unit}, common period = {repeats}")
     status = Status[facts["status"]]
-    if status == Status.ok:
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
+    elif status == Status.ok:
         typer.echo("status: ok, ran to its end")
     else:
         typer.echo(f"status: {status.name} at time {facts['end_time']:.9g}{unit}: {status.sentence}")

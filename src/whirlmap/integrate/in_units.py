@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import PURE, Dimensions, Unit
 from whirlmap.integrate.system import System
 from whirlmap.results.findings import Findings, Variable
@@ -42,7 +43,17 @@ def in_units(system: System, result: Result) -> Result:
     xr.Dataset or Findings
         With the same variables. Their attribute ``units`` says the unit; ``unit_of_each`` does so for every state, output
         or quantity. What the case does not give a unit, as every result of a case without dimensions, is returned as it is.
+
+    Raises
+    ------
+    RangeError
+        The result is one of another case, or was converted before.
     """
+    of, done = result.attrs.get("case"), result.attrs.get("in_units")
+    if of not in (None, system.case):
+        raise RangeError(f"in_units: found a result of {of}, and the system of {system.case}")
+    if done:
+        raise RangeError("in_units: found a result that is in the units of its engineers already")
     return shown_in(Dimensions(system), result)
 
 
@@ -56,7 +67,8 @@ def shown_in(units: Dimensions, result: Result) -> Result:
     converted = _Converter(units.system, units, every, varied)
     made = Findings(
         {name: converted(name, variable) for name, variable in found.variables.items()},
-        {name: converted(name, variable) for name, variable in found.coordinates.items()}, found.attrs,
+        {name: converted(name, variable) for name, variable in found.coordinates.items()},
+        {**found.attrs, "in_units": "um, mm/s, N, rpm, s, 1/s, Hz"},
     )  # fmt: skip
     return made if isinstance(result, Findings) else made.dataset()
 

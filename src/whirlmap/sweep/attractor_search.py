@@ -43,6 +43,8 @@ Progress = Callable[[int], None]
 RECORD, TRACE, LONGER = 32, 2048, 4
 #: Starts that do not return which are labelled together at most.
 MOST_AT_ONCE = 1024
+#: Times that orbits are closed once a search is interrupted, each some tenths of a second.
+LAST = 4
 #: Labels of runs that reach no attractor.
 ENDLESS = (Regime.drifting, Regime.growing, Regime.not_settled)
 
@@ -85,6 +87,21 @@ class Search:
         self._trace_rest()
         self._join_sets()
         return f
+
+    def gather_some(self) -> None:
+        """Gather starts that have settled and return, for a moment: what an interrupted search does last."""
+        for _ in range(LAST if self.system.model.forced else 0):
+            left = self._left()
+            returned = left[(self.multiple[left] > 0) & (left < self.found.settled)]
+            if returned.size:
+                self._gather(returned)
+
+    @property
+    def gathered(self) -> NDArray[np.bool_]:
+        """Which starts have come to an attractor, or ended, shape (start,)."""
+        f = self.found
+        came = (f.of >= 0) | (f.status != Status.ok) | np.isin(f.outcome, ENDLESS)
+        return np.asarray(came & (np.arange(came.size) < f.settled))
 
     def _left(self) -> Starts:
         """Starts that run and have no attractor yet."""

@@ -141,8 +141,9 @@ def attractors_in_parts(
     """Find attractors; `KeyboardInterrupt` ends it with the starts that have settled and the attractors found so far.
 
     ``done`` and ``total`` of the work count starts, and the measurement of the attractors as one more. Parameters are those
-    of `attractors`, and so is the Dataset; where it carries ``incomplete``, shares are those of the starts that have
-    settled, the others have ``start_status`` failed, and of the attractors no more is known than `found_so_far` says.
+    of `attractors`, and so is the Dataset; where it carries ``incomplete``, shares are those of the starts that have come to
+    an attractor or ended, the others have ``start_status`` failed, and of the attractors no more is known than
+    `found_so_far` says.
     """
     settling = settling or Settling()
     if lyapunov is not None and not LEAST <= lyapunov <= 10_000_000:
@@ -160,24 +161,29 @@ def attractors_in_parts(
                 f"starts have shape {x.shape}, expected {system.model.dimension} states ({' '.join(system.states)}) by"
                 " one or more starts, all finite"
             )
-    search, doubts, n = None, None, x.shape[1]
+    search, doubts, n, settled = None, None, x.shape[1], 0
     missing = "all starts had come to an attractor"
     try:
         labelling, doubts = _one_step(system, labelling, x, progress)
         search = Search(system, labelling, x, progress)
         search.run()
         missing = "the attractors were measured"
-        ds = _dataset(system, labelling, search.found, x, _evidence(system, labelling, search.found, progress))
+        evidence = _evidence(system, labelling, search.found, progress)
+        ds = _dataset(system, labelling, search.found, x, evidence, np.ones(n, dtype=bool))
         missing = ""
     except KeyboardInterrupt:
-        if search is None or not search.found.settled:
+        if search is None:
             return Work(None, 0, n + 1)
-        ds = _dataset(system, labelling, search.found, x, found_so_far(system, search))
-        settled = search.found.settled
+        search.gather_some()
+        gathered = search.gathered  # a start that has settled alone has no outcome yet: it is not undecided
+        if not gathered.any():
+            return Work(None, 0, n + 1)
+        ds = _dataset(system, labelling, search.found, x, found_so_far(system, search), gathered)
+        settled = int(gathered.sum())
         ds.attrs["incomplete"] = "interrupted " + (f"after {settled} of {n} starts" if settled < n else f"before {missing}")
     if doubts:
         ds.attrs["accuracy_not_met"] = doubts
-    return Work(ds.assign_attrs({"seed": seed} if drawn else {}), search.found.settled if missing else n + 1, n + 1)
+    return Work(ds.assign_attrs({"seed": seed} if drawn else {}), settled if missing else n + 1, n + 1)
 
 
 
@@ -253,11 +259,15 @@ def _share(count: NDArray[np.int64], total: int) -> tuple[Array, Array]:
 
 
 def _dataset(
-    system: System, labelling: Labelling, found: Found, starts: Array, known: tuple[xr.Dataset, dict[str, Any]]
-) -> xr.Dataset:
-    """Dataset of a search; ``known`` are the attractors and attributes, of `_evidence` or `found_so_far`."""
+    system: System, labelling: Labelling, found: Found, starts: Array, known: tuple[xr.Dataset, dict[str, Any]],
+    settled: NDArray[np.bool_],
+) -> xr.Dataset:  # fmt: skip
+    """Dataset of a search; ``known`` are the attractors and attributes, of `_evidence` or `found_so_far`.
+
+    ``settled`` are the starts that count.
+    """
     ds, attributes = known
-    of, settled = found.of, np.arange(starts.shape[1]) < found.settled
+    of = found.of
     n = int(settled.sum())
     if found.representative:
         # An attractor is what has a label, once labels are known.
