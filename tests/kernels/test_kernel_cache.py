@@ -303,7 +303,9 @@ def test_no_part_of_a_declaration_is_forgotten():
         "name", "states", "parameters", "equations", "harmonics", "defaults", "outputs", "stops", "section",
         "typical_time", "start", "bound", "tables", "clocks", "switchings", "teeth",
     }  # fmt: skip
-    read_when_running = {"start_where_none", "plain", "checks", "switches", "swing", "sources", "films"}
+    read_when_running = {
+        "start_where_none", "plain", "checks", "switches", "swing", "sources", "films", "bodies", "equilibrium",
+    }  # fmt: skip
     assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running
 
 

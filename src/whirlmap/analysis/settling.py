@@ -41,7 +41,7 @@ Integers = NDArray[np.int64]
 
 #: Common periods between two looks at a point, at first; later the largest power of two that is at most a
 #: `SELDOM`-th of those it has run, up to `MOST`: what Python does for a look costs a small model more than the periods.
-ROUND, SELDOM, MOST = 4, 8, 128
+ROUND, SELDOM, MOST = 4, 8, 32
 #: Part of the largest magnitude that a state has had at all which counts as its magnitude: one that has died out
 #: does not return by its own size.
 PAST = 1e-3

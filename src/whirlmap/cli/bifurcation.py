@@ -123,9 +123,9 @@ def bifurcation(
     report.say_doubts(work.dataset.attrs)
     small = work.dataset.drop_vars("section")  # which would be in memory twice
     facts = summary(units, shown_in(units, small), swept.name)
-    facts["assumptions"] = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
+    assumptions = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
-        own = summary(Dimensions(system, own=True), work.dataset, swept.name)
+        own = {**summary(Dimensions(system, own=True), work.dataset, swept.name), "assumptions": assumptions}
         there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
         report.print_json({**report.beside(own, there, ("values", "sweeps", "hysteresis", "units"), units), "files": files})
     else:

@@ -163,7 +163,8 @@ def refuse_input(system: "System", name: str, option: str) -> None:
         fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
         hint = f"; it feeds {', '.join(fed)}" if fed else ""
         raise RangeError(
-            f"{option}: found the dimensional input {name!r}, expected a dimensionless parameter{hint}"
+            f"{option}: found the dimensional input {name!r} (improve varies those), expected a dimensionless"
+            f" parameter{hint}"
             f"\n  parameters: {' '.join(system.parameters)}"
         )
 
