@@ -78,8 +78,8 @@ class LabelledPoints:
         self.kept = [system.states.index(name) for name in kept]
         self.returns: Returns
         self.ends: Array  # states at the ends of the records
-        # Points whose judgement has left the place of their record, and where, after how many T.
-        self.left, self.turns = np.zeros(ensemble.points, dtype=bool), ensemble.turns.copy()
+        # Which points are away from their record, for their judgement ran on, and the T that they have run by then.
+        self.away, self.turns = np.zeros(ensemble.points, dtype=bool), ensemble.turns.copy()
 
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
         """Settle, judge, close, settle on."""
@@ -109,7 +109,7 @@ class LabelledPoints:
             found.regime[self._open(open_points, found.shrinks)] = Regime.not_settled
             self._follow(open_points[(found.regime[open_points] == Regime.chaotic) & e.running[open_points]])
             if e.model.forced:
-                self._record_where_left(open_points[self.left[open_points] & e.running[open_points]])
+                self._record_where_left(open_points[self.away[open_points] & e.running[open_points]])
             tell(self.progress, "closed", open_points.size)
         thins = np.isfinite(self.returns.thinning)
         found.winding[:] = np.where(thins, self.returns.turning, found.winding)
@@ -159,7 +159,7 @@ class LabelledPoints:
         found.take(judged, points)
         self._label_trends(points)
         on = np.flatnonzero(~ends)
-        self.left[points[on]], self.turns[points[on]] = True, tangent.turns[on]
+        self.away[points[on]], self.turns[points[on]] = True, tangent.turns[on]
         if e.returns:
             e.put(points[on], judged.x[:, on])
             e.turns[points[on]] += judged.periods[on]
@@ -287,7 +287,7 @@ class LabelledPoints:
         found, points = self.found, points[which]
         part = part if isinstance(which, slice) else part.subset(which)
         self.ensemble.absorb(part, points)
-        self.ends[:, points], self.left[points] = part.x, False
+        self.ends[:, points], self.away[points] = part.x, False
         values: dict[str, Any] = {name: getattr(self.returns, name).copy() for name in RETURNS}
         extremes = {k: v.copy() for k, v in self.returns.extremes.items()}
         for name, one in values.items():
