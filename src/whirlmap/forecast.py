@@ -1,6 +1,6 @@
 """How long work on operating points will take, from what is known while it runs.
 
-Points that do not return run fifty times as long as those that do, and which they are is known only once they have settled.
+Points that do not return run far longer than those that do, and which they are is known only once they have settled.
 So the two parts of the work are counted apart, in T and in seconds:
 
 1. Points that have not settled yet take as many T to settle as those that have took in the mean, and so many of them will

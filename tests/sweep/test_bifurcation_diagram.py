@@ -120,3 +120,8 @@ def test_a_point_alone_in_a_diagram_in_shares_and_after_a_refinement():
         a, b = whole.sel(omega=shared), part.sel(omega=shared)
         for variable in ("section", "steps", "step_error", "regime", "period_T", "settled_after", "maximum", "rms"):
             np.testing.assert_array_equal(a[variable], b[variable], err_msg=f"{name}: {variable}")
+
+
+def test_values_that_are_no_numbers_are_refused_by_a_sentence():
+    with pytest.raises(RangeError, match="values of 's' must be numbers in the model's own units"):
+        whirlmap.bifurcation_diagram(whirlmap.load("jeffcott"), "s", ["1000 rpm"])

@@ -102,7 +102,8 @@ Accuracy = Annotated[
     typer.Option(
         "--accuracy",
         metavar="X",
-        help="Largest error over one common period that the steps per T are chosen for; 1e-6 where absent.",
+        help="Largest error over one common period (unforced models: one typical time) that the steps per T are chosen"
+        " for; 1e-6 (1e-9) where absent.",
         rich_help_panel=COMPUTING,
     ),
 ]
@@ -111,7 +112,7 @@ Method = Annotated[
     typer.Option(
         "--method",
         metavar="NAME",
-        help="Integration method: dop853, tsit5 or rk4; dop853 for forced, rk4 for unforced systems where absent.",
+        help="Integration method: dop853, tsit5 or rk4; dop853 where absent.",
         rich_help_panel=COMPUTING,
     ),
 ]

@@ -34,9 +34,8 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-#: Calls of a kernel for each worker, and blocks in one call at most. Calls of
-#: fewer steps of blocks than `SHORT` are not divided: they take less than some milliseconds, Python's part of a call 0.1.
-#: As little work in all starts no threads.
+#: Calls of a kernel for each worker, and blocks in one call at most. Calls of fewer steps of blocks than `SHORT` are not
+#: divided: they take less than some milliseconds, Python's part of a call 0.1. As little work in all starts no threads.
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
 #: Turns that are counted at most; no run reaches them.

@@ -86,7 +86,10 @@ def bifurcation_diagram(
     A point that ends in contact or diverges hands on the default start of the next.
     """
     settling = settling or Settling()
-    points = np.atleast_1d(np.asarray(values, dtype=float))
+    try:
+        points = np.atleast_1d(np.asarray(values, dtype=float))
+    except ValueError as error:  # text such as "1000 rpm", which the command line converts
+        raise RangeError(f"values of {parameter!r} must be numbers in the model's own units: {error}") from error
     if points.ndim != 1 or points.size < 1 or np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
     if follow is not None and follow not in ("up", "down", "both"):

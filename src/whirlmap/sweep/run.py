@@ -83,9 +83,10 @@ def diagram_in_batches(
     settling = settling or Settling()
     if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    groups = order_groups(system, parameter_values(system, {parameter: points}), [parameter])  # refuses now what the last
-    common = max(group.strobe for group in groups)  # batch would meet
-    Labelling(settling, lyapunov)  # refuses a length that gives no error now
+    # These refuse now what the last batch would meet, and a length that gives no error.
+    groups = order_groups(system, parameter_values(system, {parameter: points}), [parameter])
+    Labelling(settling, lyapunov)
+    common = max(group.strobe for group in groups)
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
     block = LANES * (workers or cores())
     size = batch or (BATCH * block if follow is None else CHAIN)
