@@ -21,7 +21,7 @@ def lane_time(psi, count, common_periods):
     import numpy as np
 
     import whirlmap
-    from whirlmap.analysis.points import make_ensemble
+    from whirlmap.analysis.motion.ensembles import make_ensemble
 
     system = whirlmap.load("gear-psfd/reference", psi=psi, s=2.0)
     ensemble, _ = make_ensemble(system, {"s": np.linspace(0.3, 4, count)}, steps=STEPS, method="rk4", workers=1)
@@ -36,7 +36,7 @@ def write_for_one_lane():
     """Make the kernels' module of vectors again, for blocks of one lane, before anything imports it."""
     import importlib.util
 
-    spec = importlib.util.find_spec("whirlmap.kernels.routine")
+    spec = importlib.util.find_spec("whirlmap.kernels.writing.routine")
     module = importlib.util.module_from_spec(spec)
     text = spec.loader.get_source(spec.name)
     assert "LANES = 8" in text

@@ -9,7 +9,7 @@ from sympy import Symbol, cos, sin, sympify
 
 from whirlmap.bench.problems import Problem
 from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
-from whirlmap.kernels.lower import Hoisted, hoist, split_harmonics
+from whirlmap.kernels.lowering.lower import Hoisted, hoist, split_harmonics
 
 
 def jitcode_runs(problem: Problem, methods: tuple[str, ...], tolerances: tuple[float, ...]):

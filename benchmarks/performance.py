@@ -20,8 +20,8 @@ import numpy as np
 import whirlmap
 from peers import jitcode_runs, pynamicalsys_runs
 from performance_report import write
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.settling import Settling, settle
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady.settling import Settling, settle
 from whirlmap.bench import contest, problems
 from whirlmap.bench.run import (
     ACCURACIES,
@@ -137,8 +137,8 @@ import re, sys
 from pathlib import Path
 import numpy as np
 import whirlmap
-from whirlmap.analysis.settling import Settling
-from whirlmap.sweep.run import diagram_in_batches
+from whirlmap.analysis.steady.settling import Settling
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
 
 points, transient = int(sys.argv[1]), int(sys.argv[2])
 system = whirlmap.load("gear-psfd/reference", psi=0.0)

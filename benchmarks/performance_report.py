@@ -3,7 +3,7 @@
 from pathlib import Path
 
 from whirlmap.bench.report import figure, markdown, ratio_rows, work_precision
-from whirlmap.plot.save import save
+from whirlmap.plot.common.save import save
 
 HEAD = """# Performance
 

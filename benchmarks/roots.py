@@ -1,4 +1,4 @@
-"""What divisions cost beside estimates on this processor: an entry of `whirlmap.kernels.root_choice.MEASURED`.
+"""What divisions cost beside estimates on this processor: an entry of `whirlmap.kernels.running.root_choice.MEASURED`.
 
 Run it with ``python benchmarks/roots.py``. The films are the plain one (psi = 0, closed form), the porous one (psi = 1e-3,
 tables) and the positive arc (psi = 0, tables in the frame of the load) of the gear pair. Both ways take turns in one thread,
@@ -11,10 +11,10 @@ import time
 import numpy as np
 
 import whirlmap
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.kernels.machine import processor
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.kernels.methods import METHODS
-from whirlmap.kernels.root_choice import RootChoice, possible, using
+from whirlmap.kernels.running.machine import processor
+from whirlmap.kernels.running.root_choice import RootChoice, possible, using
 
 #: Lanes: eight blocks; and T of one turn.
 COUNT, PERIODS = 64, 40

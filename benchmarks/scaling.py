@@ -20,10 +20,10 @@ import numpy as np
 
 import whirlmap
 from whirlmap.analysis.labels.labelling import Labelling
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.integrate.ensemble import Ensemble, cores
-from whirlmap.sweep.map import regime_map
-from whirlmap.sweep.store import Store
+from whirlmap.sweep.maps.regime_map import regime_map
+from whirlmap.sweep.store.zarr_store import Store
 
 #: The sweep that is timed: half of it below the onset of whirl, half of it above.
 CASE, VARIED, FIRST, LAST, POINTS, CHUNK = "gear-psfd/machine", "s", 2.0, 4.0, 2048, 64
@@ -51,7 +51,7 @@ def timed(function, clock=time.perf_counter):
 
 def time_per_step():
     """Processor seconds of one step of one lane, without and with a tangent vector, in full blocks, one thread."""
-    from whirlmap.analysis.points import make_ensemble
+    from whirlmap.analysis.motion.ensembles import make_ensemble
 
     out = {}
     for tangents in (0, 1):
@@ -121,7 +121,7 @@ MEMORY = """
 import sys, tempfile
 from pathlib import Path
 import numpy as np, whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 with tempfile.TemporaryDirectory() as folder:
     whirlmap.regime_map(whirlmap.load("duffing"), {"gamma": np.linspace(0.2, 0.6, int(sys.argv[1]))}, workers=2,
                         store=Path(folder) / "map", chunk=256, settling=Settling(transient=20, most=8, keep=8), lyapunov=0)

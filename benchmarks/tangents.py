@@ -11,7 +11,7 @@ import time
 import numpy as np
 
 import whirlmap
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 
 #: Method, steps per T, and lanes: eight blocks.
 METHOD, STEPS, COUNT = "dop853", 24, 64

@@ -10,67 +10,67 @@ from whirlmap.version import __version__ as __version__
 
 if TYPE_CHECKING:
     from whirlmap import plot as plot
-    from whirlmap.analysis.campbell import campbell as campbell
-    from whirlmap.analysis.diagnosis import diagnose as diagnose
-    from whirlmap.analysis.dimension import correlation_dimension as correlation_dimension
-    from whirlmap.analysis.film_coefficients import film_coefficients as film_coefficients
-    from whirlmap.analysis.floquet import floquet_multipliers as floquet_multipliers
-    from whirlmap.analysis.linear import linear_analysis as linear_analysis
-    from whirlmap.analysis.lyapunov import lyapunov_spectrum as lyapunov_spectrum
-    from whirlmap.analysis.ross import ross_bearing as ross_bearing
-    from whirlmap.analysis.series import diagnose_series as diagnose_series
-    from whirlmap.analysis.settling import Settling as Settling
-    from whirlmap.analysis.spectrum import full_spectrum as full_spectrum
-    from whirlmap.analysis.spectrum import power_spectrum as power_spectrum
-    from whirlmap.analysis.switching import switchings as switchings
-    from whirlmap.analysis.threshold import stability_threshold as stability_threshold
-    from whirlmap.analysis.trajectory import section as section
-    from whirlmap.analysis.trajectory import simulate as simulate
+    from whirlmap.analysis.diagnosis.diagnosis import diagnose as diagnose
+    from whirlmap.analysis.indicators.correlation_dimension import correlation_dimension as correlation_dimension
+    from whirlmap.analysis.linear.campbell import campbell as campbell
+    from whirlmap.analysis.linear.film_coefficients import film_coefficients as film_coefficients
+    from whirlmap.analysis.linear.linearisation import linear_analysis as linear_analysis
+    from whirlmap.analysis.linear.ross_bearing import ross_bearing as ross_bearing
+    from whirlmap.analysis.linear.stability_threshold import stability_threshold as stability_threshold
+    from whirlmap.analysis.signals.diagnose_series import diagnose_series as diagnose_series
+    from whirlmap.analysis.simulation.surface_crossings import switchings as switchings
+    from whirlmap.analysis.simulation.trajectory import section as section
+    from whirlmap.analysis.simulation.trajectory import simulate as simulate
+    from whirlmap.analysis.spectra.spectrum import full_spectrum as full_spectrum
+    from whirlmap.analysis.spectra.spectrum import power_spectrum as power_spectrum
+    from whirlmap.analysis.steady.settling import Settling as Settling
+    from whirlmap.analysis.variational.floquet import floquet_multipliers as floquet_multipliers
+    from whirlmap.analysis.variational.lyapunov import lyapunov_spectrum as lyapunov_spectrum
     from whirlmap.integrate.in_units import in_units as in_units
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
     from whirlmap.results.labels import labels as labels
-    from whirlmap.sweep.attractors import attractors as attractors
-    from whirlmap.sweep.basins import basins as basins
-    from whirlmap.sweep.diagram import bifurcation_diagram as bifurcation_diagram
-    from whirlmap.sweep.improve import improve as improve
-    from whirlmap.sweep.map import regime_map as regime_map
-    from whirlmap.sweep.map import tolerance_sweep as tolerance_sweep
-    from whirlmap.sweep.points import label_points as label_points
-    from whirlmap.sweep.speeds import safe_speeds as safe_speeds
-    from whirlmap.sweep.waterfall import waterfall as waterfall
+    from whirlmap.sweep.attractors.attractors import attractors as attractors
+    from whirlmap.sweep.attractors.basins import basins as basins
+    from whirlmap.sweep.diagrams.diagram import bifurcation_diagram as bifurcation_diagram
+    from whirlmap.sweep.diagrams.waterfall import waterfall as waterfall
+    from whirlmap.sweep.maps.regime_map import regime_map as regime_map
+    from whirlmap.sweep.maps.regime_map import tolerance_sweep as tolerance_sweep
+    from whirlmap.sweep.points.label_points import label_points as label_points
+    from whirlmap.sweep.speeds.improve import improve as improve
+    from whirlmap.sweep.speeds.safe_speeds import safe_speeds as safe_speeds
 
 
 _HOMES = {
-    "ross_bearing": "whirlmap.analysis.ross",
-    "campbell": "whirlmap.analysis.campbell",
-    "diagnose": "whirlmap.analysis.diagnosis",
-    "correlation_dimension": "whirlmap.analysis.dimension",
-    "linear_analysis": "whirlmap.analysis.linear",
-    "stability_threshold": "whirlmap.analysis.threshold",
-    "lyapunov_spectrum": "whirlmap.analysis.lyapunov",
-    "Settling": "whirlmap.analysis.settling",
-    "diagnose_series": "whirlmap.analysis.series",
-    "film_coefficients": "whirlmap.analysis.film_coefficients",
-    "floquet_multipliers": "whirlmap.analysis.floquet",
-    "full_spectrum": "whirlmap.analysis.spectrum",
-    "power_spectrum": "whirlmap.analysis.spectrum",
-    "switchings": "whirlmap.analysis.switching",
-    "section": "whirlmap.analysis.trajectory",
-    "simulate": "whirlmap.analysis.trajectory",
+    "ross_bearing": "whirlmap.analysis.linear.ross_bearing",
+    "campbell": "whirlmap.analysis.linear.campbell",
+    "diagnose": "whirlmap.analysis.diagnosis.diagnosis",
+    "correlation_dimension": "whirlmap.analysis.indicators.correlation_dimension",
+    "linear_analysis": "whirlmap.analysis.linear.linearisation",
+    "stability_threshold": "whirlmap.analysis.linear.stability_threshold",
+    "lyapunov_spectrum": "whirlmap.analysis.variational.lyapunov",
+    "Settling": "whirlmap.analysis.steady.settling",
+    "diagnose_series": "whirlmap.analysis.signals.diagnose_series",
+    "film_coefficients": "whirlmap.analysis.linear.film_coefficients",
+    "floquet_multipliers": "whirlmap.analysis.variational.floquet",
+    "full_spectrum": "whirlmap.analysis.spectra.spectrum",
+    "power_spectrum": "whirlmap.analysis.spectra.spectrum",
+    "switchings": "whirlmap.analysis.simulation.surface_crossings",
+    "section": "whirlmap.analysis.simulation.trajectory",
+    "simulate": "whirlmap.analysis.simulation.trajectory",
     "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
     "labels": "whirlmap.results.labels",
-    "attractors": "whirlmap.sweep.attractors",
-    "basins": "whirlmap.sweep.basins",
-    "bifurcation_diagram": "whirlmap.sweep.diagram",
-    "label_points": "whirlmap.sweep.points",
-    "safe_speeds": "whirlmap.sweep.speeds",
-    "improve": "whirlmap.sweep.improve",
-    "regime_map": "whirlmap.sweep.map",
-    "tolerance_sweep": "whirlmap.sweep.map",
-    "waterfall": "whirlmap.sweep.waterfall",
+    "attractors": "whirlmap.sweep.attractors.attractors",
+    "basins": "whirlmap.sweep.attractors.basins",
+    "bifurcation_diagram": "whirlmap.sweep.diagrams.diagram",
+    "label_points": "whirlmap.sweep.points.label_points",
+    "safe_speeds": "whirlmap.sweep.speeds.safe_speeds",
+    "improve": "whirlmap.sweep.speeds.improve",
+    "regime_map": "whirlmap.sweep.maps.regime_map",
+    "tolerance_sweep": "whirlmap.sweep.maps.regime_map",
+    "waterfall": "whirlmap.sweep.diagrams.waterfall",
 }
 
 __all__ = ["__version__", "plot", *_HOMES]

@@ -1,6 +1,6 @@
 """``python -m whirlmap``, and what the program ``whirlmap`` begins with."""
 
-from whirlmap.cli import interrupts
+from whirlmap.cli.common import interrupts
 
 
 def run() -> None:

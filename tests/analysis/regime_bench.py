@@ -14,9 +14,9 @@ import numpy as np
 from maps import GOLDEN, circle_map, sines
 
 import whirlmap
-from whirlmap.analysis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis.diagnosis import diagnose
 from whirlmap.analysis.labels.regime import regime
-from whirlmap.analysis.periodicity import return_multiple
+from whirlmap.analysis.steady.periodicity import return_multiple
 from whirlmap.results.regime import Regime
 
 

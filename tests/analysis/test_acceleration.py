@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from whirlmap.analysis import acceleration, settling
-from whirlmap.analysis.extrapolation import DIFFERENCES, room_for_fit, step_to_limit
-from whirlmap.analysis.floquet import floquet_multipliers
-from whirlmap.analysis.monodromy import largest_multipliers
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.settling import Settling, settle
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady import acceleration, settling
+from whirlmap.analysis.steady.extrapolation import DIFFERENCES, room_for_fit, step_to_limit
+from whirlmap.analysis.steady.settling import Settling, settle
+from whirlmap.analysis.variational.floquet import floquet_multipliers
+from whirlmap.analysis.variational.monodromy import largest_multipliers
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System

@@ -10,7 +10,7 @@ import pytest
 
 import whirlmap
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 COUNT, STEPS, PERIODS = 16, 160, 3000
 

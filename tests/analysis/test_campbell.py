@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.campbell import campbell
+from whirlmap.analysis.linear.campbell import campbell
 from whirlmap.equations import Model, Parameter, cos, sin, states, t
 from whirlmap.errors import RangeError
 from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared

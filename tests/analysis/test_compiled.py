@@ -7,12 +7,12 @@ import sys
 import numpy as np
 import pytest
 
-from whirlmap.analysis.compiled import compiled
+from whirlmap.kernels.running.loops import compiled
 
 LOOPS = '''
 import sys
 import numpy as np
-from whirlmap.analysis.compiled import compiled
+from whirlmap.kernels.running.loops import compiled
 
 FACTOR = {factor}
 
@@ -50,8 +50,8 @@ def test_a_changed_loop_or_constant_of_its_file_is_compiled_again(tmp_path):
 
 
 def test_the_key_holds_compiler_version_and_processor(monkeypatch):
-    from whirlmap.analysis import compiled as module
-    from whirlmap.analysis.recurrence import _diagonals
+    from whirlmap.analysis.indicators.recurrence import _diagonals
+    from whirlmap.kernels.running import loops as module
 
     loop = _diagonals.__wrapped__
     keys = [module._key(loop)]

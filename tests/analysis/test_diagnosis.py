@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis_json import verdict_json
+from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
 
 
 @pytest.mark.parametrize(

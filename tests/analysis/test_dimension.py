@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from whirlmap.analysis.dimension import STATUS, correlation_dimension
+from whirlmap.analysis.indicators.correlation_dimension import STATUS, correlation_dimension
 from whirlmap.errors import RangeError
 
 N = 10_000

@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from whirlmap.analysis.embedding import (
+from whirlmap.analysis.signals.embedding import (
     LAG_STATUS,
     NEIGHBOUR_STATUS,
     _nearest,

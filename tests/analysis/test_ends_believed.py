@@ -4,16 +4,16 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from whirlmap.analysis.endings import restarted
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.returns import settle_and_record
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady.endings import restarted
+from whirlmap.analysis.steady.returns import settle_and_record
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.equations import Model, Output, Parameter, State, cos, sin, sqrt, t, when
 from whirlmap.integrate.accuracy import Verdict
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 x, v = State("x", "1", "x"), State("v", "1", "v")
 y, w = State("y", "1", "y"), State("w", "1", "rate of y")

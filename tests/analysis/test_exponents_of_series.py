@@ -5,9 +5,9 @@ import pytest
 from maps import GOLDEN, henon, logistic, sines
 
 import whirlmap
-from whirlmap.analysis.kantz import kantz_exponent
-from whirlmap.analysis.parting import is_flow, noise, resolved
-from whirlmap.analysis.rosenstein import rosenstein_exponent
+from whirlmap.analysis.signals.kantz import kantz_exponent
+from whirlmap.analysis.signals.neighbour_divergence import is_flow, noise, resolved
+from whirlmap.analysis.signals.rosenstein import rosenstein_exponent
 from whirlmap.errors import RangeError
 
 METHODS = [rosenstein_exponent, kantz_exponent]

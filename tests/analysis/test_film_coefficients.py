@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.film_coefficients import film_coefficients
-from whirlmap.analysis.ross import ross_bearing
+from whirlmap.analysis.linear.film_coefficients import film_coefficients
+from whirlmap.analysis.linear.ross_bearing import ross_bearing
 from whirlmap.errors import RangeError
 from whirlmap.films.linear import linear_film
 

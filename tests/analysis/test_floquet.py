@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.floquet import _eigenvalues_of_product, floquet_multipliers
+from whirlmap.analysis.variational.floquet import _eigenvalues_of_product, floquet_multipliers
 from whirlmap.errors import RangeError
 
 

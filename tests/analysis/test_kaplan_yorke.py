@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
+from whirlmap.analysis.variational.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
 
 
 @pytest.mark.parametrize(

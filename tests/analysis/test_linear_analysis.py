@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.linear import NotLinearError
+from whirlmap.analysis.linear.linearisation import NotLinearError
 from whirlmap.errors import CaseError, RangeError
 from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared
 
@@ -60,7 +60,7 @@ def test_model_without_equilibrium_is_refused():
 
 def test_the_declared_equilibrium_of_a_damper_is_one():
     from whirlmap.integrate.equilibrium import rest_state
-    from whirlmap.kernels.reference import reference_rates
+    from whirlmap.kernels.running.reference import reference_rates
 
     damper = whirlmap.load("machines/aero-damper", speed="9000 rpm")
     rest = np.array(list(rest_state(damper).values()))

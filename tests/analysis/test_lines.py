@@ -5,9 +5,9 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from whirlmap.analysis.lines import name_lines, named_shares
-from whirlmap.analysis.spectral_lines import spectral_lines
-from whirlmap.analysis.spectrum import power_spectrum
+from whirlmap.analysis.spectra.line_names import name_lines, named_shares
+from whirlmap.analysis.spectra.spectral_lines import spectral_lines
+from whirlmap.analysis.spectra.spectrum import power_spectrum
 from whirlmap.errors import RangeError
 
 GEAR = {"mesh": 1, "pinion": Fraction(1, 4), "gear": Fraction(-1, 8)}

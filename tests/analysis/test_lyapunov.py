@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.lyapunov import in_phase, mean_and_error
+from whirlmap.analysis.variational.lyapunov import in_phase, mean_and_error
 from whirlmap.errors import RangeError
 
 

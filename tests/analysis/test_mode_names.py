@@ -8,7 +8,7 @@ from test_campbell import on_springs
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.analysis.campbell import campbell
+from whirlmap.analysis.linear.campbell import campbell
 from whirlmap.cli.main import app
 
 RIG = "campbell machines/jeffcott-rig --vary s=0.3:2:20"
@@ -65,7 +65,7 @@ def test_the_table_is_in_rpm_and_hz():
 
 
 def test_the_picture_is_in_rpm_and_hz():
-    from whirlmap.cli import pictures
+    from whirlmap.cli.common import figures_of_commands as pictures
 
     system = whirlmap.load("machines/jeffcott-rig")
     ds = whirlmap.in_units(system, campbell(system, "s", np.linspace(0.3, 2, 9)))

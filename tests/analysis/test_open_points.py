@@ -8,7 +8,7 @@ from whirlmap.analysis.labels.labelled_points import LabelledPoints
 from whirlmap.analysis.labels.nonperiodic_points import ENOUGH
 from whirlmap.analysis.labels.regime import Rule
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 GAMMA = {"gamma": np.array([0.35, 0.41, 0.45, 0.5, 0.54, 0.58])}
 

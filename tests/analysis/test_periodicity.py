@@ -5,7 +5,7 @@ import pytest
 from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
-from whirlmap.analysis.periodicity import (
+from whirlmap.analysis.steady.periodicity import (
     PERIOD_STATUS,
     RETURN_STATUS,
     period_in_T,

@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.lines import named_shares
-from whirlmap.analysis.measures import record_series
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.record_length import (
+from whirlmap.analysis.diagnosis.swarm_measures import record_series
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.motion.record_length import (
     LONGEST,
     LONGEST_SETTLED,
     NUMBERS,
@@ -21,13 +20,14 @@ from whirlmap.analysis.record_length import (
     spectrum_periods,
     turns_per_T,
 )
-from whirlmap.analysis.spectral_lines import spectral_lines
-from whirlmap.analysis.spectrum import power_spectrum
+from whirlmap.analysis.spectra.line_names import named_shares
+from whirlmap.analysis.spectra.spectral_lines import spectral_lines
+from whirlmap.analysis.spectra.spectrum import power_spectrum
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate import ensemble as ensembles
 from whirlmap.integrate.accuracy import choose_steps
 from whirlmap.integrate.system import System
-from whirlmap.sweep.waterfall import waterfall
+from whirlmap.sweep.diagrams.waterfall import waterfall
 
 x, v = State("x", "1", "deflection"), State("v", "1", "its rate")
 zeta = Parameter("zeta", "1", "damping", above=0)
@@ -131,7 +131,7 @@ def test_stretches_of_a_record_change_nothing(monkeypatch):
     system, every = hunting(), Fraction(1, 4)
     one, other = (make_ensemble(system, {"k": [0.3, 0.5]}, steps=16)[0] for _ in range(2))
     whole = one.advance(50, save_periods=every).saved[:, [0]]
-    monkeypatch.setattr("whirlmap.analysis.record_length.KEPT", 16 * 4 * 7)
+    monkeypatch.setattr("whirlmap.analysis.motion.record_length.KEPT", 16 * 4 * 7)
     np.testing.assert_array_equal(recorded(other, 50, every, [0]), whole)
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from maps import GOLDEN, henon, logistic, sines
 
-from whirlmap.analysis.recurrence import recurrence
+from whirlmap.analysis.indicators.recurrence import recurrence
 from whirlmap.errors import RangeError
 
 

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, henon, logistic
 
+from whirlmap.analysis.indicators.birkhoff import Winding
+from whirlmap.analysis.indicators.section_coordinates import Watch, windings_of
+from whirlmap.analysis.indicators.section_indicators import SectionEvidence, evidence_of
 from whirlmap.analysis.labels.regime import decide, regime
-from whirlmap.analysis.labels.section_coordinates import Watch, windings_of
-from whirlmap.analysis.labels.section_evidence import SectionEvidence, evidence_of
 from whirlmap.analysis.labels.votes import Evidence, Vote
-from whirlmap.analysis.winding import Winding
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 

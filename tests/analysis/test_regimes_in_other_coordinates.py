@@ -8,7 +8,7 @@ import whirlmap
 from whirlmap.equations import Model, State
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 p, q = State("p", "1", "first coordinate"), State("q", "1", "second coordinate")
 TURNED = Matrix([[np.cos(0.7) * 30, -np.sin(0.7) * 3], [np.sin(0.7) * 30, np.cos(0.7) * 3]])  # scaled, then turned

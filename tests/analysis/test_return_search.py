@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis.approach import ends_of_approaches, room_for_approaches
-from whirlmap.analysis.extrapolation import DIFFERENCES, MODES, STABLE, inside, modulus
-from whirlmap.analysis.periodicity import return_multiple
-from whirlmap.analysis.return_search import SMALL, STEADY, search_windows
+from whirlmap.analysis.steady.extrapolation import DIFFERENCES, MODES, STABLE, inside, modulus
+from whirlmap.analysis.steady.periodicity import return_multiple
+from whirlmap.analysis.steady.return_search import SMALL, STEADY, search_windows
+from whirlmap.analysis.steady.slow_approach import ends_of_approaches, room_for_approaches
 
 RING, TOLERANCE = 64, 1e-6
 WINDOWS = [8, 16, 32, 64]

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis.labels.closed_orbit import ClosedOrbit, closed_orbits, flows_into
-from whirlmap.analysis.labels.distribution import compare
+from whirlmap.analysis.indicators.distribution import compare
 from whirlmap.analysis.labels.same_attractor import on_set, same_set
+from whirlmap.analysis.periodic_orbits.closed_orbit import ClosedOrbit, closed_orbits, flows_into
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate import scales as sizes
 from whirlmap.integrate.ensemble import Ensemble

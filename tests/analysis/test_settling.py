@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis import settling as module
-from whirlmap.analysis.periodicity import return_multiple
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.return_search import to_limit
-from whirlmap.analysis.settling import Settling, settle
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady import settling as module
+from whirlmap.analysis.steady.periodicity import return_multiple
+from whirlmap.analysis.steady.return_search import to_limit
+from whirlmap.analysis.steady.settling import Settling, settle
 from whirlmap.integrate.loading import load
 
 

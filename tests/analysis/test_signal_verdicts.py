@@ -5,7 +5,7 @@ import pytest
 from maps import GOLDEN, henon, sines
 from scipy.signal import lfilter
 
-from whirlmap.analysis.series import diagnose_series, series_json
+from whirlmap.analysis.signals.diagnose_series import diagnose_series, series_json
 from whirlmap.analysis.signals.order_names import order_name
 from whirlmap.errors import RangeError
 
@@ -196,8 +196,8 @@ def test_no_noise_has_a_regime():
 def test_columns_of_a_simulation_have_the_verdict_of_its_equations(case, changes, tmp_path):
     """A table as the command line writes it, column by column; the period too."""
     import whirlmap
-    from whirlmap.analysis.diagnosis import diagnose
-    from whirlmap.analysis.diagnosis_json import verdict_json
+    from whirlmap.analysis.diagnosis.diagnosis import diagnose
+    from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
     from whirlmap.recordings.signal import read_signal
     from whirlmap.results.signals import write_series
 

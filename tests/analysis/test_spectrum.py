@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.signal import find_peaks, get_window, lfilter, periodogram
 
-from whirlmap.analysis import spectral_lines as spectral_module
-from whirlmap.analysis.spectral_lines import LINE_STATUS, _peaks, spectral_lines
-from whirlmap.analysis.spectrum import _COSINES, full_spectrum, power_spectrum
+from whirlmap.analysis.spectra import spectral_lines as spectral_module
+from whirlmap.analysis.spectra.spectral_lines import LINE_STATUS, _peaks, spectral_lines
+from whirlmap.analysis.spectra.spectrum import _COSINES, full_spectrum, power_spectrum
 from whirlmap.errors import RangeError
 
 N, RATE = 4096, 64.0

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.integrate import solve_ivp
 
 import whirlmap
-from whirlmap.analysis.switching import switchings
+from whirlmap.analysis.simulation.surface_crossings import switchings
 from whirlmap.equations import Model, Parameter, State, Switching, cos, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System

@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis import diagnose
-from whirlmap.analysis.diagnosis_json import verdict_json
-from whirlmap.analysis.divergence import mean_divergence, missed
-from whirlmap.analysis.floquet import floquet_multipliers
-from whirlmap.analysis.lyapunov import lyapunov_spectrum
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.tangent_accuracy import FINE, tuned
+from whirlmap.analysis.diagnosis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
+from whirlmap.analysis.motion.divergence import mean_divergence, missed
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.variational.floquet import floquet_multipliers
+from whirlmap.analysis.variational.lyapunov import lyapunov_spectrum
+from whirlmap.analysis.variational.tangent_accuracy import FINE, tuned
 from whirlmap.equations import Model, Parameter, Section, State, cos, sin, t
 from whirlmap.integrate.system import System
 

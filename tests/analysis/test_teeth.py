@@ -5,8 +5,8 @@ import pytest
 
 import whirlmap
 from whirlmap.films.porous_short import film_force
-from whirlmap.sweep.judging import Judge, Verdict, force_unit, shaft_speed
-from whirlmap.sweep.speeds import safe_speeds
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, force_unit, shaft_speed
 
 GEARBOX = "machines/turbo-gearbox"
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from whirlmap.analysis.trend import trend
+from whirlmap.analysis.trends.trend import trend
 
 
 def test_a_points_trend_does_not_depend_on_its_company():

@@ -7,16 +7,16 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import whirlmap
-from whirlmap.analysis.crossing import crossings
-from whirlmap.analysis.diagnosis import diagnose
-from whirlmap.analysis.diagnosis_json import verdict_json
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.diagnosis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.motion.section_crossing import crossings
 from whirlmap.equations import Model, Parameter, Section, State
 from whirlmap.integrate.accuracy import Verdict
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import DOP853, RK4
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 x, v = State("x", "1", "x", start=2.0), State("v", "1", "v")
 mu = Parameter("mu", "1", "mu")

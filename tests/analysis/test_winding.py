@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, logistic, sines
 
-from whirlmap.analysis.winding import converged_digits, locking_ratio, weighted_average, winding_number
+from whirlmap.analysis.indicators.birkhoff import converged_digits, locking_ratio, weighted_average, winding_number
 from whirlmap.errors import RangeError
 
 

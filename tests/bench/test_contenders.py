@@ -10,7 +10,7 @@ from whirlmap.bench.problems import Problem, duffing, gear_pair
 from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
 from whirlmap.errors import InputError, ModelError, RangeError
 from whirlmap.films.porous_short import film_integrals
-from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.running.reference import reference_rates
 
 
 @pytest.fixture(scope="module")

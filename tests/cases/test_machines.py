@@ -160,7 +160,7 @@ def test_a_damper_is_the_film_of_newtons_law_with_a_cage():
     down = hang - 40 * 9.81 / 2 / q["K"] / c
     import numpy as np
 
-    from whirlmap.kernels.reference import reference_rates
+    from whirlmap.kernels.running.reference import reference_rates
 
     rest = reference_rates(system.model, forced=False)(0.0, np.array([0, hang, 0, down, 0, 0]), system.vector)
     np.testing.assert_allclose(rest, 0.0, atol=1e-12)

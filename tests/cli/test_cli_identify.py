@@ -76,7 +76,7 @@ def test_marks_in_the_wrong_order_are_no_page(tmp_path, monkeypatch):
 
 
 def test_a_share_that_came_first_is_said_to_wait(tmp_path, monkeypatch):
-    from whirlmap.studies.gear_psfd import identify
+    from whirlmap.studies.gear_psfd.search import identify
 
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(identify, "BLOCK", 1)

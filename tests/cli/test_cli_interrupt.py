@@ -14,13 +14,13 @@ from typer.testing import CliRunner
 
 import whirlmap
 from whirlmap.cli.main import app
-from whirlmap.sweep.grid import Range
+from whirlmap.sweep.parameters.ranges import Range
 
 #: The program with progress lines that come often, and Ctrl-C as a terminal gives it.
 PROGRAM = """
 import signal, sys
 signal.signal(signal.SIGINT, signal.default_int_handler)
-import whirlmap.cli.progress as progress
+import whirlmap.cli.common.progress as progress
 progress.EVERY = 0.0
 from whirlmap.cli.main import run
 run()
@@ -140,7 +140,7 @@ def test_a_second_ctrl_c_and_one_before_the_work_end_at_once(words, signals, tmp
 
 @pytest.mark.parametrize("stage", ["pass_by", "advance"])
 def test_an_interrupted_simulation_says_what_is_missing(stage, tmp_path, monkeypatch):
-    from whirlmap.analysis.trajectory import Series
+    from whirlmap.analysis.simulation.trajectory import Series
 
     real, calls = getattr(Series, stage), []
 
@@ -165,7 +165,7 @@ def test_an_interrupted_simulation_says_what_is_missing(stage, tmp_path, monkeyp
 
 
 def test_an_interrupted_diagram_says_how_to_get_the_rest(tmp_path, monkeypatch):
-    from whirlmap.sweep import run
+    from whirlmap.sweep.diagrams import in_batches as run
 
     real, calls = run.bifurcation_diagram, []
 
@@ -184,7 +184,7 @@ def test_an_interrupted_diagram_says_how_to_get_the_rest(tmp_path, monkeypatch):
 
 
 def test_an_interrupted_map_without_a_store_keeps_its_chunks_in_out(tmp_path, monkeypatch):
-    from whirlmap.sweep import stored
+    from whirlmap.sweep.maps import run_sweep as stored
 
     real, calls = stored._take, []
 
@@ -205,7 +205,7 @@ def test_an_interrupted_map_without_a_store_keeps_its_chunks_in_out(tmp_path, mo
 
 
 def test_an_interrupted_reproduction_keeps_the_data_that_are_finished(tmp_path, monkeypatch):
-    from whirlmap.studies.gear_psfd import evidence
+    from whirlmap.studies.gear_psfd.reproduction import evidence
 
     def diagnosed(*_args, **_options):
         raise KeyboardInterrupt
@@ -224,7 +224,7 @@ def test_what_was_written_before_an_interrupt_is_said(tmp_path, monkeypatch):
     def interrupted(_files):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("whirlmap.cli.report.print_written", interrupted)
+    monkeypatch.setattr("whirlmap.cli.common.report.print_written", interrupted)
     place = tmp_path / "there.nc"
     done = CliRunner().invoke(app, ["simulate", "duffing", "--periods", "2", "--quiet", "--out", str(place)])
     assert done.exit_code == 130 and place.is_file()

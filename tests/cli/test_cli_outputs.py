@@ -8,10 +8,10 @@ import pytest
 import xarray as xr
 from typer.testing import CliRunner
 
-import whirlmap.cli.progress as progress_module
+import whirlmap.cli.common.progress as progress_module
+from whirlmap.cli.common.progress import Progress, clock
+from whirlmap.cli.common.report import jsonable
 from whirlmap.cli.main import app
-from whirlmap.cli.progress import Progress, clock
-from whirlmap.cli.report import jsonable
 
 
 @pytest.fixture(autouse=True)
@@ -169,7 +169,7 @@ def reproduction(monkeypatch, tmp_path):
         verdicts = {"machine": {"fig2": {"verdict": "reproduced", "found": "1T"}}}
         return {"report": tmp_path / "report.html", "figures": [], "verdicts": verdicts}
 
-    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduce.reproduce", study)
+    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduction.reproduce.reproduce", study)
     return asked
 
 
@@ -188,6 +188,6 @@ def test_an_interrupted_reproduction_says_where_its_parts_are(reproduction, monk
     def study(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduce.reproduce", study)
+    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduction.reproduce.reproduce", study)
     result = CliRunner().invoke(app, ["reproduce"])
     assert result.exit_code == 130 and "reproduction" in result.stderr and result.stdout == ""

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.cli import pictures
+from whirlmap.cli.common import figures_of_commands as pictures
 from whirlmap.cli.main import app
 from whirlmap.results.signals import read_column
 
@@ -172,7 +172,7 @@ def test_attractors_are_told_in_um_and_per_second():
 
 
 def test_pictures_of_attractors_basins_and_maps_have_units():
-    from whirlmap.analysis.settling import Settling
+    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
 
     system, short = whirlmap.load(RIG), {"settling": Settling(transient=20), "lyapunov": 256}
@@ -242,7 +242,7 @@ def test_speeds_and_designs_without_dimensions_are_told_in_groups():
 
 
 def test_starts_are_given_in_um_and_mm_s():
-    from whirlmap.cli.options import open_system
+    from whirlmap.cli.common.options import open_system
 
     begin = open_system(RIG, None, ["y=-180 um", "vy=0.003 m/s", "ux=0.2"]).start
     assert begin == pytest.approx({"y": -1.8, "vy": 3 / (C * 1e-3 * OMEGA), "ux": 0.2}, rel=1e-12)
@@ -269,7 +269,7 @@ def test_show_says_start_state_clocks_and_period_in_units():
 
 
 def test_safe_speeds_in_units_are_in_rpm_and_um():
-    from whirlmap.analysis.settling import Settling
+    from whirlmap.analysis.steady.settling import Settling
 
     system = whirlmap.load(RIG)
     ds = whirlmap.safe_speeds(system, [0.4, 0.6], 0.6, follow=False, settling=Settling(transient=20), lyapunov=0)

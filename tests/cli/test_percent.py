@@ -2,7 +2,7 @@
 
 import pytest
 
-from whirlmap.cli.report import percent
+from whirlmap.cli.common.report import percent
 
 
 @pytest.mark.parametrize(

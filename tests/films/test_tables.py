@@ -12,7 +12,7 @@ from whirlmap.films import porous_short, scaled, tables
 from whirlmap.films.law import FIXED_ARC, POSITIVE_ARC, film_law
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.tabulate import entries, reading
+from whirlmap.kernels.lowering.tabulate import entries, reading
 
 PSI = [0.0, 1e-8, 1e-6, 1e-4, 1e-3, 0.1, 1.0, 10.0]
 

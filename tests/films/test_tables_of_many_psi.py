@@ -7,8 +7,8 @@ import pytest
 
 from whirlmap.films import porous_short, scaled, tables
 from whirlmap.films.law import FIXED_ARC, POSITIVE_ARC
-from whirlmap.kernels import tabulate
-from whirlmap.kernels.tabulate import Shelf, entries, fill, fitted, reading
+from whirlmap.kernels.lowering import tabulate
+from whirlmap.kernels.lowering.tabulate import Shelf, entries, fill, fitted, reading
 
 INSIDE = 10.0 ** np.array([-8.0, -6.26, -4.0, -2.9, -1.51, -0.3, 0.99])  # ends of panels and places within
 

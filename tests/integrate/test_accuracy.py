@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble

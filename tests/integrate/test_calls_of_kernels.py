@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.integrate import group
 from whirlmap.integrate.workers import Workers, stop_if_given_up
 

@@ -5,8 +5,8 @@ import pytest
 from sympy import Abs
 
 import whirlmap
-from whirlmap.analysis.linear import linear_analysis
-from whirlmap.analysis.points import SWARM, make_ensemble
+from whirlmap.analysis.linear.linearisation import linear_analysis
+from whirlmap.analysis.motion.ensembles import SWARM, make_ensemble
 from whirlmap.equations import Model, Parameter, Section, State, cos, sqrt, t
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import FLOOR, likeness, limits, scales

@@ -6,7 +6,7 @@ from rotors import gear_pair, jeffcott
 
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
-from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.running.reference import reference_rates
 from whirlmap.models import family
 
 

@@ -6,7 +6,7 @@ from newton import Machine
 
 from whirlmap.films.porous_short import fixed_arc_velocity, positive_arc_velocity
 from whirlmap.integrate.system import System
-from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.running.reference import reference_rates
 from whirlmap.models import FAMILIES, family
 
 GEAR_PAIRS = [

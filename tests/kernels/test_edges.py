@@ -9,9 +9,9 @@ from whirlmap.equations.pieces import Table
 from whirlmap.errors import ModelError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.lanes import Waves, blocked, lane_kernel
 from whirlmap.kernels.methods import RK4
-from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.running.lanes import Waves, blocked, lane_kernel
+from whirlmap.kernels.writing.routine import LANES
 from whirlmap.models import family
 from whirlmap.results.status import Status
 

@@ -18,9 +18,10 @@ from whirlmap.equations import Model, Output, Parameter, State, Stop, Table, cos
 from whirlmap.equations.identity import model_digest
 from whirlmap.errors import CacheError, InputError
 from whirlmap.integrate.system import System
-from whirlmap.kernels import cache, machine
+from whirlmap.kernels import cache
 from whirlmap.kernels.methods import RK4, Method
-from whirlmap.kernels.source import kernel_source
+from whirlmap.kernels.running import machine
+from whirlmap.kernels.running.source import kernel_source
 from whirlmap.models import family
 
 x, v = State("x", "1", "position"), State("v", "1", "velocity")
@@ -147,7 +148,7 @@ import numpy as np
 from whirlmap.equations import Model, Output, Parameter, State, Stop, cos, t
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
-from whirlmap.kernels.reference import reference_outputs
+from whirlmap.kernels.running.reference import reference_outputs
 x, k, w = State("x", "1", "x"), Parameter("k", "1", "k"), Parameter("w", "1", "w")
 model = Model("folder-test", (x,), (k, w), {x: 1 - k * x + cos(w * t)}, harmonics=(w,), start="equilibrium",
               outputs={"o": Output(x**2, "1", "o")}, stops={"wall": Stop(9 - x, "wall")})
@@ -164,7 +165,7 @@ def test_what_was_lowered_is_read_again_without_lowering(tmp_path):
     first = run(tmp_path, EVERYTHING)
     assert len(list(tmp_path.glob("lowered_*.json"))) >= 6
     forbidden = """
-    import whirlmap.kernels.formulas as formulas, whirlmap.kernels.source as source
+    import whirlmap.kernels.lowering.formulas as formulas, whirlmap.kernels.running.source as source
     def refuse(*_, **__): raise SystemExit("lowered again")
     formulas.lambdify = source.straight = source.jacobian_code = refuse
     """

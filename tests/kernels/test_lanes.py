@@ -9,7 +9,7 @@ from newton import Machine
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import DOP853
-from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.running.reference import reference_rates
 from whirlmap.models import family
 
 SWEEP_PSI = np.array([0.0, 1e-3, 0.0, 0.1, 1e-4, 0.0, 1e-3])

@@ -8,9 +8,9 @@ from whirlmap.bench.scalar_code import code
 from whirlmap.equations import Model, Parameter, State, cbrt, cos, pi, sign, sin, sqrt, t, when
 from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System
-from whirlmap.kernels.formulas import HoistedFunction
-from whirlmap.kernels.lower import Hoisted, hoist, split_harmonics, straight
-from whirlmap.kernels.powers import inverse, power, root, split_powers
+from whirlmap.kernels.lowering.formulas import HoistedFunction
+from whirlmap.kernels.lowering.lower import Hoisted, hoist, split_harmonics, straight
+from whirlmap.kernels.lowering.powers import inverse, power, root, split_powers
 
 x, v, w = (State(n, "1", n) for n in ("x", "v", "w"))
 a, b, omega, nu, chi = (Parameter(n, "1", n) for n in ("a", "b", "omega", "nu", "chi"))

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from whirlmap.kernels.machine import begin
+from whirlmap.kernels.running.machine import begin
 
 
 def test_the_address_of_an_array_is_that_of_its_first_number():

@@ -8,10 +8,10 @@ from sympy.logic.boolalg import BooleanFunction
 from whirlmap.equations import Model, Parameter, State, cos, t, when
 from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System
-from whirlmap.kernels.normal_form import normal_form
-from whirlmap.kernels.powers import power, split_powers
+from whirlmap.kernels.lowering.normal_form import normal_form
+from whirlmap.kernels.lowering.powers import power, split_powers
 from whirlmap.results.status import Status
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 x, y = State("x", "1", "x"), State("y", "1", "y")
 a, omega = Parameter("a", "1", "a"), Parameter("omega", "1", "omega")

@@ -5,12 +5,12 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.equations import Model, Parameter, State, Stop, cos, sin, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.kernels import lanes
-from whirlmap.kernels.lanes import Waves
+from whirlmap.kernels.running import lanes
+from whirlmap.kernels.running.lanes import Waves
 from whirlmap.results.status import Status
 
 x, v = State("x", "1", "deflection"), State("v", "1", "its rate")

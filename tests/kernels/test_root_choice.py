@@ -7,12 +7,12 @@ import pytest
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.cli.main import app
 from whirlmap.errors import InputError
 from whirlmap.integrate import ensemble as ensembles
-from whirlmap.kernels import machine, root_choice
-from whirlmap.kernels.root_choice import Measured, RootChoice, by_estimates, chosen, own_choice, reason, using
+from whirlmap.kernels.running import machine, root_choice
+from whirlmap.kernels.running.root_choice import Measured, RootChoice, by_estimates, chosen, own_choice, reason, using
 
 ESTIMATES, DIVISIONS = (RootChoice(way, way) for way in ("estimates", "divisions"))
 AVX512 = "+avx2,+avx512f,+avx512fp16,+fma"

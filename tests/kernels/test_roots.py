@@ -6,8 +6,8 @@ import sympy as sp
 
 from whirlmap.equations import Model, State
 from whirlmap.integrate.system import System
-from whirlmap.kernels import machine
-from whirlmap.kernels.root_choice import RootChoice, using
+from whirlmap.kernels.running import machine
+from whirlmap.kernels.running.root_choice import RootChoice, using
 
 x, y, z = (State(name, "1", name) for name in "xyz")
 

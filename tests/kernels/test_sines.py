@@ -9,8 +9,8 @@ import sympy as sp
 
 from whirlmap.equations import Model, State
 from whirlmap.integrate.system import System
-from whirlmap.kernels import machine
-from whirlmap.kernels.sines import LIMIT, PARTS
+from whirlmap.kernels.running import machine
+from whirlmap.kernels.writing.sines import LIMIT, PARTS
 
 #: Units of the last place. The GNU C library's own error is 1.99 at the doubles nearest to multiples of pi/2.
 ALLOWED = 1.5 if machine.fuses() else 2.0
@@ -104,7 +104,7 @@ def test_neighbours_beyond_the_limit_change_no_bit(system):
 
 
 def test_processors_without_fused_products_ask_the_c_library(system, monkeypatch, tmp_path):
-    monkeypatch.setattr("whirlmap.kernels.source.fuses", lambda: False)
+    monkeypatch.setattr("whirlmap.kernels.running.source.fuses", lambda: False)
     plain = System(Model("sines-called", (x, y), (), {x: sp.sin(x), y: sp.cos(y)}), {})
     v = np.random.default_rng(2).uniform(-30, 30, 100)
     np.testing.assert_allclose(values(plain, v), values(system, v), rtol=1e-15)

@@ -4,7 +4,7 @@ import pytest
 from sympy import Abs, Heaviside, Max, Min, Or, Piecewise, exp
 
 from whirlmap.equations import Model, Parameter, State, cos, magnitude, sign, sqrt, t, when
-from whirlmap.kernels.surfaces import sided
+from whirlmap.kernels.lowering.surfaces import sided
 from whirlmap.models import family
 
 x, v = State("x", "1", "displacement"), State("v", "1", "velocity")

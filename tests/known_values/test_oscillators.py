@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.periodicity import return_multiple
+from whirlmap.analysis.steady.periodicity import return_multiple
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.models import family

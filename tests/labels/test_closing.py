@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis.labels.closed_orbit import closed_orbits
-from whirlmap.analysis.labels.closing import close_orbits, newton
+from whirlmap.analysis.periodic_orbits.closed_orbit import closed_orbits
+from whirlmap.analysis.periodic_orbits.newton import close_orbits, newton
 from whirlmap.equations import Model, Parameter, State, cos, pi, sin, t
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.kernels.methods import DOP853

@@ -5,7 +5,7 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.labels.forgetting import FORGOTTEN, STRETCH, forget
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.equations import Model, Parameter, State, cos, t
 
 x, v = State("x", "1", "displacement"), State("v", "1", "velocity")

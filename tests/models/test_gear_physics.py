@@ -11,7 +11,7 @@ from sympy import lambdify
 from whirlmap.equations import t
 from whirlmap.errors import CaseError, ModelError
 from whirlmap.integrate.system import System
-from whirlmap.kernels.surfaces import sided
+from whirlmap.kernels.lowering.surfaces import sided
 from whirlmap.models import family, mesh
 from whirlmap.models.gear_pair import BEYOND
 
@@ -136,7 +136,7 @@ def test_a_damper_that_does_not_turn_resists_motion_and_nothing_else():
 
 def test_centring_springs_carry_what_the_film_cannot():
     """A still journal hangs in its springs, f/(2 kappa_c) below the centre, and that is a state of rest."""
-    from whirlmap.kernels.reference import reference_rates
+    from whirlmap.kernels.running.reference import reference_rates
 
     changes = {"j_p": 0.0, "j_g": 0.0, "Lambda": 0.0, "kappa_c1": 0.6, "kappa_c2": 2.0}
     system = pair(changes, arc="positive", centring="spring", suspension="linear")

@@ -7,15 +7,15 @@ import pytest
 import sympy as sp
 
 from whirlmap import bifurcation_diagram, load
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.cases.entries import RESERVED
 from whirlmap.equations import Model, Output, Parameter, State, cos, t, when
 from whirlmap.equations.names import RESULTS
 from whirlmap.errors import ModelError
 from whirlmap.models import FAMILIES
-from whirlmap.sweep.basins import basins
-from whirlmap.sweep.points import label_points
-from whirlmap.sweep.waterfall import waterfall
+from whirlmap.sweep.attractors.basins import basins
+from whirlmap.sweep.diagrams.waterfall import waterfall
+from whirlmap.sweep.points.label_points import label_points
 
 x, v = State("x", "1", "x"), State("v", "1", "v")
 p, w = Parameter("p", "1", "damping"), Parameter("w", "1", "frequency")

@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from whirlmap.analysis.diagnosis import diagnose
-from whirlmap.analysis.dimension import correlation_dimension
-from whirlmap.analysis.settling import Settling
-from whirlmap.analysis.trajectory import section, simulate
+from whirlmap.analysis.diagnosis.diagnosis import diagnose
+from whirlmap.analysis.indicators.correlation_dimension import correlation_dimension
+from whirlmap.analysis.simulation.trajectory import section, simulate
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.integrate.loading import load
-from whirlmap.sweep.diagram import bifurcation_diagram
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
 
 QUICK = Settling(transient=100, most=8, keep=40)
 

@@ -10,8 +10,8 @@ from PIL import Image, ImageSequence
 from typer.testing import CliRunner
 
 import whirlmap
+from whirlmap.cli.common.figures_of_commands import operating_point
 from whirlmap.cli.main import app
-from whirlmap.cli.pictures import operating_point
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.plot import animate_orbit
 

@@ -5,7 +5,7 @@ import pytest
 import xarray as xr
 from matplotlib.colors import to_rgb
 
-from whirlmap.plot.basins import COLOURS, attractors_figure, basins_figure
+from whirlmap.plot.figures.basins import COLOURS, attractors_figure, basins_figure
 from whirlmap.results.regime import Regime
 
 

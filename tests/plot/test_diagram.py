@@ -5,8 +5,8 @@ import pytest
 
 from whirlmap.errors import RangeError
 from whirlmap.plot import draw_diagram, draw_exponents, draw_regime_strip
-from whirlmap.plot.figures import diagram_figure, paper_diagram_figure
-from whirlmap.plot.style import DIRECTIONS, REGIMES
+from whirlmap.plot.common.style import DIRECTIONS, REGIMES
+from whirlmap.plot.figures.diagnosis_figure import diagram_figure, paper_diagram_figure
 from whirlmap.results.regime import Regime
 
 

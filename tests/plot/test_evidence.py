@@ -3,13 +3,13 @@
 import numpy as np
 import pytest
 
-from whirlmap.analysis.dimension import correlation_dimension
-from whirlmap.analysis.spectral_lines import spectral_lines
-from whirlmap.analysis.spectrum import power_spectrum
+from whirlmap.analysis.indicators.correlation_dimension import correlation_dimension
+from whirlmap.analysis.spectra.spectral_lines import spectral_lines
+from whirlmap.analysis.spectra.spectrum import power_spectrum
 from whirlmap.plot import draw_convergence, draw_correlation_sum, draw_local_slope
-from whirlmap.plot.convergence import with_error
-from whirlmap.plot.figures import diagnosis_figure, paper_orbit_figure
-from whirlmap.plot.parts import clock_name, marked_shaft, parts_of
+from whirlmap.plot.common.diagnosis_parts import clock_name, marked_shaft, parts_of
+from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure, paper_orbit_figure
+from whirlmap.plot.panels.convergence import with_error
 
 
 def by_gid(ax, gid):

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 import whirlmap
 from whirlmap.plot import diagnosis_figure, draw_phase_portrait, draw_section, encode
-from whirlmap.plot.style import HOUSE
+from whirlmap.plot.common.style import HOUSE
 
 PAGE = Path(__file__).parents[2] / "docs" / "figures.md"
 PNG = b"\x89PNG"

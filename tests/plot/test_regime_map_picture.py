@@ -6,7 +6,7 @@ import xarray as xr
 
 from whirlmap.errors import RangeError
 from whirlmap.plot import draw_regime_map, draw_shares, encode, regime_map_figure
-from whirlmap.plot.regime_map import LOOKS, codes, regime_line_figure
+from whirlmap.plot.figures.regime_map import LOOKS, codes, regime_line_figure
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 

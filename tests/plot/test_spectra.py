@@ -5,11 +5,11 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from whirlmap.analysis.spectral_lines import spectral_lines
-from whirlmap.analysis.spectrum import full_spectrum, power_spectrum
+from whirlmap.analysis.spectra.spectral_lines import spectral_lines
+from whirlmap.analysis.spectra.spectrum import full_spectrum, power_spectrum
 from whirlmap.errors import RangeError
 from whirlmap.plot import draw_full_spectrum, draw_power_spectrum, draw_waterfall
-from whirlmap.plot.spectrum import _apart
+from whirlmap.plot.panels.spectrum import _apart
 
 ORDERS = {"mesh": 1, "pinion": Fraction(1, 4), "gear": Fraction(-1, 8)}
 TURN = np.arange(64 * 32) / 32

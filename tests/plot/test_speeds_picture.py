@@ -8,9 +8,9 @@ import pytest
 from matplotlib.patches import Rectangle
 
 import whirlmap
-from whirlmap.plot.improve import improve_figure
-from whirlmap.plot.speeds import LOOKS, speeds_figure
-from whirlmap.sweep.judging import Verdict
+from whirlmap.plot.figures.improve import improve_figure
+from whirlmap.plot.figures.speeds import LOOKS, speeds_figure
+from whirlmap.sweep.speeds.verdicts import Verdict
 
 RIG = "machines/jeffcott-rig"
 

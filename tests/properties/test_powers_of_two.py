@@ -6,14 +6,14 @@ The models carry their units in their parameters, so that one kernel serves all 
 import numpy as np
 import pytest
 
-from whirlmap.analysis.floquet import floquet_multipliers
-from whirlmap.analysis.lyapunov import lyapunov_spectrum
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady.settling import Settling
+from whirlmap.analysis.variational.floquet import floquet_multipliers
+from whirlmap.analysis.variational.lyapunov import lyapunov_spectrum
 from whirlmap.equations import Model, Parameter, Section, State, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 x, v = State("x", "1", "x", start=1.0), State("v", "1", "v")
 y, z = State("y", "1", "y", start=1.0), State("z", "1", "z")

@@ -19,7 +19,7 @@ from whirlmap.equations.model import Output, Stop
 from whirlmap.equations.pieces import Table
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.running.reference import reference_rates
 from whirlmap.results.status import Status
 
 MODELS = int(os.environ.get("WHIRLMAP_MODELS", "5"))

@@ -12,11 +12,11 @@ import pytest
 from sympy import Rational, sympify
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.equations import State, t
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 #: Case, replaced values, varied parameter, its range: oscillators and rotors, forced and not.
 CASES = {

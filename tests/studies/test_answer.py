@@ -8,15 +8,24 @@ import pytest
 from test_claim_scores import drawn
 
 import whirlmap
-from whirlmap.analysis.proportion import wilson_interval
 from whirlmap.errors import OutputError
-from whirlmap.studies.gear_psfd.answer import Answer, best_of, edition_share, exclusions, pinned, pooled, shares, together
-from whirlmap.studies.gear_psfd.answer_pages import BEGIN, END, case_text, fill, page, write_answer
-from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, judge_all
-from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Settings
-from whirlmap.studies.gear_psfd.evidence import edition_of
-from whirlmap.studies.gear_psfd.ranges import design, ranges
-from whirlmap.studies.gear_psfd.variants import chosen
+from whirlmap.results.wilson import wilson_interval
+from whirlmap.studies.gear_psfd.claims.claims import HOLDS, JUDGES, judge_all
+from whirlmap.studies.gear_psfd.reproduction.evidence import edition_of
+from whirlmap.studies.gear_psfd.search.answer import (
+    Answer,
+    best_of,
+    edition_share,
+    exclusions,
+    pinned,
+    pooled,
+    shares,
+    together,
+)
+from whirlmap.studies.gear_psfd.search.answer_pages import BEGIN, END, case_text, fill, page, write_answer
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, Settings
+from whirlmap.studies.gear_psfd.search.ranges import design, ranges
+from whirlmap.studies.gear_psfd.search.variants import chosen
 
 N = 64
 

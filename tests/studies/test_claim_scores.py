@@ -6,9 +6,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd.claims import HOLDS, JUDGES, NEED_ORBIT, UNKNOWN, claims, judge_all, own_windows
-from whirlmap.studies.gear_psfd.coarse_diagrams import SPEEDS
-from whirlmap.studies.gear_psfd.labelled import ORBITS, PSI, S_ORBIT, Labelled, Orbits, least_exponent, median_of
+from whirlmap.studies.gear_psfd.claims.claims import HOLDS, JUDGES, NEED_ORBIT, UNKNOWN, claims, judge_all, own_windows
+from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI, S_ORBIT, Labelled, Orbits, least_exponent, median_of
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import SPEEDS
 
 S = np.array(SPEEDS)
 AT = SPEEDS.index(S_ORBIT)

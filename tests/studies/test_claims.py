@@ -10,10 +10,10 @@ import xarray as xr
 
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.studies.gear_psfd.claims import JUDGES, WORDS, claims
-from whirlmap.studies.gear_psfd.evidence import EDITIONS, QUALITIES, Evidence, speeds
-from whirlmap.studies.gear_psfd.labelled import PSI, S_ORBIT
-from whirlmap.studies.gear_psfd.verdicts import judge, labelled, safe_windows
+from whirlmap.studies.gear_psfd.claims.claims import JUDGES, WORDS, claims
+from whirlmap.studies.gear_psfd.claims.labelled import PSI, S_ORBIT
+from whirlmap.studies.gear_psfd.reproduction.evidence import EDITIONS, QUALITIES, Evidence, speeds
+from whirlmap.studies.gear_psfd.reproduction.verdicts import judge, labelled, safe_windows
 
 #: What is read of a system here: the paper's clock.
 SYSTEM = SimpleNamespace(period=2 * np.pi)

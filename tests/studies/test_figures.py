@@ -7,7 +7,7 @@ import pytest
 from matplotlib.figure import Figure
 
 from whirlmap.errors import RangeError
-from whirlmap.studies.gear_psfd.figures import Plan, Studio
+from whirlmap.studies.gear_psfd.reproduction.figures import Plan, Studio
 
 
 def sheet(title):

@@ -13,20 +13,20 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.analysis.proportion import wilson_interval
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
-from whirlmap.studies.gear_psfd import identify, tasks
-from whirlmap.studies.gear_psfd import refine as refinement
-from whirlmap.studies.gear_psfd.blocks import Blocks, open_blocks
-from whirlmap.studies.gear_psfd.claims import HOLDS, claims, own_windows
-from whirlmap.studies.gear_psfd.coarse_diagrams import Judged, Settings, diagrams, judge_sets, sets_of
-from whirlmap.studies.gear_psfd.identify import Cost, judged_so_far, search
-from whirlmap.studies.gear_psfd.labelled import PSI
-from whirlmap.studies.gear_psfd.ranges import design, ranges
-from whirlmap.studies.gear_psfd.refine import best_starts, refine
-from whirlmap.studies.gear_psfd.variants import SPINS, VARIANTS, chosen
+from whirlmap.results.wilson import wilson_interval
+from whirlmap.studies.gear_psfd.claims.claims import HOLDS, claims, own_windows
+from whirlmap.studies.gear_psfd.claims.labelled import PSI
+from whirlmap.studies.gear_psfd.search import identify, tasks
+from whirlmap.studies.gear_psfd.search import refine as refinement
+from whirlmap.studies.gear_psfd.search.blocks import Blocks, open_blocks
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, Settings, diagrams, judge_sets, sets_of
+from whirlmap.studies.gear_psfd.search.identify import Cost, judged_so_far, search
+from whirlmap.studies.gear_psfd.search.ranges import design, ranges
+from whirlmap.studies.gear_psfd.search.refine import best_starts, refine
+from whirlmap.studies.gear_psfd.search.variants import SPINS, VARIANTS, chosen
 
 #: A variant without tables: its kernels are quick to have.
 (QUICK,) = chosen((), ("literal-printed-clock",))
@@ -140,11 +140,11 @@ def test_time_and_precision_end_a_search(small, monkeypatch):
 KILLED = """
 import sys
 from pathlib import Path
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.studies.gear_psfd import identify
-from whirlmap.studies.gear_psfd.blocks import open_blocks
-from whirlmap.studies.gear_psfd.coarse_diagrams import Settings
-from whirlmap.studies.gear_psfd.variants import chosen
+from whirlmap.studies.gear_psfd.search.blocks import open_blocks
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
+from whirlmap.studies.gear_psfd.search.variants import chosen
 identify.BLOCK = 4
 settings = Settings(seed=5, speeds=(0.9, 1.61, 3.27, 3.8), settling=Settling(transient=8, most=4, keep=8),
                     exponent_periods=128, accuracy=1e-3)

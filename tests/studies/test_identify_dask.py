@@ -6,10 +6,10 @@ from distributed import Client, LocalCluster
 from test_identify import BRIEF, QUICK, same
 
 from whirlmap.errors import OutputError
-from whirlmap.studies.gear_psfd import identify, tasks
-from whirlmap.studies.gear_psfd.blocks import Blocks
-from whirlmap.studies.gear_psfd.identify import judged_so_far, search
-from whirlmap.studies.gear_psfd.refine import refine
+from whirlmap.studies.gear_psfd.search import identify, tasks
+from whirlmap.studies.gear_psfd.search.blocks import Blocks
+from whirlmap.studies.gear_psfd.search.identify import judged_so_far, search
+from whirlmap.studies.gear_psfd.search.refine import refine
 
 
 @pytest.fixture(scope="module")

@@ -3,8 +3,8 @@
 import pytest
 
 from whirlmap.errors import OutputError, RangeError
-from whirlmap.studies.gear_psfd.output import Folder
-from whirlmap.studies.gear_psfd.reproduce import file_names, reproduce
+from whirlmap.studies.gear_psfd.reproduction.output import Folder
+from whirlmap.studies.gear_psfd.reproduction.reproduce import file_names, reproduce
 
 
 def text(content):

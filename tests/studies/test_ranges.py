@@ -6,8 +6,8 @@ import pytest
 import whirlmap
 from whirlmap.errors import CaseError, ModelError, RangeError
 from whirlmap.models import family
-from whirlmap.studies.gear_psfd.ranges import Range, design, digest, ranges
-from whirlmap.studies.gear_psfd.variants import VARIANTS, Variant, chosen
+from whirlmap.studies.gear_psfd.search.ranges import Range, design, digest, ranges
+from whirlmap.studies.gear_psfd.search.variants import VARIANTS, Variant, chosen
 
 LITERAL, INTENDED = ({p.name for p in family("gear_pair").model(edition=e).parameters} for e in ("literal", "intended"))
 

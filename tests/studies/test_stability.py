@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.studies.gear_psfd.coarse_diagrams import SPEEDS
-from whirlmap.studies.gear_psfd.stability import GROWS, Modes, against_simulation, modes, permeability
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import SPEEDS
+from whirlmap.studies.gear_psfd.search.stability import GROWS, Modes, against_simulation, modes, permeability
 
 
 def test_an_unloaded_printed_film_whirls_at_half_the_spin():
@@ -30,7 +30,7 @@ def test_the_printed_sign_of_the_mesh_is_unstable_and_the_derived_is_not():
 def test_the_eigenvalues_agree_with_the_compiled_jacobian():
     system = whirlmap.load("gear-psfd/machine", s=3.6, psi=1e-3)
     found = modes(system, {"s": np.array([3.6]), "psi": np.array([1e-3])})
-    from whirlmap.analysis.points import parameter_values
+    from whirlmap.analysis.motion.ensembles import parameter_values
     from whirlmap.integrate.equilibrium import start_states
 
     x, there = start_states(system.model, parameter_values(system, {"s": np.array([3.6])}))

@@ -10,10 +10,10 @@ import whirlmap
 from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.attractor_search import Search
-from whirlmap.sweep.attractors import attractors
-from whirlmap.sweep.basins import basins
-from whirlmap.sweep.starts import default_box, draw_starts
+from whirlmap.sweep.attractors.attractor_search import Search
+from whirlmap.sweep.attractors.attractors import attractors
+from whirlmap.sweep.attractors.basins import basins
+from whirlmap.sweep.attractors.start_states import default_box, draw_starts
 
 BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
 SHORT = whirlmap.Settling(transient=60, most=8)

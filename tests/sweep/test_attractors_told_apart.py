@@ -8,11 +8,11 @@ import whirlmap
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.attractor_search import Search
-from whirlmap.sweep.attractors import attractors
-from whirlmap.sweep.points import Labelling
-from whirlmap.sweep.repeat import repeat_of_forcing
-from whirlmap.sweep.starts import draw_starts
+from whirlmap.sweep.attractors.attractor_search import Search
+from whirlmap.sweep.attractors.attractors import attractors
+from whirlmap.sweep.attractors.repeat_time import repeat_of_forcing
+from whirlmap.sweep.attractors.start_states import draw_starts
+from whirlmap.sweep.points.label_points import Labelling
 
 BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
 SHORT = whirlmap.Settling(transient=60, most=8)

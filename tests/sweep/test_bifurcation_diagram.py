@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.grid import Range
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.parameters.ranges import Range
 
 GAMMA = np.array([0.20, 0.28, 0.29, 0.37, 0.50, 0.65])
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 import whirlmap
-from whirlmap.sweep.space import Chunks, Space, chunk_size, pilot_points, table_parameters
+from whirlmap.sweep.parameters.space import Chunks, Space, chunk_size, pilot_points, table_parameters
 
 
 def test_chunks_tile_the_grid():

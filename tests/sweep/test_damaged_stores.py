@@ -9,11 +9,11 @@ import xarray as xr
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.cli.main import app
 from whirlmap.errors import OutputError
-from whirlmap.sweep.standing import store_standing
-from whirlmap.sweep.store import differences
+from whirlmap.sweep.store.store_status import store_standing
+from whirlmap.sweep.store.zarr_store import differences
 
 VARY = {"gamma": np.linspace(0.2, 0.5, 6), "omega": np.linspace(1.0, 1.3, 5)}
 

@@ -8,14 +8,14 @@ from scipy.integrate import solve_ivp
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.arriving import arriving
-from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.following import joined, motions_met, unseen
-from whirlmap.sweep.improve import improve
-from whirlmap.sweep.judging import Judge, Verdict, verdicts
-from whirlmap.sweep.machines import judge_machines, safe_probability
-from whirlmap.sweep.speeds import safe_speeds
-from whirlmap.sweep.windows import PARTS, ROUNDS
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.speeds.arriving import arriving
+from whirlmap.sweep.speeds.designs import judge_machines, safe_probability
+from whirlmap.sweep.speeds.improve import improve
+from whirlmap.sweep.speeds.run_up_and_down import joined, motions_met, unseen
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, verdicts
+from whirlmap.sweep.speeds.windows import PARTS, ROUNDS
 
 
 def hardening(d=0.1):

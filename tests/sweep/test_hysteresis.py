@@ -6,10 +6,10 @@ import xarray as xr
 
 import whirlmap
 from whirlmap.errors import RangeError
-from whirlmap.plot.figures import diagram_figure
-from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.hysteresis import intervals
-from whirlmap.sweep.run import diagram_in_batches
+from whirlmap.plot.figures.diagnosis_figure import diagram_figure
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.diagrams.hysteresis import intervals
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
 
 SETTLING = whirlmap.Settling(transient=120, most=8)
 OMEGA = np.linspace(0.8, 2.2, 29)

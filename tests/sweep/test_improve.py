@@ -7,10 +7,10 @@ import pytest
 
 import whirlmap
 from whirlmap.errors import RangeError
-from whirlmap.sweep.improve import _front
-from whirlmap.sweep.judging import Verdict, clearance, shaft_speed
-from whirlmap.sweep.speeds import safe_speeds
-from whirlmap.sweep.windows import PARTS, ROUNDS, crossing, widest_window
+from whirlmap.sweep.speeds.improve import _front
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds
+from whirlmap.sweep.speeds.verdicts import Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds.windows import PARTS, ROUNDS, crossing, widest_window
 
 RIG = "machines/jeffcott-rig"
 MAKE = partial(whirlmap.load, RIG)

@@ -9,13 +9,12 @@ from whirlmap.cli.main import app
 from whirlmap.integrate.loading import load
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep import attractor_search
-from whirlmap.sweep import attractors as found
-from whirlmap.sweep import speeds as judged
-from whirlmap.sweep.attractors import attractors_in_parts
-from whirlmap.sweep.basins import basins_in_parts
-from whirlmap.sweep.speeds import safe_speeds, safe_speeds_in_parts
-from whirlmap.sweep.work import batches
+from whirlmap.sweep.attractors.attractors import attractor_search, attractors_in_parts
+from whirlmap.sweep.attractors.attractors import attractors as found
+from whirlmap.sweep.attractors.basins import basins_in_parts
+from whirlmap.sweep.interruptible import batches
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds, safe_speeds_in_parts
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds as judged
 
 GRID = {"x": np.linspace(-2, 2, 10), "v": np.linspace(-2, 2, 12)}
 SPEEDS = np.linspace(0.5, 2.0, 40)
@@ -36,7 +35,7 @@ def interrupt(monkeypatch, home, name, after=0):
 
 def test_batches_grow_while_they_take_little_time(monkeypatch):
     now = [0.0]
-    monkeypatch.setattr("whirlmap.sweep.work.time.monotonic", lambda: now[0])
+    monkeypatch.setattr("whirlmap.sweep.interruptible.time.monotonic", lambda: now[0])
     sizes = []
     for part in batches(2000, first=10, most=500, seconds=5.0):
         sizes.append(part.stop - part.start)

@@ -10,8 +10,8 @@ import time
 from contextlib import contextmanager
 from pathlib import Path
 
-from whirlmap.sweep.standing import store_standing
-from whirlmap.sweep.store import Store, differences
+from whirlmap.sweep.store.store_status import store_standing
+from whirlmap.sweep.store.zarr_store import Store, differences
 
 #: Forks a process for every request, so that a kill costs no new import; says its number, and how it ended.
 FORKING = """
@@ -19,8 +19,8 @@ import json, os, sys
 import numpy as np
 import distributed, zarr
 import whirlmap
-from whirlmap.analysis.settling import Settling
-from whirlmap.sweep.map import regime_map
+from whirlmap.analysis.steady.settling import Settling
+from whirlmap.sweep.maps.regime_map import regime_map
 system, settling = whirlmap.load("duffing"), Settling(transient=40, most=8, keep=8)
 vary = {"gamma": np.linspace(0.2, 0.6, 24), "omega": np.linspace(1.0, 1.4, 20)}
 whirlmap.label_points(system, {"gamma": [0.2, 0.5]}, settling=settling, workers=1)  # the kernels are there now

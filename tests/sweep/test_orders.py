@@ -9,14 +9,14 @@ import sympy as sp
 import xarray as xr
 
 from whirlmap import bifurcation_diagram, load, regime_map
-from whirlmap.analysis.points import make_ensemble
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.equations import Model, Parameter, State, cos, sin, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.points import label_points
-from whirlmap.sweep.run import diagram_in_batches
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
+from whirlmap.sweep.points.label_points import label_points
 
 x, v, y, w = (State(n, "1", n) for n in ("x", "v", "y", "w"))
 a, b, c, d, r = (Parameter(n, "1", n) for n in ("a", "b", "c", "d", "r"))

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.points.label_points import label_points
 
 SHORT = Settling(transient=60, most=16, keep=16)
 
@@ -63,7 +63,7 @@ def test_the_same_bits_in_chunks_of_any_size(duffing, whole, chunk):
 
 
 def test_many_points_are_worked_through_in_batches(duffing, whole, monkeypatch):
-    monkeypatch.setattr("whirlmap.sweep.points.LANES", 1)
+    monkeypatch.setattr("whirlmap.sweep.points.label_points.LANES", 1)
     ds = label_points(duffing, plane(97), settling=SHORT, workers=1)
     same(ds, whole, "batches of 32 points")
     assert ds["regime"].attrs.keys() == whole["regime"].attrs.keys()

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from whirlmap.sweep.refine import refine
+from whirlmap.sweep.maps.refine import refine
 
 
 def run(full, coarse=8):

@@ -14,16 +14,17 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep import executors, store
-from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.map import regime_map
-from whirlmap.sweep.points import Labelling, label_points
-from whirlmap.sweep.standing import store_standing
-from whirlmap.sweep.store import Evaluation, Store, differences
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.maps import executors
+from whirlmap.sweep.maps.regime_map import regime_map
+from whirlmap.sweep.points.label_points import Labelling, label_points
+from whirlmap.sweep.store.store_status import store_standing
+from whirlmap.sweep.store.zarr_store import Evaluation, Store, differences
+from whirlmap.sweep.store.zarr_store import zarr_store as store
 
 SHORT = Settling(transient=40, most=8, keep=8)
 GRID = {"gamma": np.linspace(0.2, 0.6, 11), "omega": np.linspace(1.0, 1.4, 9)}
@@ -88,7 +89,7 @@ def test_chunks_change_no_bit(duffing, whole, tmp_path, chunk):
 def test_shuffled_chunks_change_no_byte(duffing, whole, tmp_path, monkeypatch):
     in_order = executors.in_threads
     monkeypatch.setattr(
-        "whirlmap.sweep.stored.in_threads",
+        "whirlmap.sweep.maps.run_sweep.in_threads",
         lambda job, numbers, workers: in_order(job, np.random.default_rng(3).permutation(list(numbers)).tolist(), workers),
     )
     made(duffing, tmp_path / "map")
@@ -170,10 +171,10 @@ def test_another_system_version_or_kernel_is_refused(whole, monkeypatch, duffing
     with pytest.raises(OutputError, match="x: the store has nothing, this run -1"):
         made(whirlmap.load("duffing", start={"x": -1.0}), whole, resume=True)
     with monkeypatch.context() as patch:
-        patch.setattr("whirlmap.sweep.manifest.__version__", "9.9")
+        patch.setattr("whirlmap.sweep.maps.manifest.__version__", "9.9")
         with pytest.raises(OutputError, match=r"whirlmap_version: the store has .*, this run 9\.9"):
             made(duffing, whole, resume=True)
-    monkeypatch.setattr("whirlmap.sweep.stored.kernel_hash", lambda *_: "0" * 64)
+    monkeypatch.setattr("whirlmap.sweep.maps.run_sweep.kernel_hash", lambda *_: "0" * 64)
     with pytest.raises(OutputError, match="kernel: the store has"):
         made(duffing, whole, resume=True)
 
@@ -184,7 +185,7 @@ def test_other_chunks_are_refused(duffing, whole):
 
 
 def test_a_worker_with_other_kernels_refuses(duffing, whole, tmp_path, monkeypatch):
-    monkeypatch.setattr("whirlmap.sweep.executors.kernel_hash", lambda *_: "0" * 64)
+    monkeypatch.setattr("whirlmap.sweep.maps.executors.kernel_hash", lambda *_: "0" * 64)
     with pytest.raises(OutputError, match="this worker's kernels are 000000000000"):
         made(duffing, tmp_path / "map")
 

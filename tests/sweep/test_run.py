@@ -4,13 +4,13 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from whirlmap.analysis.settling import Settling
-from whirlmap.analysis.trajectory import simulate
+from whirlmap.analysis.simulation.trajectory import simulate
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import load
-from whirlmap.sweep import run
-from whirlmap.sweep.diagram import bifurcation_diagram
-from whirlmap.sweep.run import diagram_in_batches, simulation_in_stretches
+from whirlmap.sweep.diagrams import in_batches as run
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, simulation_in_stretches
 
 SETTLING = Settling(transient=30, most=8)
 GAMMA = np.linspace(0.2, 0.4, 11)
@@ -132,7 +132,7 @@ def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
 
 
 def test_what_cannot_fit_into_memory_is_refused(monkeypatch):
-    monkeypatch.setattr("whirlmap.sweep.memory.memory", lambda: 2**30)
+    monkeypatch.setattr("whirlmap.results.memory.memory", lambda: 2**30)
     with pytest.raises(RangeError, match=r"4\.\d+ GB, expected at most 0\.5 GB"):
         simulation_in_stretches(load("duffing"), periods=1_000_000)
     with pytest.raises(RangeError, match="memory"):

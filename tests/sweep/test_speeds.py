@@ -9,11 +9,11 @@ from scipy.optimize import brentq
 import whirlmap
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
-from whirlmap.sweep.judging import Verdict, shaft_speed, verdicts
-from whirlmap.sweep.machines import judge_machines, safe_probability
-from whirlmap.sweep.points import label_points
-from whirlmap.sweep.speeds import safe_speeds
-from whirlmap.sweep.windows import PARTS, ROUNDS
+from whirlmap.sweep.points.label_points import label_points
+from whirlmap.sweep.speeds.designs import judge_machines, safe_probability
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds
+from whirlmap.sweep.speeds.verdicts import Verdict, shaft_speed, verdicts
+from whirlmap.sweep.speeds.windows import PARTS, ROUNDS
 
 RIG = "machines/jeffcott-rig"
 

@@ -7,12 +7,12 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import OutputError
-from whirlmap.kernels import machine
-from whirlmap.sweep.map import regime_map
-from whirlmap.sweep.standing import store_standing
-from whirlmap.sweep.store import Store, differences
+from whirlmap.kernels.running import machine
+from whirlmap.sweep.maps.regime_map import regime_map
+from whirlmap.sweep.store.store_status import store_standing
+from whirlmap.sweep.store.zarr_store import Store, differences
 
 GRID = {"s": np.linspace(2.0, 2.5, 6)}
 SHORT = Settling(transient=10, most=2, keep=2)

@@ -4,14 +4,14 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis import diagnose
-from whirlmap.analysis.diagnosis_json import verdict_json
-from whirlmap.analysis.thinning import thinning_power
+from whirlmap.analysis.diagnosis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
+from whirlmap.analysis.trends.film_thinning import thinning_power
 from whirlmap.equations import Model, Parameter, State, Stop, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 q = State("q", "1", "gap", start=1.0)
 a, n, w = (Parameter(name, "1", name) for name in "anw")

@@ -5,12 +5,12 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import OutputError, RangeError
-from whirlmap.sweep.map import tolerance_sweep
-from whirlmap.sweep.points import label_points
-from whirlmap.sweep.store import differences
-from whirlmap.sweep.tolerances import Tolerance, draws
+from whirlmap.sweep.maps.regime_map import tolerance_sweep
+from whirlmap.sweep.parameters.random_draws import Tolerance, draws
+from whirlmap.sweep.points.label_points import label_points
+from whirlmap.sweep.store.zarr_store import differences
 
 SHORT = Settling(transient=40, most=8, keep=8)
 BOTH = {"gamma": Tolerance("normal", 0.3, 0.01), "omega": Tolerance("uniform", 1.1, 1.3)}

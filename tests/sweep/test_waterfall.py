@@ -7,7 +7,7 @@ import pytest
 
 import whirlmap
 from whirlmap.errors import RangeError
-from whirlmap.sweep.waterfall import waterfall
+from whirlmap.sweep.diagrams.waterfall import waterfall
 
 
 def test_forced_lines_follow_the_forcing():

@@ -8,14 +8,14 @@ import pytest
 from scipy.integrate import solve_ivp
 from sympy import Abs, sin, sqrt, tan
 
-from whirlmap.analysis.diagnosis import diagnose
-from whirlmap.analysis.diagnosis_json import verdict_json
+from whirlmap.analysis.diagnosis.diagnosis import diagnose
+from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
 from whirlmap.equations import Model, Parameter, Section, State, cos, t
 from whirlmap.integrate.system import System
-from whirlmap.kernels.poles import poles
+from whirlmap.kernels.lowering.poles import poles
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.points import label_points
+from whirlmap.sweep.points.label_points import label_points
 
 x, v = State("x", "1", "x", start=1.0), State("v", "1", "v")
 a, b, c, e, k, w = (Parameter(n, "1", n) for n in "abcekw")

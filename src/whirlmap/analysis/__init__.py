@@ -1,1 +1,1 @@
-"""What a motion is: sections, returns, spectra, exponents, dimensions."""
+"""What a motion is: steady states, labels, exponents, spectra, dimensions. Runs over grids of parameters are in `sweep`."""

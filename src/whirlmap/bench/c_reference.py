@@ -18,8 +18,8 @@ from numpy.typing import NDArray
 from whirlmap.bench.problems import Problem
 from whirlmap.bench.scalar_code import ScalarCode, evaluate_inputs, scalar_code
 from whirlmap.errors import InputError
-from whirlmap.kernels.lanes import Waves
 from whirlmap.kernels.methods import RK4
+from whirlmap.kernels.running.lanes import Waves
 
 Array = NDArray[np.float64]
 

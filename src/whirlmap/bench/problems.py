@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.points import make_ensemble
+from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.equations.model import Model
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.loading import load

@@ -14,10 +14,10 @@ from whirlmap.bench.ratios import Point, ratio
 from whirlmap.bench.taylor import FIT_OVER_TOLERANCE, TaylorRun, Waves, heyoka, taylor_system
 from whirlmap.errors import InputError
 from whirlmap.integrate.accuracy import LADDER, choose_steps
-from whirlmap.kernels.machine import processor
 from whirlmap.kernels.methods import METHODS
-from whirlmap.kernels.root_choice import chosen, reason
-from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.running.machine import processor
+from whirlmap.kernels.running.root_choice import chosen, reason
+from whirlmap.kernels.writing.routine import LANES
 
 Array = NDArray[np.float64]
 Say = Callable[[str], None]

@@ -11,11 +11,11 @@ from sympy.printing.pycode import PythonCodePrinter
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import ModelError
-from whirlmap.kernels.formulas import HoistedFunction
-from whirlmap.kernels.lower import Hoisted, Straight, local_name, straight
-from whirlmap.kernels.powers import product_of_roots, quarters_of
-from whirlmap.kernels.routine import FAST_MATH
-from whirlmap.kernels.vector import LIBRARY
+from whirlmap.kernels.lowering.formulas import HoistedFunction
+from whirlmap.kernels.lowering.lower import Hoisted, Straight, local_name, straight
+from whirlmap.kernels.lowering.powers import product_of_roots, quarters_of
+from whirlmap.kernels.writing.routine import FAST_MATH
+from whirlmap.kernels.writing.vector import LIBRARY
 
 Array = NDArray[np.float64]
 

@@ -20,7 +20,7 @@ from whirlmap.bench.problems import Problem
 from whirlmap.bench.scalar_code import evaluate_inputs
 from whirlmap.equations.model import Model
 from whirlmap.errors import InputError, ModelError
-from whirlmap.kernels.lower import Hoisted, hoist, split_harmonics
+from whirlmap.kernels.lowering.lower import Hoisted, hoist, split_harmonics
 
 Array = NDArray[np.float64]
 Waves = Literal["states", "time"]

@@ -12,7 +12,7 @@ import typer
 from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
-from whirlmap.cli import (
+from whirlmap.cli.commands import (
     attractors,
     basins,
     bench,
@@ -23,7 +23,6 @@ from whirlmap.cli import (
     diagnose,
     identify,
     improve,
-    interrupts,
     linear,
     map,  # noqa: A004
     new,
@@ -32,7 +31,8 @@ from whirlmap.cli import (
     simulate,
     speeds,
 )
-from whirlmap.cli.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
+from whirlmap.cli.common import interrupts
+from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
 from whirlmap.errors import WhirlmapError
 from whirlmap.results.files import WRITTEN
 

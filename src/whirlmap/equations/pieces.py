@@ -32,7 +32,7 @@ def when(condition: Any, value: Any, otherwise: Any = 0) -> Expr:
 class magnitude(Function):  # noqa: N801 (printed as a function)
     """``Abs`` of a term whose kink at zero the rates do not have, for it is multiplied by what vanishes there.
 
-    No crossing is located there (`whirlmap.kernels.surfaces`).
+    No crossing is located there (`whirlmap.kernels.lowering.surfaces`).
     """
 
 

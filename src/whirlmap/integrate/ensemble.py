@@ -20,9 +20,9 @@ from whirlmap.integrate.group import Group, Record
 from whirlmap.integrate.scales import limits, tangent_sizes
 from whirlmap.integrate.system import common_multiple, periods, strobe
 from whirlmap.integrate.workers import Workers
-from whirlmap.kernels.lanes import UNKNOWN
 from whirlmap.kernels.methods import RK4, Method
-from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.running.lanes import UNKNOWN
+from whirlmap.kernels.writing.routine import LANES
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]

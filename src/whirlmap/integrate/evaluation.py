@@ -6,8 +6,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.kernels.lanes import Inputs, LaneKernel, blocked, lane_kernel, unblocked
 from whirlmap.kernels.methods import RK4
+from whirlmap.kernels.running.lanes import Inputs, LaneKernel, blocked, lane_kernel, unblocked
 
 Array = NDArray[np.float64]
 

@@ -15,10 +15,10 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import Rescue
 from whirlmap.integrate.workers import stop_if_given_up
-from whirlmap.kernels.event_location import FINE, pieces
-from whirlmap.kernels.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
-from whirlmap.kernels.reference import reference_outputs
-from whirlmap.kernels.routine import LANES
+from whirlmap.kernels.running.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
+from whirlmap.kernels.running.reference import reference_outputs
+from whirlmap.kernels.writing.event_location import FINE, pieces
+from whirlmap.kernels.writing.routine import LANES
 from whirlmap.results.status import Status
 
 if TYPE_CHECKING:

@@ -10,12 +10,12 @@ from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
 from whirlmap.integrate.scales import GROWTH
-from whirlmap.kernels.formulas import Formula, numpy_function
-from whirlmap.kernels.lanes import blocked, lane_kernel, slopes_for, unblocked
+from whirlmap.kernels.lowering.formulas import Formula, numpy_function
+from whirlmap.kernels.lowering.poles import pole_guards, poles
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.poles import pole_guards, poles
-from whirlmap.kernels.routine import LANES
-from whirlmap.kernels.saltation import CHATTERS, STICKS
+from whirlmap.kernels.running.lanes import blocked, lane_kernel, slopes_for, unblocked
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.kernels.writing.saltation import CHATTERS, STICKS
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]

@@ -16,8 +16,8 @@ from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.system_listing import system_listing
-from whirlmap.kernels.formulas import Formula, numpy_function
-from whirlmap.kernels.reference import reference_rates
+from whirlmap.kernels.lowering.formulas import Formula, numpy_function
+from whirlmap.kernels.running.reference import reference_rates
 from whirlmap.results.listing import Listed, Listing
 
 Array = NDArray[np.float64]

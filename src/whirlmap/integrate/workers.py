@@ -5,7 +5,7 @@ from contextvars import ContextVar
 from threading import Event
 from types import TracebackType
 
-from whirlmap.kernels.root_choice import RootChoice, adopt, chosen
+from whirlmap.kernels.running.root_choice import RootChoice, adopt, chosen
 
 #: Events that say that nobody waits any more for what this thread computes: of its own pool, and of those around it.
 _GIVEN_UP: ContextVar[tuple[Event, ...]] = ContextVar("given up", default=())

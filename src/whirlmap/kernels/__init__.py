@@ -1,1 +1,1 @@
-"""Models as machine code: lowering, generated modules, the cache, and the plain NumPy oracle."""
+"""Models as machine code: `lowering` to straight-line code, `writing` LLVM routines, `running` them; methods; the cache."""

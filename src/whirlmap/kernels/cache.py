@@ -3,7 +3,7 @@
 Kernels are object files, one per model, method and kind. Their name is the SHA-256 of the module's assembly, of the version
 of llvmlite, and of the processor with its features (`machine.platform`). A change in any of them is another file.
 
-Loops of the analyses (`whirlmap.analysis.compiled`) are object files too, under the hash of their source.
+Loops of the analyses (`whirlmap.kernels.running.loops`) are object files too, under the hash of their source.
 
 Entries (`remembered`) are what SymPy worked out before a kernel can be called: the module's text, the functions beside
 it. Their name is the hash of the question, of the source of every layer that writes the answer, and of the versions.
@@ -20,6 +20,7 @@ from collections.abc import Callable
 from contextlib import suppress
 from functools import cache
 from importlib.resources import files
+from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TypeVar
 
@@ -110,18 +111,24 @@ def _written_by() -> str:
 
 
 @cache
-def source_of(layers: tuple[str, ...]) -> str:
-    """Hash of the source of some layers, and of the versions of this package, NumPy and Python."""
+def source_of(parts: tuple[str, ...]) -> str:
+    """Hash of the source of some parts of the package, and of the versions of this package, NumPy and Python."""
     import numpy
 
     from whirlmap.version import __version__
 
     digest = hashlib.sha256(f"{__version__} numpy {numpy.__version__} {machine.python_version()}".encode())
-    for layer in layers:
-        for f in sorted(files("whirlmap").joinpath(layer).iterdir(), key=lambda f: f.name):
-            if f.name.endswith(".py"):
-                digest.update(f"\n{layer}/{f.name}\n".encode() + f.read_bytes())
+    for part in parts:
+        for name, text in _sources(files("whirlmap").joinpath(part), part):
+            digest.update(f"\n{name}\n".encode() + text)
     return digest.hexdigest()
+
+
+def _sources(place: Traversable, name: str) -> list[tuple[str, bytes]]:
+    if place.is_file():
+        return [(name, place.read_bytes())] if name.endswith(".py") else []
+    found = sorted(place.iterdir(), key=lambda child: child.name)
+    return [source for child in found for source in _sources(child, f"{name}/{child.name}")]
 
 
 def remembered(question: str, answer: Callable[[], Data], sound: Callable[[Data], bool]) -> Data:

@@ -1,1 +1,1 @@
-"""Many operating points: ranges and diagrams."""
+"""Many operating points: diagrams, maps, attractors, safe speeds. What is measured of one point is decided in `analysis`."""

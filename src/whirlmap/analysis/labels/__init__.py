@@ -1,1 +1,1 @@
-"""What a motion is: the rule that labels operating points, and what it rests on."""
+"""The rule that labels operating points, and the runs that it asks for. Single indicators are in `indicators`."""

@@ -16,18 +16,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.closing import close_orbits
 from whirlmap.analysis.labels.forgetting import FORGOTTEN
 from whirlmap.analysis.labels.measured import RETURNS, Measured
 from whirlmap.analysis.labels.nonperiodic_points import judge_open_points
 from whirlmap.analysis.labels.open_points import OpenPoints
 from whirlmap.analysis.labels.regime import Rule
-from whirlmap.analysis.points import cyclic_states, make_ensemble
-from whirlmap.analysis.record_length import MANY, record_periods
-from whirlmap.analysis.returns import RECORDED, Returns, record, section_and_extremes, settle_and_record
-from whirlmap.analysis.settling import Settled, Settling
-from whirlmap.analysis.settling_accurately import settle_accurately
-from whirlmap.analysis.unbounded import Trends, label_trends
+from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble
+from whirlmap.analysis.motion.record_length import MANY, record_periods
+from whirlmap.analysis.periodic_orbits.newton import close_orbits
+from whirlmap.analysis.steady.returns import RECORDED, Returns, record, section_and_extremes, settle_and_record
+from whirlmap.analysis.steady.settling import Settled, Settling
+from whirlmap.analysis.steady.settling_accurately import settle_accurately
+from whirlmap.analysis.trends.trend_labels import Trends, label_trends
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System

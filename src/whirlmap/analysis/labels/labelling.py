@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.labels.labelled_points import LabelledPoints
 from whirlmap.analysis.labels.measured import Measured, joined
-from whirlmap.analysis.lyapunov import BLOCKS
-from whirlmap.analysis.points import make_ensemble, parameter_values
-from whirlmap.analysis.settling import Settling
+from whirlmap.analysis.motion.ensembles import make_ensemble, parameter_values
+from whirlmap.analysis.steady.settling import Settling
+from whirlmap.analysis.variational.lyapunov import BLOCKS
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import order_groups

@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from whirlmap.analysis.labels.forced_lines import Array, Integers, Lines, Turns, strongest, sums_of
 from whirlmap.analysis.labels.forced_parts import MOST, SHORT, TURNS, fold, sum_near
-from whirlmap.analysis.periodicity import period_of
+from whirlmap.analysis.steady.periodicity import period_of
 from whirlmap.errors import RangeError
 
 #: Largest scaled difference that counts as a return after whole common periods: that of `periodicity`.

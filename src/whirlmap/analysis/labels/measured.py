@@ -6,7 +6,7 @@ from dataclasses import dataclass, fields, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.returns import Returns
+from whirlmap.analysis.steady.returns import Returns
 
 Array = NDArray[np.float64]
 

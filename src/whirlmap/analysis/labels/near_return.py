@@ -5,8 +5,8 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.closing import wrapped
-from whirlmap.analysis.return_search import ROUNDING
+from whirlmap.analysis.periodic_orbits.newton import wrapped
+from whirlmap.analysis.steady.return_search import ROUNDING
 
 Array = NDArray[np.float64]
 

@@ -11,20 +11,20 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.divergence import shrinks_areas
+from whirlmap.analysis.indicators.section_coordinates import OBSERVABLES, windings_of
+from whirlmap.analysis.indicators.section_indicators import LEAST, evidence_of
 from whirlmap.analysis.labels.forgetting import LEFT, forget
 from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.near_return import near_return
 from whirlmap.analysis.labels.open_points import OpenPoints
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
-from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, windings_of
-from whirlmap.analysis.labels.section_evidence import LEAST, evidence_of
 from whirlmap.analysis.labels.section_record import SectionRecord
 from whirlmap.analysis.labels.votes import SURE, Evidence, contracts
-from whirlmap.analysis.lyapunov import mean_and_error
-from whirlmap.analysis.tangent_accuracy import tuned
-from whirlmap.analysis.tangent_run import run_with_section
-from whirlmap.analysis.unbounded import Trends
+from whirlmap.analysis.motion.divergence import shrinks_areas
+from whirlmap.analysis.trends.trend_labels import Trends
+from whirlmap.analysis.variational.exponents_with_section import run_with_section
+from whirlmap.analysis.variational.lyapunov import mean_and_error
+from whirlmap.analysis.variational.tangent_accuracy import tuned
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 from whirlmap.progress import tell

@@ -20,11 +20,11 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.indicators.birkhoff import Winding
+from whirlmap.analysis.indicators.section_coordinates import Watch, windings_of
+from whirlmap.analysis.indicators.section_indicators import LEAST, SMOOTH, evidence_of
 from whirlmap.analysis.labels.forgetting import FORGOTTEN
-from whirlmap.analysis.labels.section_coordinates import Watch, windings_of
-from whirlmap.analysis.labels.section_evidence import LEAST, SMOOTH, evidence_of
 from whirlmap.analysis.labels.votes import INDICATORS, Evidence, Vote, grows_plainly, rests, sure_of_zero, votes_of
-from whirlmap.analysis.winding import Winding
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import regime_variable, variable

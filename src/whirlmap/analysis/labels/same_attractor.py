@@ -2,7 +2,7 @@
 
 Two runs are on one attractor where a shift in time takes the one motion to the other, or both trace one set. What shifts
 take solutions to solutions is decided by the equations: those by the time after which the equations are the same. That is
-the common period of the whole forcing, or less where harmonics do not act (`whirlmap.sweep.repeat`); T is
+the common period of the whole forcing, or less where harmonics do not act (`whirlmap.sweep.attractors.repeat_time`); T is
 such a time only where T is a period of the whole forcing. So a motion that returns after m common periods is one attractor
 at whichever of its m phases a run stands, and two motions that a shift by T takes to each other though the forcing is not
 the same after T are two.
@@ -19,7 +19,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.distribution import compare, coordinates, own_scale, visits_like
+from whirlmap.analysis.indicators.distribution import compare, coordinates, own_scale, visits_like
 from whirlmap.integrate.scales import FLOOR
 
 Array = NDArray[np.float64]

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.section_coordinates import OBSERVABLES, Watch
+from whirlmap.analysis.indicators.section_coordinates import OBSERVABLES, Watch
 
 Array = NDArray[np.float64]
 

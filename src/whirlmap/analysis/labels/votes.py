@@ -6,8 +6,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.section_evidence import LEAST, LEAST_RETURNS, LONG, SLOWLY, SMOOTH, SectionEvidence
-from whirlmap.analysis.winding import Winding
+from whirlmap.analysis.indicators.birkhoff import Winding
+from whirlmap.analysis.indicators.section_indicators import LEAST, LEAST_RETURNS, LONG, SLOWLY, SMOOTH, SectionEvidence
 
 Array = NDArray[np.float64]
 

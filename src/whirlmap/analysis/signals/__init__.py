@@ -1,1 +1,1 @@
-"""Diagnosis of recorded signals: steadiness, lines on a common grid, returns."""
+"""Recorded signals: diagnosis, steadiness, lines, embedding, exponents. Reading files is the work of `recordings`."""

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.spectrum import window_weights
+from whirlmap.analysis.spectra.spectrum import window_weights
 
 Array = NDArray[np.float64]
 

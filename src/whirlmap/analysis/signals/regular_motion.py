@@ -7,10 +7,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.lines import named_shares
 from whirlmap.analysis.signals.common_grid import ERRORS, CommonGrid, common_grid
 from whirlmap.analysis.signals.line_fit import fit_lines
 from whirlmap.analysis.signals.signal_return import return_distance
+from whirlmap.analysis.spectra.line_names import named_shares
 from whirlmap.results.findings import Findings
 
 Array = NDArray[np.float64]

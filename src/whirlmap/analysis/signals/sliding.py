@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from whirlmap.analysis.series import diagnose_series
+from whirlmap.analysis.signals.diagnose_series import diagnose_series
 from whirlmap.errors import RangeError
 from whirlmap.results.schema import regime_variable, variable
 

@@ -1,0 +1,1 @@
+"""Small motions about the static equilibrium: eigenvalues, Campbell diagram, film coefficients, stability threshold."""

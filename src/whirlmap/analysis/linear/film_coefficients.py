@@ -1,0 +1,72 @@
+"""Stiffness and damping of each film of a system about its static equilibrium."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import sympify
+
+from whirlmap.analysis.linear.linearisation import linear_analysis
+from whirlmap.films.linear import linear_film
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.system import System
+
+Matrix = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class FilmCoefficients:
+    """The film of one bearing about its journal's rest: the force on the journal changes by -K u - C u'.
+
+    Axes are the model's, x horizontal and y up.
+
+    Attributes
+    ----------
+    eccentricity : float
+    load : float
+        Force W that the film carries, in the model's unit of force.
+    K, C : array, shape (2, 2)
+        Stiffness [W/c] and damping [W/(c omega)], omega the journal's speed of rotation.
+    W_c, W_c_omega : float
+        W/c [N/m] and W/(c omega) [N*s/m]; NaN where the case has no dimensions.
+    """
+
+    eccentricity: float
+    load: float
+    K: Matrix
+    C: Matrix
+    W_c: float
+    W_c_omega: float
+
+
+def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
+    """Linear coefficients of every film that carries a load at rest, by the name of its bearing.
+
+    Both arcs have the same: see `whirlmap.films.linear`. Films of the printed law and of dampers that do not turn are not
+    among them, nor is one whose journal carries nothing: W/c is no unit for it.
+
+    Raises
+    ------
+    RangeError
+        Where the model has no static equilibrium, or none is found.
+    """
+    values = {p: float(system.values[p.name]) for p in system.model.parameters}
+    rest = dict(zip(system.states, linear_analysis(system).equilibrium, strict=True))
+    force, length, speed = map(Dimensions(system).worth, ("force", "length", "speed"))
+    found = {}
+    for name, film in system.model.films.items():
+        psi, spin, strength = (float(sympify(e).subs(values)) for e in (film.psi, film.spin, film.strength))
+        ux, uy = (rest[q.name] for q in film.u)
+        eccentricity = float(np.hypot(ux, uy))
+        if spin == 0.0 or eccentricity == 0.0:
+            continue
+        one, sense = linear_film(eccentricity, psi), np.sign(spin)
+        # The film counts the line of centres from the load in the sense of rotation; its second axis is ahead of the load.
+        along = np.arctan2(uy, ux) - sense * one.attitude
+        turn = np.array([[np.cos(along), -sense * np.sin(along)], [np.sin(along), sense * np.cos(along)]])
+        load = float(one.load) * strength * abs(spin)
+        W_c = load * force / length
+        found[name] = FilmCoefficients(
+            eccentricity, load, turn @ one.K @ turn.T, turn @ one.C @ turn.T, W_c, W_c / (abs(spin) * speed)
+        )
+    return found

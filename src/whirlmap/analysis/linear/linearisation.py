@@ -1,0 +1,137 @@
+"""Small motions about the static equilibrium of a whole system: damped eigenvalues with all forcing off."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from sympy import sympify
+
+from whirlmap.analysis.motion.ensembles import first_sizes
+from whirlmap.equations.model import Film, Model
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import variants
+from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.system import System
+
+#: How far to either side of an equilibrium a kink of the rates is looked for, over the sizes of the states.
+STEP = 1e-6
+#: Change of the derivatives from one side to the other, over their own size, that is a kink: smooth ones change by `STEP`.
+KINK = 1e-3
+
+
+class NotLinearError(RangeError):
+    """An equilibrium at which the rates have no derivative: an answer, for who asks for small motions about it."""
+
+
+@dataclass(frozen=True)
+class LinearAnalysis:
+    """Linearised system at its static equilibrium.
+
+    Attributes
+    ----------
+    equilibrium : array, shape (state,)
+        In the units of the states.
+    jacobian : array, shape (state, state)
+        Derivatives of the rates, per radian of the clock.
+    eigenvalues : array of complex, shape (state,)
+        Per radian of the clock, the least damped first.
+    eigenvectors : array of complex, shape (state, eigenvalue)
+    """
+
+    equilibrium: NDArray[np.float64]
+    jacobian: NDArray[np.float64]
+    eigenvalues: NDArray[np.complex128]
+    eigenvectors: NDArray[np.complex128]
+
+    @property
+    def stable(self) -> bool:
+        """Whether every small motion dies out."""
+        return bool(self.eigenvalues[0].real < 0)
+
+
+def linear_analysis(system: System) -> LinearAnalysis:
+    """Linearise a system about its static equilibrium, with all forcing off.
+
+    Parameters
+    ----------
+    system : System
+        Of a model that starts at its static equilibrium.
+
+    Returns
+    -------
+    LinearAnalysis
+
+    Raises
+    ------
+    NotLinearError
+        Where there is a static equilibrium, but no linear system for small motions about it.
+    RangeError
+        Where the model declares no static equilibrium, or none is found.
+    """
+    x, jacobian, found = linearised(system.plain_model(), system.vector[:, None])
+    if not found[0]:
+        still = [name for name, film in system.model.films.items() if _standing(system, film)]
+        why = "; a film whose journal does not turn carries nothing at rest, and has no derivative there" if still else ""
+        raise RangeError(f"{system.model.name}: no static equilibrium was found at these values{why}")
+    eigenvalues, vectors = np.linalg.eig(jacobian[0])
+    order = np.argsort(-eigenvalues.real, kind="stable")
+    return LinearAnalysis(
+        x[:, 0], jacobian[0], eigenvalues[order].astype(complex), vectors[:, order].astype(complex)
+    )
+
+
+def _standing(system: System, film: Film) -> bool:
+    """Whether the journal of a film does not turn."""
+    return float(sympify(film.spin).subs({p: float(system.values[p.name]) for p in system.model.parameters})) == 0.0
+
+
+def linearised(
+    model: Model, values: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.bool_]]:
+    """Equilibria (state, point), Jacobians (point, row, column) of the unforced rates there, and where they were found.
+
+    Jacobians are those of the compiled kernel, in closed form; at a kink of the rates, where there is no derivative, central
+    differences over both of its sides. Those of points without an equilibrium are NaN.
+    """
+    if model.equilibrium:
+        raise NotLinearError(
+            "no eigenvalues: the film of a damper carries nothing at rest, and resists the smallest motion by a force that"
+            " is proportional to its speed, but with another factor in each direction (the pressure is positive on the side"
+            " to which the ring moves); no linear system stands for that"
+        )
+    if model.start != "equilibrium":
+        raise RangeError(
+            f"{model.name} declares no static equilibrium to linearise about (start = {model.start}): diagnose says how it"
+            " moves, and bifurcation how that changes along a parameter"
+        )
+    x, found = start_states(model, values)
+    n = x.shape[0]
+    jacobian = np.full((values.shape[1], n, n), np.nan)
+    for form, members in variants(model, values):
+        at = members[found[members]]
+        if at.size:
+            jacobian[at] = _jacobians(form, values[:, at], x[:, at])
+    return x, jacobian, found
+
+
+def _jacobians(
+    model: Model, values: NDArray[np.float64], x: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Jacobians of the unforced rates, shape (point, row, column)."""
+    n, points = x.shape
+    size = first_sizes(model, values, x)
+    # Every (side, moved state, point) in one call, the point itself last.
+    sides = STEP * np.array([1.0, -1.0])
+    moved = x[:, None, None, :] + sides[:, None, None] * (np.eye(n)[:, :, None] * size[:, None, :])[:, None]
+    many = np.concatenate([moved.reshape(n, -1), x], axis=1)
+    evaluate = Evaluator.of(model, values, jacobian=True)
+    rates, slopes = evaluate(0.0, many, np.tile(np.arange(points), 2 * n + 1), forced=False)
+    closed = slopes[:, :, -points:]
+    up, down = np.moveaxis(slopes[:, :, :-points].reshape(n, n, 2, n, points), 2, 0)
+    whole = (np.abs(closed) * size).sum(axis=1)[:, None, None, :]  # what a row comes to when all states move by their sizes
+    change = np.abs(up - down) * size[:, None, :]
+    kinked = (change > KINK * whole).any(axis=1)  # (row, moved state, point)
+    ahead, behind = np.moveaxis(rates[:, :-points].reshape(n, 2, n, points), 1, 0)
+    width = np.where(size > 0, 2 * STEP * size, 1.0)  # a state of no size was not moved, and shows no kink
+    return np.where(kinked, (ahead - behind) / width, closed).transpose(2, 0, 1)

@@ -1,0 +1,1 @@
+"""Runs of many operating points: ensembles, crossings of a section, extremes, lengths. Labels are in `labels`."""

@@ -1,0 +1,298 @@
+"""Time series and sections of one operating point."""
+
+from collections.abc import Callable
+from math import gcd
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.motion.ensembles import make_ensemble, run_attributes
+from whirlmap.analysis.motion.record_length import settled_periods, shown_periods
+from whirlmap.analysis.motion.section_crossing import run_with_crossings
+from whirlmap.analysis.steady.settled_steps import check_steps
+from whirlmap.equations.model import Model
+from whirlmap.errors import RangeError
+from whirlmap.integrate.accuracy import doubtful
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.rescue import end_named
+from whirlmap.integrate.system import System, common_multiple_attribute
+from whirlmap.kernels.running.reference import reference_outputs
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress, tell
+from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+Array = NDArray[np.float64]
+
+
+def outputs_of(model: Model, values: Array, x: Array) -> Array:
+    """Outputs of a model at states (state, ...) for parameters (parameter,); shape (output, ...)."""
+    return reference_outputs(model)(x, values.reshape(-1, *(1,) * (x.ndim - 1)))
+
+
+#: Least steps per T of a time series whose steps are chosen by accuracy: a smooth picture needs more than an orbit.
+SAMPLES = 100
+
+
+def series_steps(
+    system: System, *, steps: int | None = None, accuracy: float | None = None, method: str | None = None
+) -> tuple[int, dict[str, str]]:
+    """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture.
+
+    With them the attribute that says where the accuracy is not met.
+    """
+    chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0]
+    doubts = doubtful(chosen.step_verdict, system.model)
+    return chosen.steps if steps is not None else max(SAMPLES, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
+
+
+#: Numbers of saved states that one call of the ensemble holds for its lanes.
+KEPT = 500_000
+
+
+class Series:
+    """The time series of one operating point, recorded in stretches: the numbers do not depend on them.
+
+    Parameters
+    ----------
+    periods, transient, every, steps, accuracy, method, workers, progress
+        As in `simulate`.
+
+    Attributes
+    ----------
+    periods, stretch, done : int
+        T that are recorded in the end, in one stretch at most, and by now.
+    passed : int
+        T of the transient that have passed.
+    """
+
+    def __init__(
+        self, system: System, *, periods: int | None = None, transient: int = 0, every: int = 1, steps: int | None = None,
+        accuracy: float | None = None, method: str | None = None, workers: int | None = None,
+        progress: Callable[[int], None] | None = None,
+    ) -> None:  # fmt: skip
+        _refuse_counts(transient=(transient, 0), every=(every, 1), **({} if periods is None else {"periods": (periods, 1)}))
+        self.steps, self.doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
+        self.least = every // gcd(self.steps, every)  # T after which a sample falls on a whole one
+        if periods is None:
+            length = shown_periods(system, max(self.steps // every, 1))
+            periods = -(-length // self.least) * self.least
+        if (periods * self.steps) % every:
+            raise RangeError(f"every = {every} does not divide the {periods * self.steps} recorded steps")
+        self.system, self.periods, self.transient, self.every, self.progress = system, periods, transient, every, progress
+        self.samples = periods * self.steps // every
+        each = max(KEPT // (LANES * system.model.dimension * self.steps // every + 1), 1)
+        self.stretch = max(min(each, periods) // self.least, 1) * self.least
+        self.ensemble, self.found = _one(system, self.steps, None, method, workers)
+        self.done = self.passed = 0
+        self.x = self.outputs = np.zeros((0, 0))
+
+    def pass_by(self, periods: int) -> None:
+        """Let some T of the transient pass."""
+        self.ensemble.advance(periods, progress=self.progress)
+        self.passed += periods
+
+    def advance(self) -> None:
+        """Record one more stretch; before the first one, let what is left of the transient pass."""
+        if self.passed < self.transient:
+            self.pass_by(self.transient - self.passed)
+        if not self.done:
+            self._begin()
+        length = min(self.stretch, self.periods - self.done)
+        segment = self.ensemble.advance(length, save_every=self.every, progress=self.progress)
+        self._take(self.done * self.steps // self.every + 1, segment.saved[:, :, 0])
+        self.done += length
+
+    def _begin(self) -> None:
+        model, rows = self.system.model, self.samples + 1
+        self.x, self.outputs = np.full((rows, model.dimension), np.nan), np.full((rows, len(model.outputs)), np.nan)
+        self._take(0, self.ensemble.x.T)
+
+    def _take(self, at: int, x: Array) -> None:
+        self.x[at : at + len(x)] = x
+        self.outputs[at : at + len(x)] = outputs_of(self.system.model, self.system.vector, x.T).T
+
+    def dataset(self) -> "xr.Dataset":
+        """Dataset of what has been recorded; before that begins, of the state that the transient has come to."""
+        import xarray as xr
+
+        e, model = self.ensemble, self.system.model
+        if not self.done:
+            self._begin()
+        rows = self.done * self.steps // self.every + 1
+        count = np.arange(rows) * self.every + self.passed * self.steps
+        ds = xr.Dataset(
+            {
+                "x": variable(("time", "state"), self.x[:rows], "1", "state", unit_of_each=_units(model)),
+                "outputs": variable(("time", "output"), self.outputs[:rows], "1", "output"),
+                "status": status_variable((), e.status[0]),
+                "end_time": variable((), e.end_time[0], "time", "time at which the run ended early"),
+                "start_found": variable((), int(self.found[0]), "1", "whether the default start exists"),
+            },
+            coords={
+                "time": variable("time", count * float(e.period[0]) / self.steps, "time", "model's time"),
+                "turn": variable("time", count / self.steps, "T", "time in periods T"),
+                "state": names_coordinate("state", self.system.states, "state"),
+                "output": names_coordinate("output", list(model.outputs), "output"),
+            },
+        )
+        facts = _run_facts(self.system, e, transient=self.transient, **self.doubts)
+        return with_attributes(ds, run_attributes(self.system, e, **facts))
+
+
+@shows_progress("simulate")
+def simulate(
+    system: System,
+    *,
+    periods: int | None = None,
+    transient: int = 0,
+    every: int = 1,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    progress: ProgressOption = None,
+) -> "xr.Dataset":
+    """Time series of a system.
+
+    Parameters
+    ----------
+    periods : int, optional
+        T that are recorded (of an unforced model: typical times). Where absent 20 turns of the slowest clock, fewer where
+        they would hold more than three million numbers (`shown_periods`).
+    transient : int
+        T dropped before.
+    every : int
+        Steps between recorded samples.
+    steps, accuracy, method, workers
+        As in `make_ensemble`; but `SAMPLES` steps per T are taken where the accuracy asks for fewer.
+    progress : callable or True, optional
+        Called with the T done since the last call; True shows a bar.
+
+    Returns
+    -------
+    xr.Dataset
+        ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
+        unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
+    """
+    series = Series(
+        system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
+        workers=workers, progress=progress,
+    )  # fmt: skip
+    tell(progress, "expect", series.transient + series.periods)
+    while series.done < series.periods:
+        series.advance()
+    return series.dataset()
+
+
+@shows_progress("section")
+def section(
+    system: System,
+    *,
+    periods: int = 500,
+    transient: int | None = None,
+    once_per: str = "T",
+    starts: int = 1,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    progress: ProgressOption = None,
+) -> "xr.Dataset":
+    """Poincaré section of a system.
+
+    Parameters
+    ----------
+    periods : int
+        Section points; for an unforced model, typical times in which crossings are collected.
+    transient : int, optional
+        T dropped before; where absent, 200 turns of the slowest clock (`settled_periods`).
+    once_per : {"T", "common"}
+        For a forced model: once per T, as the figures do, or once per common period, as dimensions need where it is short.
+    starts : int
+        Runs from starts that differ by 1e-6; in chaos they decorrelate, and the points of all are one sample.
+
+    Returns
+    -------
+    xr.Dataset
+        ``section(run, period, state)``, ``status(run)``; for an unforced model also ``crossing_time(run, period)``,
+        rows beyond a run's last crossing being NaN.
+
+    Notes
+    -----
+    Crossings are as exact as the steps (`crossings`).
+    """
+    import xarray as xr
+
+    if once_per not in ("T", "common"):
+        raise RangeError(f"once_per is 'T' or 'common', not {once_per!r}")
+    transient = settled_periods(system) if transient is None else transient
+    _refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))
+    ensemble, _ = _one(system, steps, accuracy, method, workers, starts)
+    ensemble.advance(transient, progress=progress)
+    if transient and check_steps(ensemble, progress):
+        ensemble.advance(transient, progress=progress)
+    data: dict[str, Any] = {}
+    if system.model.forced:
+        every = ensemble.common_multiple if once_per == "common" else 1
+        _refuse_counts(**{"T of the section": (periods * every, 1)})
+        points = ensemble.advance(periods * every, save_periods=every, progress=progress).saved
+        points = np.moveaxis(points, 2, 0)
+    else:
+        points, times = _crossings(ensemble, periods, progress)
+        data["crossing_time"] = variable(("run", "period"), times, "time", "time of the crossing")
+    data |= {
+        "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
+        "section": variable(("run", "period", "state"), points, "1", "section point", unit_of_each=_units(system.model)),
+        "status": status_variable("run", ensemble.status),
+    }
+    ds = xr.Dataset(
+        data,
+        coords={
+            "run": np.arange(points.shape[0]),
+            "period": np.arange(1, points.shape[1] + 1),
+            "state": names_coordinate("state", system.states, "state"),
+        },
+    )
+    facts = _run_facts(system, ensemble, transient=transient, once_per=once_per)
+    return with_attributes(ds, run_attributes(system, ensemble, **facts))
+
+
+def _one(
+    system: System, steps: int | None, accuracy: float | None, method: str | None, workers: int | None, starts: int = 1
+) -> tuple[Ensemble, NDArray[np.bool_]]:
+    repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
+    return make_ensemble(
+        system, repeat, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=starts > 1
+    )  # fmt: skip
+
+
+def _crossings(
+    ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
+) -> tuple[Array, Array]:
+    """Crossings in the next ``periods`` typical times: (run, crossing, state), and their times from the start."""
+    start = ensemble.turns * ensemble.period
+    points, times, _ = run_with_crossings(ensemble, periods, progress=progress)
+    return np.moveaxis(points, 2, 0), (start + times).T
+
+
+def _units(model: Model) -> str:
+    return " ".join(s.unit for s in model.states)
+
+
+def _run_facts(system: System, ensemble: Ensemble, **more: Any) -> dict[str, Any]:
+    return {
+        "period_T": float(ensemble.period[0]),
+        **common_multiple_attribute(ensemble.orders),
+        "stop": end_named(system.model, int(ensemble.end_stop[0])),
+        **more,
+    }
+
+
+def _refuse_counts(**counts: tuple[int, int]) -> None:
+    for name, (value, least) in counts.items():
+        if not least <= value <= 100_000_000:
+            raise RangeError(f"{name} must lie between {least} and 100000000, not {value}")

@@ -1,0 +1,1 @@
+"""Spectra, their lines and the names of these."""

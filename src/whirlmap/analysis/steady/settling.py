@@ -1,0 +1,405 @@
+"""Settling without waste: every point runs until its section has provably repeated, and the next one takes its place.
+
+Forced models. All points share a pool of lanes. In each round the points in the pool run until the first of them is due for
+a look. A point is looked at on its own, by its own history, every `ROUND` common periods, and less often the longer it has
+run (`looks`):
+
+1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever a longer
+   window, each twice the one before, has filled anew, it is searched too, for returns up to `Settling.most`.
+2. A return counts once what is left of the transient is small as well: where successive differences shrink by a factor r
+   from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
+   return is still on its way.
+3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
+   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
+4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
+
+Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.steady.acceleration import Trials
+from whirlmap.analysis.steady.extrapolation import DIFFERENCES
+from whirlmap.analysis.steady.periodicity import period_of
+from whirlmap.analysis.steady.return_search import search_windows
+from whirlmap.analysis.steady.slow_approach import LONGEST_RETURN
+from whirlmap.analysis.trends.film_thinning import narrowest_gap, thinning_power, turning
+from whirlmap.analysis.trends.trend import trend
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.scales import scales
+from whirlmap.kernels.running.loops import compiled
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
+
+#: Common periods between two looks at a point, at first; later the largest power of two that is at most a
+#: `SELDOM`-th of those it has run, up to `MOST`: what Python does for a look costs a small model more than the periods.
+ROUND, SELDOM, MOST = 4, 8, 32
+#: Part of the largest magnitude that a state has had at all which counts as its magnitude: one that has died out
+#: does not return by its own size.
+PAST = 1e-3
+#: A drift may swing, within the time between two looks, by so many times the way that it goes.
+SWINGS = 10.0
+#: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
+POOL = 128
+
+
+@dataclass(frozen=True)
+class Settling:
+    """How long to wait and how sure to be.
+
+    Attributes
+    ----------
+    transient : int
+        Common periods that a point which does not return runs before its longest window begins. Points that return
+        earlier stop there.
+    first_window : int
+        Common periods of the first window; a return is sought up to half of it.
+    most : int
+        Largest return that is sought, in common periods.
+    keep : int
+        Least number of T that are recorded once settled (`record_length.record_periods`).
+    tolerance : float
+        Largest difference that counts as a return, relative to the range of each state.
+    accelerate : bool
+        Whether slow approaches may be cut short.
+    """
+
+    transient: int = 100
+    first_window: int = 8
+    most: int = 64
+    keep: int = 64
+    tolerance: float = 1e-6
+    accelerate: bool = True
+
+    def __post_init__(self) -> None:
+        """Refuse counts that make no sense, naming the one."""
+        for name, least in (("transient", 0), ("first_window", 2), ("most", 1), ("keep", 1)):
+            value = getattr(self, name)
+            if not least <= value <= 10_000_000:
+                raise RangeError(f"{name} must lie between {least} and 10000000, not {value}")
+        if not 0 < self.tolerance < 1:
+            raise RangeError(f"tolerance must lie between 0 and 1, not {self.tolerance}")
+
+    @property
+    def longest(self) -> int:
+        """Common periods after which a point is given up."""
+        return self.transient + max(2 * self.most, self.first_window)
+
+
+@dataclass(frozen=True)
+class Settled:
+    """How every point of an ensemble settled; arrays end in the point axis.
+
+    Attributes
+    ----------
+    multiple : array of int
+        Smallest return in common periods; 0 where there is none.
+    distance : array
+        The return distance that decided, over the range of each state; where a point was given up, the smallest one. NaN
+        where it ended.
+    scale : array, shape (state, point)
+        Size of each state since the look before the last (`integrate.scales`), times how wide the tolerance is.
+    waited : array of int
+        Common periods run, trials included.
+    accelerated : array of bool
+        Whether the approach was cut short.
+    moved : array, shape (state, point)
+        Largest range of each state between two looks, from the start on.
+    growth : array
+        Rate per common period of the amplitude of points that grew steadily beyond the bound; NaN in others.
+    drift : array, shape (state, point)
+        Speed per common period of the mean of points that drifted beyond the bound; zero in others.
+    thinning, turning : array
+        Power of time with which a gap fell where steps failed at last, and rotation number (`thinning`); NaN in others.
+    """
+
+    multiple: Integers
+    distance: Array
+    scale: Array
+    waited: Integers
+    accelerated: NDArray[np.bool_]
+    moved: Array
+    growth: Array
+    drift: Array
+    thinning: Array
+    turning: Array
+
+    @classmethod
+    def none(cls, ensemble: Ensemble) -> "Settled":
+        """Points that have not begun."""
+        n, states = ensemble.points, ensemble.model.dimension
+        none = np.zeros(n, dtype=np.int64), np.full(n, np.nan), np.full((states, n), np.nan)
+        zero = np.zeros((states, n))
+        return cls(
+            *none, np.zeros(n, dtype=np.int64), np.zeros(n, dtype=np.bool_), zero, np.full(n, np.nan), zero.copy(),
+            np.full(n, np.nan), np.full(n, np.nan),
+        )  # fmt: skip
+
+    def of(self, points: NDArray[np.intp]) -> "Settled":
+        """How some of the points settled."""
+        return Settled(*(getattr(self, one.name)[..., points] for one in fields(self)))
+
+    def forget(self, points: NDArray[np.intp]) -> None:
+        """Forget how far points moved that begin anew: with too few steps that was not their motion."""
+        self.moved[:, points] = 0.0
+
+    def take(self, again: "Settled", points: NDArray[np.intp]) -> None:
+        """Take over how some points settled that have settled on, in place; the time they waited adds up."""
+        self.multiple[points], self.distance[points] = again.multiple, again.distance
+        self.scale[:, points], self.accelerated[points] = again.scale, again.accelerated
+        self.waited[points] += again.waited
+        self.moved[:, points] = np.maximum(self.moved[:, points], again.moved)
+        self.growth[points], self.drift[:, points] = again.growth, again.drift
+        self.thinning[points], self.turning[points] = again.thinning, again.turning
+
+
+def looks(ran: Integers, longest: Integers) -> Integers:
+    """Common periods after which points that have run ``ran`` of them, and run ``longest``, are looked at next."""
+    every = np.clip(2 ** np.floor(np.log2(np.maximum(ran, 1) / SELDOM)), ROUND, MOST).astype(np.int64)
+    return np.asarray(np.minimum((ran // every + 1) * every, -(-longest // ROUND) * ROUND))
+
+
+def settle(
+    ensemble: Ensemble,
+    settling: Settling,
+    *,
+    longest: Integers | None = None,
+    wide: Array | None = None,
+    cyclic: dict[int, float] | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Settled:
+    """Settle all points of a forced model, in place.
+
+    Parameters
+    ----------
+    longest : array of int, shape (point,), optional
+        Common periods after which each point is given up; `Settling.longest` where absent.
+    wide : array, shape (point,), optional
+        Tolerance of each point over that of the settling.
+    cyclic : mapping of state index to period, optional
+        States that are angles.
+
+    Returns
+    -------
+    Settled
+        Points that ended, and points that did not return in the longest time, have multiple 0.
+    """
+    common = ensemble.strobe
+    longest = np.full(ensemble.points, settling.longest) if longest is None else longest
+    wide = np.ones(ensemble.points) if wide is None else wide
+    pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))
+    while pool.active.size:
+        segment = ensemble.advance(
+            pool.stretch() * common, members=pool.active, save_periods=common, extremes=True, progress=progress
+        )
+        assert segment.extremes is not None
+        pool.take(segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
+    refused = pool.trials.refuse_unproved()
+    kept = np.setdiff1d(np.arange(ensemble.points), refused)
+    if refused.size:
+        part = ensemble.subset(refused)
+        plainly = replace(settling, accelerate=False)
+        again = settle(part, plainly, longest=longest[refused], wide=wide[refused], cyclic=cyclic, progress=progress)
+        ensemble.absorb(part, refused)
+        pool.settled.take(again, refused)
+    pool.settled.distance[kept] *= wide[kept]
+    return pool.settled
+
+
+@compiled(
+    {
+        "active": "ints", "chosen": "int", "ended": "ints", "slot": "ints", "saved": "doubles", "rows": "int",
+        "states": "int", "low": "doubles", "high": "doubles", "least": "doubles", "most": "doubles", "history": "doubles",
+        "ring": "int",
+        "ran": "ints", "look_at": "ints", "waited": "ints", "trial": "ints", "needed": "ints", "trial_points": "doubles",
+        "trial_rows": "int", "trial_ran": "ints", "due": "ints",
+    },
+)  # fmt: skip
+def _take_over(
+    active: Integers, chosen: int, ended: Integers, slot: Integers, saved: Array, rows: int, states: int, low: Array,
+    high: Array, least: Array, most: Array, history: Array, ring: int, ran: Integers, look_at: Integers, waited: Integers,
+    trial: Integers, needed: Integers, trial_points: Array, trial_rows: int, trial_ran: Integers, due: Integers,
+) -> None:  # fmt: skip
+    """Take over the section points of the active points, shape (row, state, active), and the extremes (state, active).
+
+    Points on trial have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be looked at.
+    """
+    for j in range(chosen):
+        p = active[j]
+        at = slot[p]
+        waited[p] += rows
+        for k in range(states):
+            if low[k * chosen + j] < least[at * states + k]:
+                least[at * states + k] = low[k * chosen + j]
+            if high[k * chosen + j] > most[at * states + k]:
+                most[at * states + k] = high[k * chosen + j]
+        for r in range(rows):
+            for k in range(states):
+                x = saved[(r * states + k) * chosen + j]
+                if trial[p] > 0:
+                    trial_points[(at * trial_rows + trial_ran[p] + 1 + r) * states + k] = x
+                else:
+                    history[(at * ring + (ran[p] + r) % ring) * states + k] = x
+        if trial[p] > 0:
+            trial_ran[p] += rows
+            over = trial_ran[p] >= needed[trial[p]]
+        else:
+            ran[p] += rows
+            over = ran[p] >= look_at[p]
+        due[j] = 1 if over or ended[j] > 0 else 0
+
+
+class _Pool:
+    """Points that run now, with their last section points, and the queue of those that wait."""
+
+    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, period: Array) -> None:
+        n, states = ensemble.points, ensemble.model.dimension
+        self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
+        self.accelerate = settling.accelerate and not ensemble.tangents
+        self.wide, self.waiting = wide, 0
+        self.active = np.zeros(0, dtype=np.intp)
+        self.size = min(POOL * LANES * ensemble.workers, n)
+        kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
+        self.history = np.full((self.size, -(-kept // ROUND) * ROUND, states), np.nan)
+        self.low, self.high = np.empty((self.size, states)), np.empty((self.size, states))  # since the last look
+        self.largest = np.empty((self.size, states))  # magnitude since the beginning
+        self.slot = np.full(n, -1, dtype=np.intp)
+        self.free = list(range(self.size))
+        self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
+        self.next = looks(self.ran, longest)
+        self.settled = Settled.none(ensemble)
+        self.cyclic = {int(k): float(period[k]) for k in np.flatnonzero(np.isfinite(period))}
+        self.windows = np.array(windows(settling))
+        self.tolerance = np.array([settling.tolerance])
+        self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(max(self.history.shape[1], states))
+        self.trials = Trials(ensemble, self.slot, self.size, every=ROUND, tolerance=settling.tolerance, period=period)
+        self.fill()
+
+    def fill(self) -> None:
+        """Give the free places of the pool to the next points that have not ended."""
+        n, running = self.ensemble.points, self.ensemble.running
+        entering = []
+        while self.free and self.waiting < n:
+            if running[self.waiting]:
+                self.slot[self.waiting] = self.free.pop()
+                entering.append(self.waiting)
+            self.waiting += 1
+        self.forget(np.array(entering, dtype=np.intp))
+        self.largest[self.slot[entering]] = np.abs(self.ensemble.x[:, entering]).T
+        self.active = np.concatenate([self.active, np.array(entering, dtype=np.intp)])
+
+    def forget(self, points: NDArray[np.intp]) -> None:
+        """Begin the ranges of points anew."""
+        self.low[self.slot[points]], self.high[self.slot[points]] = np.inf, -np.inf
+
+    def stretch(self) -> int:
+        """Common periods until the first of the points is due for a look."""
+        at = self.active
+        left = np.where(self.trials.multiple[at] > 0, self.trials.left(at), self.next[at] - self.ran[at])
+        return int(left.min())
+
+    def take(self, saved: Array, low: Array, high: Array) -> None:
+        """Take over the section points and extremes of a stretch, and look at the points that are due."""
+        at, trials = self.active, self.trials
+        running = self.ensemble.running[at]
+        due = np.empty(at.size, dtype=np.int64)
+        _take_over(
+            active=at, chosen=at.size, ended=(~running).astype(np.int64), slot=self.slot, saved=saved, rows=len(saved),
+            states=self.period.size, low=low, high=high, least=self.low, most=self.high, history=self.history,
+            ring=self.history.shape[1], ran=self.ran, look_at=self.next, waited=self.settled.waited, trial=trials.multiple,
+            needed=trials.needed, trial_points=trials.points, trial_rows=trials.points.shape[1], trial_ran=trials.ran,
+            due=due,
+        )  # fmt: skip
+        which = np.flatnonzero(due)
+        if not which.size:
+            return
+        done = self.look(at[which], running[which])
+        if done.any():
+            gone = which[done]
+            self.free += self.slot[at[gone]].tolist()
+            self.active = np.delete(at, gone)
+            self.fill()
+
+    def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Look at points that are due; returns which of them are done."""
+        s, trying = self.settled, self.trials.multiple[at] > 0
+        s.scale[:, at] = self.sizes(at, running)
+        s.moved[:, at] = np.fmax(s.moved[:, at], (self.high[self.slot[at]] - self.low[self.slot[at]]).T)
+        self.beyond(at[~running & ~trying & (self.ensemble.status[at] == Status.diverged)])
+        self.thins(at[~running & ~trying & (self.ensemble.status[at] == Status.unresolved)])
+        self.forget(at)
+        plain = at
+        if trying.any():
+            passed, multiple, distance = self.trials.look(at[trying], s.scale)
+            s.multiple[passed], s.distance[passed], s.accelerated[passed] = multiple, distance, True
+            plain = at[~trying]
+        self.search(plain if running.all() else at[~trying & running])
+        self.looked[plain] = self.ran[plain]
+        self.next[plain] = looks(self.ran[plain], self.longest[plain])
+        done: NDArray[np.bool_] = ~running | (s.multiple[at] > 0) | (self.ran[at] >= self.longest[at])
+        if self.accelerate:
+            self.trials.begin(at[~done & ~trying], self.ran, self.history, s.scale)
+        return done
+
+    def sizes(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> Array:
+        """What differences of points are divided by, since their last look: `scales`; one where they have ended."""
+        slot, e = self.slot[at], self.ensemble
+        low, high = (np.where(running, side[slot].T, 0.0) for side in (self.low, self.high))
+        magnitude = np.maximum(np.abs(low), np.abs(high))
+        self.largest[slot] = np.maximum(self.largest[slot], magnitude.T)
+        size = scales(e.model, e.period[at], high - low, np.maximum(magnitude, PAST * self.largest[slot].T))
+        return size * self.wide[at]
+
+    def beyond(self, points: NDArray[np.intp]) -> None:
+        """See whether points that went beyond the bound had grown or drifted there steadily.
+
+        What only swings further from period to period has not drifted: its range since the last look is too large.
+        """
+        ring = self.history.shape[1]
+        for p in points:
+            rows = (self.ran[p] - np.arange(min(self.ran[p], ring), 0, -1)) % ring
+            section = self.history[self.slot[p], rows]
+            seen = trend(section[np.isfinite(section).all(axis=1), :, None], self.cyclic)
+            drift, slot = seen.drift[:, 0], self.slot[p]
+            way = np.abs(drift) * (self.ran[p] - self.looked[p])
+            drifts = (self.high[slot] - self.low[slot] <= SWINGS * way) | (drift == 0)
+            self.settled.growth[p], self.settled.drift[:, p] = seen.growth[0], drift if drifts.all() else 0.0
+
+    def thins(self, points: NDArray[np.intp]) -> None:
+        """See whether points whose steps failed had a film that thinned on and on."""
+        e, ring = self.ensemble, self.history.shape[1]
+        for p in points:
+            rows = (self.ran[p] - np.arange(min(self.ran[p], ring), 0, -1)) % ring
+            section = self.history[self.slot[p], rows]
+            section = section[np.isfinite(section).all(axis=1)]
+            widest = float(narrowest_gap(e.model, e.values[:, p], section).max(initial=0.0))
+            late = section[len(section) // 2 :]
+            begin = max(int(self.ran[p]) - len(rows), 0) + len(section) // 2
+            self.settled.thinning[p] = thinning_power(e.model, e.values[:, p], late, begin, widest)
+            self.settled.turning[p] = turning(late, self.cyclic)
+
+    def search(self, points: NDArray[np.intp]) -> None:
+        """Search the windows of points that are due."""
+        s = self.settled
+        search_windows(
+            points=points, chosen=points.size, slot=self.slot, history=self.history, ring=self.history.shape[1],
+            states=self.period.size, n=self.slot.size, windows=self.windows, lengths=self.windows.size, ran=self.ran,
+            looked=self.looked, longest=self.longest, period=self.period, tolerance=self.tolerance, scale=s.scale,
+            own=self._own, size=self._size, room=self._room, multiple=s.multiple, distance=s.distance,
+        )  # fmt: skip
+
+
+def windows(settling: Settling) -> list[int]:
+    """Lengths of the windows, each twice the one before."""
+    out = [min(settling.first_window, 2 * settling.most)]
+    while out[-1] < 2 * settling.most:
+        out.append(min(2 * out[-1], 2 * settling.most))
+    return out

@@ -1,0 +1,1 @@
+"""Sections that change steadily: decay to rest, growth, drift, a film that thins."""

@@ -1,0 +1,1 @@
+"""Tangent dynamics: Lyapunov exponents, Floquet multipliers, the dimension that exponents give."""

@@ -1,0 +1,194 @@
+"""``whirlmap attractors``: what motions coexist at one operating point, and how many starts lead to each."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli.common import figures_of_commands as pictures
+from whirlmap.cli.common import options, report
+from whirlmap.cli.common.outputs import claim
+from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.ranges import in_states, read_brackets
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.integrate.dimensions import Dimensions
+
+STARTS = "Start states"
+
+#: Keys of the numbers of an attractor that have a unit.
+MEASURED = ("lyapunov", "lyapunov_error", "peak_to_peak", "units")
+
+EXAMPLES = (
+    "whirlmap attractors duffing --set gamma=0.2",
+    "whirlmap attractors duffing --set gamma=0.2 --starts 2000 --box x=-2:2 --box v=-2:2 --out duffing.png",
+    "whirlmap attractors gear_backlash --set Omega=1.0 --set F_ah=0.2 --set zeta=0.05 --box x=-3:3 --box v=-2:2",
+)
+
+
+def attractors(
+    case: options.CaseName,
+    starts: Annotated[
+        int,
+        typer.Option("--starts", metavar="N", min=1, rich_help_panel=STARTS, help="Start states drawn at random."),
+    ] = 256,
+    box: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--box", metavar="STATE=LOW:HIGH", rich_help_panel=STARTS,
+            help="Range from which a state's starts are drawn, of a case with dimensions also 'y=-20 um:20 um'; may be"
+            " repeated, and the other states keep their start value. Without it all states are drawn from twice the range of"
+            " the motion from the default start.",
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Of the drawing.")] = 0,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    most: options.Most = 64,
+    tolerance: options.Tolerance = 1e-6,
+    lyapunov: options.MeasuredLyapunov = None,
+    steps: options.Steps = None,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
+    out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Find the attractors that coexist at one operating point of CASE, and the share of the starts that lead to each.
+
+    Starts that end in contact, diverge, or stay undecided are counted as such, and belong to no attractor. The picture
+    shows the start states in the colour of their attractor, with its section points.
+    """
+    brackets = read_brackets(box, "--box")
+    destination = claim(out, "attractors", force=force, size=size, dpi=dpi, title=title)
+    system = options.open_system(case, changes, start)
+    ranges = [in_states(system, *read, option="--box") for read in brackets.values()]
+    boxes = {one.name: (one.start, one.stop) for one in ranges}
+    from whirlmap.analysis.steady.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.attractors.attractors import attractors_in_parts as find
+    from whirlmap.sweep.diagrams.in_batches import expected_periods
+
+    settling = Settling(transient=transient, most=most, tolerance=tolerance)
+    refuse_points([starts])
+    with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet, points=starts) as progress:
+        work = find(
+            system, starts=starts, box=boxes or None, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps,
+            accuracy=accuracy, method=method, workers=workers, progress=progress,
+        )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    ds, units = work.dataset, Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda done: pictures.attractors(units, done))
+    report.say_doubts(ds.attrs)
+    facts = summary(units, ds)
+    if json:
+        report.print_json({**facts, "seed": seed, "files": files})
+    else:
+        say_attractors(facts)
+        report.print_written(files)
+    if not work.complete:
+        report.interrupted(facts["incomplete"], files, "the same command settles all starts anew")
+
+
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
+    """Say what a search found, attractor by attractor; in ``dimensional`` in these units, where they are others."""
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
+
+    own, shown = _summary(Dimensions(units.system, own=True), ds), _summary(units, shown_in(units, ds))
+    there = {"attractors": [{key: one[key] for key in MEASURED} for one in shown["attractors"]]}
+    return report.beside(own, there, ("attractors",), units)
+
+
+def _summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
+    from whirlmap.results.regime import Regime
+
+    system, rate = units.system, units.of("rate").unit
+    names_of = [str(q) for q in ds["quantity"].values] if "quantity" in ds.coords else []
+    said: dict[str, Any] = dict.fromkeys(("lyapunov", "lyapunov_error"), rate)
+    said["peak_to_peak"] = {q: units.quantity(q).unit for q in names_of}
+
+    made = ds["attractor"].values.tolist() if "attractor" in ds.coords else []
+    counted = int(ds["starts"].sum()) + int(ds["outcome_starts"].sum())
+    names = ("share", "share_error", "confidence", "lyapunov", "lyapunov_error", "return_distance")
+    return {
+        "case": system.case,
+        "model": system.model.name,
+        "parameters": system.values,
+        "starts": counted,
+        "attractors": [
+            {
+                "number": number,
+                "regime": Regime(int(one["regime"])).label,
+                "period": int(one["period_T"]) or None,
+                "period_common": int(one["period_common"]) or None,
+                "starts": int(one["starts"]),
+                **{name: float(one[name]) for name in names},
+                "votes": {str(i): _vote(v) for i, v in _votes(one)},
+                "peak_to_peak": {q: float(one["peak_to_peak"].sel(quantity=q)) for q in names_of},
+                "units": said,
+            }
+            for number, one in ((n, ds.sel(attractor=n)) for n in made)
+        ],
+        "outcomes": {
+            str(o): {
+                name: float(ds[f"outcome_{name}"].sel(outcome=o)) for name in ("starts", "share", "share_error")
+            }
+            for o in ds["outcome"].values
+        },
+        "incomplete": ds.attrs.get("incomplete"),
+    }  # fmt: skip
+
+
+def _votes(one: "xr.Dataset") -> Any:
+    """Indicators with their votes; none where a search was interrupted before they were asked."""
+    return zip(one["indicator"].values, one["vote"].values, strict=True) if "vote" in one else ()
+
+
+def _vote(vote: Any) -> str:
+    from whirlmap.analysis.labels.votes import Vote
+
+    return Vote(int(vote)).name
+
+
+def _exponent(numbers: dict[str, Any], unit: str) -> str:
+    value = numbers["lyapunov"]
+    return report.with_error(value, numbers["lyapunov_error"]) + report.unit_behind(unit) if value == value else "-"
+
+
+def say_attractors(facts: dict[str, Any]) -> None:
+    """Print the table of attractors, and how the other starts ended."""
+    found = facts["attractors"]
+    shown = facts.get("dimensional", facts)["attractors"]
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
+    typer.echo(f"{facts['case']}: {facts['starts']} starts, {len(found)} attractor{'s' if len(found) != 1 else ''}")
+    rows = []
+    for a, numbers in zip(found, shown, strict=True):
+        label = f"periodic, {a['period']}T" if a["regime"] == "periodic" else a["regime"]
+        votes = ", ".join(f"{name} {vote}" for name, vote in a["votes"].items() if vote != "none")
+        name, swing = next(iter(numbers["peak_to_peak"].items()))
+        units = numbers["units"]
+        rows.append((
+            str(a["number"]), label, f"{100 * a['share']:.2f} +- {100 * a['share_error']:.2f} %",
+            _exponent(numbers, units["lyapunov"]),
+            f"{name} {swing:.4g}{report.unit_behind(units['peak_to_peak'][name])}" if swing == swing else "-", votes,
+        ))  # fmt: skip
+    if rows:
+        columns = ("", "regime", "share of the starts", "largest exponent", "peak to peak", "votes")
+        report.show(report.table("Attractors", columns, rows[:40]))
+        if len(rows) > 40:
+            typer.echo(f"  and {len(rows) - 40} more: --json or --out NAME.nc has them all")
+    for name, one in facts["outcomes"].items():
+        if one["starts"]:
+            typer.echo(f"{name}: {100 * one['share']:.2f} +- {100 * one['share_error']:.2f} % of the starts, no attractor")

@@ -1,0 +1,243 @@
+"""``whirlmap bifurcation``: the section of a system against one parameter."""
+
+from collections import Counter
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli.common import figures_of_commands as pictures
+from whirlmap.cli.common import options, report
+from whirlmap.cli.common.messages import choice
+from whirlmap.cli.common.outputs import claim
+from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_twice
+from whirlmap.errors import RangeError, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.system import System
+
+SWEEP = "Sweep"
+
+#: Keys of the numbers of a sweep that have a unit.
+MEASURED = ("lyapunov", "lyapunov_error", "end_time", "peak_to_peak", "units")
+WAYS = ("up", "down", "both")
+
+EXAMPLES = (
+    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out gamma.png",
+    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:99 --follow both",
+    "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out figure4",
+    "whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp",
+)
+
+
+def bifurcation(
+    case: options.CaseName,
+    vary: Annotated[
+        str,
+        typer.Option(
+            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
+            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log; of a case with dimensions also"
+            ' "speed=500 rpm:6000 rpm:200".',
+        ),
+    ],
+    follow: Annotated[
+        str | None,
+        typer.Option(
+            "--follow", metavar="up|down|both", rich_help_panel=SWEEP,
+            help="Carry the state from each point to the next; both shows hysteresis."
+            " Without it each point starts cold.",
+        ),
+    ] = None,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    keep: Annotated[
+        int,
+        typer.Option(
+            "--keep", metavar="N", rich_help_panel=options.COMPUTING,
+            help="Section points kept of each point, once per T; at least two common periods are.",
+        ),
+    ] = 64,
+    most: options.Most = 64,
+    tolerance: options.Tolerance = 1e-6,
+    lyapunov: options.Lyapunov = None,
+    steps: options.Steps = None,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    workers: options.Workers = None,
+    plot: Annotated[
+        str | None,
+        typer.Option(
+            "--plot", metavar="STATE,...", rich_help_panel=options.OUTPUT,
+            help="States in the picture and, with their section, in the data, separated by commas; the displacements of"
+            " the model where absent.",
+        ),
+    ] = None,
+    dimensionless: options.Dimensionless = False,
+    out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Sweep one parameter of CASE and say where the motion is periodic, and where it is not.
+
+    Each point settles, is tested for a return, and gives its Poincaré section once per T. Ctrl-C keeps the
+    points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
+    mm/s, N, rpm and 1/s.
+    """
+    swept, unit = read_range(vary)
+    if follow is not None:
+        choice("--follow", follow, WAYS)
+    refuse_twice(set(options.assignments(changes, "--set")), swept)
+    destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
+    system = options.open_system(case, changes, start)
+    swept = in_parameters(system, swept, unit)
+    states = _states(system, plot)
+    from whirlmap.analysis.steady.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.in_units import shown_in
+    from whirlmap.results.memory import refuse_memory
+    from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
+
+    settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
+    total = swept.count * (2 if follow == "both" else 1)
+    refuse_memory("the diagram", 2 * total * keep * len(states))  # at least, and before anything of its size is made
+    expected = expected_periods(system, total, settling, {swept.name: swept.values})
+    with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
+        work = diagram_in_batches(
+            system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
+            settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,
+            workers=workers, progress=progress, on_batch=lambda done, points: progress.expect(
+                progress.done * points / done, f"{done} of {points} points"
+            ),
+        )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    units = Dimensions(system, own=dimensionless)
+    files = destination.write(work.dataset, lambda ds: pictures.diagram(units, ds, states))
+    report.say_doubts(work.dataset.attrs)
+    small = work.dataset.drop_vars("section")  # which would be in memory twice
+    facts = summary(units, shown_in(units, small), swept.name)
+    assumptions = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
+    if json:
+        own = {**summary(Dimensions(system, own=True), work.dataset, swept.name), "assumptions": assumptions}
+        there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
+        report.print_json({**report.beside(own, there, ("values", "sweeps", "hysteresis", "units"), units), "files": files})
+    else:
+        _print(facts, states[0])
+        report.print_written(files)
+    if not work.complete:
+        go_on = "the same command computes all points anew"
+        if follow is None and work.dataset.sizes[swept.name] < swept.count:
+            go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"
+        report.interrupted(facts["incomplete"], files, go_on)
+
+
+def _states(system: "System", plot: str | None) -> list[str]:
+    if plot is None:
+        return pictures.swing_of(system)
+    states = [name.strip() for name in plot.split(",") if name.strip()]
+    for name in states or [plot]:
+        if name not in system.states:
+            raise RangeError(
+                f"--plot: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
+                f"\n  states: {' '.join(system.states)}"
+            )
+    return states
+
+
+def summary(units: "Dimensions", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
+    """Say what a diagram holds, which is in these units, every sweep point by point."""
+    from whirlmap.sweep.diagrams.hysteresis import intervals
+
+    system, unit = units.system, units.quantity(parameter).unit
+    sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
+    return {
+        "case": system.case,
+        "model": system.model.name,
+        "parameters": {name: value for name, value in system.values.items() if name != parameter},
+        "varied": parameter,
+        "follow": ds.attrs["follow"],
+        "values": ds[parameter].values,
+        "sweeps": [_sweep(units, sweep) for sweep in sweeps],
+        "hysteresis": intervals(ds, parameter) if "hysteresis" in ds else None,
+        "units": {"values": unit, "hysteresis": unit},
+        "incomplete": ds.attrs.get("incomplete"),
+    }
+
+
+def _sweep(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
+    from whirlmap.results.regime import Regime
+    from whirlmap.results.status import Status
+
+    return {
+        "direction": str(ds["direction"].values) if "direction" in ds.coords else None,
+        "regime": [Regime(int(r)).label for r in ds["regime"].values],
+        "period": [int(n) or None for n in ds["period_T"].values],
+        "period_common": [int(m) or None for m in ds["period_common"].values],
+        "status": [Status(int(k)).name for k in ds["status"].values],
+        "lyapunov": ds["lyapunov"].values,
+        "lyapunov_error": ds["lyapunov_error"].values,
+        "end_time": ds["end_time"].values,
+        "peak_to_peak": {
+            str(q): ds["peak_to_peak"].sel(quantity=q).values for q in ds["quantity"].values
+        },
+        "units": {
+            **dict.fromkeys(("lyapunov", "lyapunov_error"), units.of("rate").unit), "end_time": units.of("time").unit,
+            "peak_to_peak": {str(q): units.quantity(str(q)).unit for q in ds["quantity"].values},
+        },
+    }  # fmt: skip
+
+
+def _print(facts: dict[str, Any], state: str) -> None:
+    name, values = report.with_unit(facts["varied"], facts["units"]["values"]), facts["values"]
+    typer.echo(f"{facts['case']}: {name} from {values[0]:.6g} to {values[-1]:.6g}, {len(values)} points")
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
+    for sweep in facts["sweeps"]:
+        labels = list(map(_label, sweep["regime"], sweep["period"], sweep["status"]))
+        counted = ", ".join(f"{count} {label}" for label, count in Counter(labels).most_common(8))
+        where = f"sweep {sweep['direction']}" if sweep["direction"] else "points"
+        typer.echo(f"{where}: {counted}")
+        rows = [
+            (f"{values[a]:.6g}", f"{values[b]:.6g}", b - a + 1, labels[a], _largest(sweep, a, b), _swing(sweep, state, a, b))
+            for a, b in _stretches(labels)
+        ]
+        title = f"Regimes, {where}" if sweep["direction"] else "Regimes"
+        units = sweep["units"]
+        exponent = report.with_unit("largest exponent", units["lyapunov"])
+        swing = report.with_unit(f"largest peak to peak of {state}", units["peak_to_peak"][state])
+        columns = (f"{name} from", "to", "points", "regime", exponent, swing)
+        report.show(report.table(title, columns, rows[:60], numbers=(0, 1, 2, 5)))
+        if len(rows) > 60:
+            typer.echo(f"  and {len(rows) - 60} more stretches: --json or --out NAME.nc has them all")
+    if facts["hysteresis"] is not None:
+        found = [f"{a:.6g} to {b:.6g}" if b > a else f"{a:.6g}" for a, b in facts["hysteresis"]]
+        typer.echo(f"hysteresis: up and down differ at {name} = {', '.join(found)}" if found else "hysteresis: none seen")
+
+
+def _label(regime: str, period: int | None, status: str) -> str:
+    if status in ("unresolved", "failed"):
+        return status
+    return f"periodic, {period}T" if regime == "periodic" else regime
+
+
+def _largest(sweep: dict[str, Any], first: int, last: int) -> str:
+    measured = [v for v in sweep["lyapunov"][first : last + 1] if v == v]
+    return f"{min(measured):.3g} to {max(measured):.3g}" if measured else "-"
+
+
+def _swing(sweep: dict[str, Any], state: str, first: int, last: int) -> str:
+    measured = [v for v in sweep["peak_to_peak"][state][first : last + 1] if v == v]
+    return f"{max(measured):.4g}" if measured else "-"
+
+
+def _stretches(labels: list[str]) -> list[tuple[int, int]]:
+    starts = [i for i in range(len(labels)) if i == 0 or labels[i] != labels[i - 1]]
+    return list(zip(starts, [s - 1 for s in starts[1:]] + [len(labels) - 1], strict=True))

@@ -1,0 +1,296 @@
+"""``whirlmap identify``: the paper's claims, asked of every plausible set of the parameters that it does not give."""
+
+import time
+from os.path import relpath
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli.common import options, report
+from whirlmap.cli.common.messages import say
+from whirlmap.cli.common.progress import Progress, clock
+from whirlmap.errors import RangeError
+
+if TYPE_CHECKING:
+    from whirlmap.studies.gear_psfd.search.answer import Answer
+    from whirlmap.studies.gear_psfd.search.blocks import Blocks
+    from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
+    from whirlmap.studies.gear_psfd.search.identify import Cost
+    from whirlmap.studies.gear_psfd.search.variants import Variant
+
+SEARCH = "Search"
+
+EXAMPLES = (
+    "whirlmap identify --sets 32 --variant intended-porous-positive-shaft",
+    "whirlmap identify --store search --minutes 120 --refine 20 --out answer",
+    "whirlmap identify --store search --resume --minutes 0 --out answer --force",
+    "whirlmap identify --store search --resume --share 3/12 --no-pilot",
+)
+
+
+def identify(
+    sets: Annotated[
+        int,
+        typer.Option("--sets", metavar="N", min=1, max=1_000_000, rich_help_panel=SEARCH,
+                     help="Most parameter sets of each variant, in blocks of 512; fewer where every claim's share is known"
+                     " to 2 % already."),
+    ] = 2560,
+    edition: Annotated[
+        list[str] | None,
+        typer.Option("--edition", metavar="literal|intended", rich_help_panel=SEARCH,
+                     help="Only this edition; may be repeated."),
+    ] = None,
+    variant: Annotated[
+        list[str] | None,
+        typer.Option("--variant", metavar="NAME", rich_help_panel=SEARCH,
+                     help="Only this reading of the paper, as intended-porous-positive-shaft; may be repeated. A wrong name"
+                     " is answered with the list."),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Of the design.")] = 1,
+    refine: Annotated[
+        int,
+        typer.Option("--refine", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
+                     help="Generations of 64 sets of differential evolution from the best of each edition, when the blocks"
+                     " are finished; not with --share."),
+    ] = 0,
+    minutes: Annotated[
+        float | None,
+        typer.Option("--minutes", metavar="M", min=0.0, rich_help_panel=SEARCH,
+                     help="Begin no block that would end later, and no generation after that; 0: only read the store."),
+    ] = None,
+    store: Annotated[
+        Path | None,
+        typer.Option("--store", metavar="FOLDER", rich_help_panel=options.OUTPUT,
+                     help="Keep what is finished, block by block; a killed search goes on from there with --resume."),
+    ] = None,
+    resume: Annotated[
+        bool, typer.Option("--resume", rich_help_panel=options.OUTPUT, help="Go on with the search in --store.")
+    ] = False,
+    share: Annotated[
+        str,
+        typer.Option("--share", metavar="I/N", rich_help_panel=SEARCH,
+                     help="Compute every N-th block from the I-th on, as one task of N with the same --store."),
+    ] = "1/1",
+    dask: Annotated[
+        str | None,
+        typer.Option("--dask", metavar="ADDRESS", rich_help_panel=SEARCH,
+                     help="Compute on the workers of the Dask scheduler at this address, tcp://host:8786, a core for each of"
+                     " their threads."),
+    ] = None,
+    no_pilot: Annotated[
+        bool,
+        typer.Option("--no-pilot", rich_help_panel=SEARCH,
+                     help="Do not measure and print the cost before the start; --minutes then lets a begun block end."),
+    ] = False,
+    workers: options.Workers = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", rich_help_panel=options.OUTPUT,
+                     help="Write tables, pictures and the cases literal-best.toml and intended-best.toml to a folder."),
+    ] = None,
+    linear: Annotated[
+        int,
+        typer.Option("--linear", metavar="N", min=0, max=512, rich_help_panel=SEARCH,
+                     help="With --out: sets of each variant that linear theory is asked about, too; 0: none."),
+    ] = 256,
+    page: Annotated[
+        Path | None,
+        typer.Option("--page", metavar="FILE.md", rich_help_panel=options.OUTPUT,
+                     help="Put the tables into a page, between its marks; pictures are those of --out."),
+    ] = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Ask every plausible machine whether the paper's claims hold for it.
+
+    The paper gives no parameters but psi and s. This draws sets of all others from plausible ranges, computes a coarse
+    labelled diagram of each for every reading of the equations that the text allows, and says how often each claim holds,
+    which claims exclude each other, and which set comes closest.
+    """
+    from whirlmap.studies.gear_psfd.search.answer import answer
+    from whirlmap.studies.gear_psfd.search.answer_pages import around
+    from whirlmap.studies.gear_psfd.search.blocks import open_blocks
+    from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
+    from whirlmap.studies.gear_psfd.search.identify import spans_of
+    from whirlmap.studies.gear_psfd.search.refine import LEAST
+    from whirlmap.studies.gear_psfd.search.variants import chosen
+    from whirlmap.sweep.maps.executors import connected
+
+    i, n = _share(share)
+    if page is not None and out is None:
+        raise RangeError("--page needs --out, where its pictures are")
+    if n > 1 and store is None:
+        raise RangeError("--share needs --store, which the shares have in common")
+    if resume and store is None:
+        raise RangeError("--resume goes on with the search in --store: give one")
+    if refine and n > 1:
+        raise RangeError("--refine needs all blocks: when all shares are finished, run it without --share")
+    if refine and sets < LEAST:
+        raise RangeError(f"--refine needs at least {LEAST} sets of a variant, and --sets is {sets}")
+    if dask is not None and workers is not None:
+        raise RangeError("--workers are threads of this process, and a cluster has its own: give one of them")
+    variants = chosen(tuple(edition or ()), tuple(variant or ()))
+    settings = Settings(seed=seed)
+    if out is not None:
+        from whirlmap.results.files import check_writable
+
+        check_writable(out, force=force)
+    if page is not None:
+        around(page)
+    blocks = open_blocks(store, settings.identity(), resume=resume)
+    begun = time.monotonic()
+    deadline = None if minutes is None else begun + 60 * minutes
+    interrupted = False
+    if minutes != 0:
+        try:
+            with connected(dask) as client:
+                _compute(
+                    variants, settings, blocks, sets, refine, deadline, (i, n), not no_pilot, client, workers, quiet
+                )
+        except KeyboardInterrupt:
+            interrupted = True
+            kept = f"kept; go on with --store {store} --resume" if store else "reported, and then lost: use --store"
+            say(f"interrupted: what was finished is {kept}")
+    found = answer(variants, settings, blocks)
+    if found is None:
+        waiting = sum(len(spans_of(blocks, v)) for v in variants)
+        say(
+            f"finished blocks: {waiting}, but not the first of any variant, so there is nothing to report yet"
+            if waiting
+            else "no block is finished, so there is nothing to report"
+        )
+        if json:
+            nothing: dict[str, Any] = {"variants": {}, "editions": {}, "excluded": {}, "best": {}, "files": []}
+            missing = [v.name for v in variants]
+            report.print_json({"seed": seed, "missing": missing, **nothing, "interrupted": interrupted})
+        raise typer.Exit(130 if interrupted else 0)
+    files = _write(found, blocks, out, page, linear, workers, force)
+    if json:
+        report.print_json({**found.summary(), "files": files, "interrupted": interrupted})
+    else:
+        _print(found)
+        report.print_written(files)
+    if interrupted:
+        raise typer.Exit(130)
+
+
+def _share(text: str) -> tuple[int, int]:
+    try:
+        i, n = (int(part) for part in text.split("/"))
+    except ValueError:
+        i, n = 0, 0
+    if not 1 <= i <= n:
+        raise RangeError(f"--share: found {text!r}, expected I/N with I from 1 to N, as 3/12")
+    return i, n
+
+
+def _compute(
+    variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", sets: int, generations: int,
+    deadline: float | None, share: tuple[int, int], measure: bool, client: Any, workers: int | None, quiet: bool,
+) -> None:  # fmt: skip
+    from whirlmap.studies.gear_psfd.search.identify import pilot, plan, search, sets_finished
+    from whirlmap.studies.gear_psfd.search.refine import POPULATION
+
+    cost: Cost | None = None
+    left = {v: sets - sets_finished(blocks, v) for v in variants}
+    unfinished = tuple(v for v in variants if left[v] > 0)
+    if measure and unfinished:
+        say("pilot: a few sets of each variant, which also compiles")
+        threads = sum(client.nthreads().values()) if client else 1
+        cost = pilot(unfinished, settings, workers=1 if client else workers).shared(threads)
+        most = sum(cost.of(v, left[v]) for v in unfinished) / share[1]
+        block = plan(sets)[0][1]
+        first = sum(cost.of(v, min(block, left[v])) for v in unfinished) / share[1]
+        slow = max(unfinished, key=lambda v: cost.of(v, 1))
+        more = f", and {generations} generations of {POPULATION} sets for each edition" if generations else ""
+        say(
+            f"cost: {settings.points} points for each set; {clock(first)} for one more block of {len(unfinished)} variants,"
+            f" at most {clock(most)} for {sets} sets of each{more}; slowest: {slow.name},"
+            f" {settings.points / cost.of(slow, 1):.0f} points/s"
+        )
+    with Progress("identify", None, quiet=quiet) as progress:
+        begun, done = time.monotonic(), 0
+        for name in search(
+            variants, settings, blocks, sets=sets, cost=cost, deadline=deadline, share=share, client=client, workers=workers,
+            progress=progress, told=say,
+        ):  # fmt: skip
+            first_set, last_set = (int(part) for part in name.rpartition(".")[2].split("-"))
+            done += last_set - first_set
+            rate = done / (time.monotonic() - begun)
+            say(f"{name}: finished; {done} sets so far, {rate:.3g} sets/s, {rate * settings.points:.3g} points/s")
+        if generations:
+            _refine(variants, settings, blocks, generations, deadline, client, workers, progress)
+
+
+def _refine(
+    variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", generations: int, deadline: float | None,
+    client: Any, workers: int | None, progress: Progress,
+) -> None:  # fmt: skip
+    from whirlmap.studies.gear_psfd.search.identify import judged_so_far
+    from whirlmap.studies.gear_psfd.search.refine import LEAST, best_starts, refine
+
+    judged = [j for v in variants if (j := judged_so_far(blocks, v, settings)) is not None]
+    for start in best_starts(judged):
+        if start.total.size < LEAST:
+            say(f"{start.variant.name}: not refined, for {start.total.size} sets are too few")
+            continue
+        before = float(start.total.max())
+        found = refine(
+            start, settings, blocks, generations=generations, client=client, workers=workers, progress=progress,
+            more=lambda: deadline is None or time.monotonic() < deadline,
+        )  # fmt: skip
+        after = max(before, float(found.total.max()))
+        say(f"{start.variant.name}: refined from a mean score of {before:.3f} to {after:.3f} in {found.total.size} sets")
+
+
+def _write(
+    found: "Answer", blocks: "Blocks", out: Path | None, page: Path | None, linear_sets: int, workers: int | None,
+    force: bool,
+) -> list[Path]:  # fmt: skip
+    if out is None:
+        return []
+    from whirlmap.studies.gear_psfd.search.answer_pages import fill, write_answer, write_picture
+    from whirlmap.studies.gear_psfd.search.answer_pages import page as tables
+    from whirlmap.studies.gear_psfd.search.stability_pages import draw_threshold, linear, linear_page
+
+    more = "\n" + linear_page(linear(found, blocks, linear_sets)) if linear_sets else ""
+    files = write_answer(found, out, more=more, force=force)
+    if linear_sets:
+        files.append(write_picture(draw_threshold(workers), out / "threshold.png", force=force))
+    if page is not None:
+        here = page.resolve().parent
+        shown = {f.stem: Path(relpath(f.resolve(), here)).as_posix() for f in files if f.suffix == ".png"}
+        fill(page, tables(found, shown) + more)
+        files.append(page)
+    return files
+
+
+def _print(found: "Answer") -> None:
+    from whirlmap.studies.gear_psfd.search.answer import edition_share, exclusions, regimes, shares
+
+    if found.missing:
+        say(f"no set finished yet: {', '.join(found.missing)}")
+    for edition in found.editions:
+        judged = found.of(edition)
+        names = [j.variant.name.removeprefix(f"{edition}-") for j in judged]
+        rows = [
+            [c, *(f"{100 * s:.3g} ({100 * a:.3g}-{100 * b:.3g})"
+                  for s, a, b in (edition_share(found, edition, c), *(shares(j, c) for j in judged)))]
+            for c in found.claims
+        ]
+        sets = ", ".join(str(j.values.shape[1]) for j in judged)
+        title = f"{edition}: claims, in percent of sets ({sets} sets), 95 %"
+        report.show(report.table(title, ("claim", "all", *names), rows))
+        kinds: dict[str, Any] = {name: [f"{100 * regimes(j)[name]:.3g}" for j in judged] for name in regimes(judged[0])}
+        points = [[name, *cells] for name, cells in kinds.items()]
+        report.show(report.table(f"{edition}: operating points, in percent", ("kind", *names), points))
+        for pair in exclusions(found, edition):
+            typer.echo(f"never together: {' and '.join(pair['claims'])} ({pair['expected']:.0f} sets expected)")
+    for edition, best in found.best.items():
+        missed = ", ".join(f"{c} ({w})" for c, w in best.missed.items()) or "none"
+        typer.echo(
+            f"best of {edition}: {best.variant.name}, {len(best.met)} of {len(best.words)} claims, mean score"
+            f" {best.score:.3f}; missed: {missed}"
+        )

@@ -1,0 +1,241 @@
+"""``whirlmap improve``: which values of one or two design parameters give the widest safe window."""
+
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from itertools import product
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli.commands.speeds import SPEEDS, Limit, Quantity, Span
+from whirlmap.cli.common import options, report
+from whirlmap.cli.common.engineering_input import limit_of, range_of
+from whirlmap.cli.common.outputs import claim
+from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.ranges import read_range
+from whirlmap.cli.common.speed_report import sizes_of
+from whirlmap.errors import InputError, RangeError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.system import System
+    from whirlmap.sweep.parameters.ranges import Range
+
+EXAMPLES = (
+    'whirlmap improve gear-psfd/machine --vary psi=1e-4:1:8:log --limit "40 um" --range "1500 rpm:9000 rpm"',
+    "whirlmap improve machines/jeffcott-rig --vary c=60um:140um:5 --vary L=4mm:8mm:5 --out rig",
+    "whirlmap improve gear-psfd/intended --vary xi_m=0.01:0.1:4 --limit 0.6 --range 0.5:2",
+)
+
+
+def improve(
+    case: options.CaseName,
+    vary: Annotated[
+        list[str],
+        typer.Option(
+            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SPEEDS,
+            help="Design parameter and its values: a symbol, psi=1e-4:1:8:log, or a dimensional input with its unit,"
+            " c=40um:60um:5. Once or twice.",
+        ),
+    ],
+    limit: Limit = None,
+    span: Span = None,
+    points: Annotated[
+        int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds at which each design runs.")
+    ] = 60,
+    quantity: Quantity = None,
+    coarse: Annotated[
+        bool, typer.Option("--coarse", rich_help_panel=SPEEDS, help="Try the values given alone, and none around the best.")
+    ] = False,
+    follow: Annotated[
+        bool,
+        typer.Option(
+            "--follow/--no-follow", rich_help_panel=SPEEDS,
+            help="Whether to judge the best designs in run-up and run-down as well, which shows coexisting motions.",
+        ),
+    ] = True,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
+    out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Compare values of one or two design parameters of CASE by what they do to its safe speeds.
+
+    Every design runs at the same speeds of the first shaft. Said are its widest window of safe speeds and its largest
+    amplitude over the whole range; around the best designs more values are tried. Ctrl-C keeps the designs that are
+    finished: they are reported and written, marked as incomplete.
+    """
+    ranges, units = _ranges(vary)
+    settings = options.assignments(changes, "--set")
+    for name in ranges.keys() & settings.keys():
+        raise RangeError(f"{name}: found it in --set and in --vary, expected it in one of them")
+    destination = claim(out, "improve", force=force, size=size, dpi=dpi, title=title)
+    system = options.open_system(case, changes, start)
+    _refuse_unknown(system, ranges, units)
+    import numpy as np
+
+    from whirlmap.analysis.steady.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.integrate.loading import load
+    from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.diagrams.in_batches import expected_periods
+    from whirlmap.sweep.speeds.improve import improve_in_batches
+
+    refuse_points([*(r.count for r in ranges.values()), points])
+    allowed = limit_of(system, limit)
+    low, high = range_of(system, span)
+    at, settling = np.linspace(low, high, points), Settling(transient=transient)
+    make = partial(load, case, start=dict(system.start), **settings)
+    judged = points * int(np.prod([r.count for r in ranges.values()]))
+    with Progress("improve", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
+        work = improve_in_batches(
+            make, {n: r.values for n, r in ranges.items()}, at, allowed,
+            units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,
+            method=method, workers=workers, progress=progress, on_batch=lambda done, total: progress.expect(
+                progress.done * total / done, f"{done} of {total} designs"
+            ),
+        )  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    ds = work.dataset
+    scales = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda made: _picture(scales, made))
+    report.say_doubts(ds.attrs)
+    facts, own = summary(scales, ds), float(system.values["s"])
+    facts["assumptions"] = report.say_strains(_ends(make, ranges, units, (low / own, high / own)))
+    if json:
+        report.print_json({**facts, "files": files})
+    else:
+        _print(facts)
+        report.print_written(files)
+    if not work.complete:
+        report.interrupted(facts["incomplete"], files, "the same command tries all designs anew")
+
+
+def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
+    """Ranges of the varied names, and the units of those that have one."""
+    ranges: dict[str, Range] = {}
+    units: dict[str, str] = {}
+    for text in texts:
+        found, unit = read_range(text)
+        if unit:
+            units[found.name] = unit
+        if ranges.setdefault(found.name, found) != found or len(ranges) > 2:
+            raise InputError("--vary: expected one or two different design parameters, each given once")
+    return ranges, units
+
+
+def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], units: dict[str, str]) -> None:
+    """Refuse what is no parameter or input; numbers of teeth and orders change the common period."""
+    from whirlmap.equations import hints
+    from whirlmap.units import such_as
+
+    settled = system.details
+    inputs = {q.name: q for q in settled.case.family.groups.inputs} if settled.case.family.groups else {}
+    shared = settled.case.family.groups.shared if inputs else {}
+    for name in names:
+        if name not in inputs and name not in shared and name not in system.parameters:
+            said = hints.of_symbol(settled.case.family, system.model, name, [*system.model.parameters, *inputs.values()])
+            raise InputError(
+                f"--vary: {system.case} has no {name!r}.{said}\n  parameters: {' '.join(system.parameters)}"
+                + (f"\n  dimensional inputs: {' '.join(settled.inputs)}" if settled.inputs else "")
+            )
+        if inputs and name in settled.case.family.groups.operation:
+            raise InputError(f"--vary: {name} says how the machine is run, the same for all designs: see --range, --limit")
+        declared = inputs.get(name) or inputs.get(shared.get(name, ("",))[0]) or system.model.parameter(name)
+        if declared.order:
+            raise RangeError(f"--vary: {name} is a whole number or an order ({declared.meaning}): it cannot be a range")
+        if declared.unit == "1" and name in units:
+            raise InputError(f"--vary: {name} has no dimension, found the unit {units[name]!r}")
+        if name not in system.parameters and declared.unit != "1" and name not in units:
+            unit = such_as(declared.unit)
+            raise InputError(f"--vary: {name} has a dimension; expected its unit, such as {unit}, on both ends")
+
+
+def _ends(
+    make: Callable[..., "System"], ranges: "dict[str, Range]", units: dict[str, str], speeds: tuple[float, float]
+) -> Iterator["System"]:
+    """The designs at the ends of their ranges, each at both ends of the range of speeds, over the machine's own speed."""
+    for values in product(*((r.start, r.stop) for r in ranges.values())):
+        changed = {n: f"{v!r} {units.get(n, '')}".strip() for n, v in zip(ranges, values, strict=True)}
+        design = make(**changed)
+        yield from (design.replace(s=share * float(design.values["s"])) for share in speeds)
+
+
+def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
+    """Say what was found, as plain data."""
+    names, system = ds.attrs["varied"].split(), units.system
+    scale, um, _ = (None if size != size else size for size in sizes_of(units))
+    rows = []
+    for i in range(ds.sizes["design"]):
+        one = ds.isel(design=i)
+        row: dict[str, Any] = {name: float(one[name]) for name in names}
+        row |= {
+            key: float(one[key])
+            for key in ("window_start", "window_end", "window_width", "safe_share", "worst_amplitude")
+        }
+        row |= {"ended": int(one["ended"])} | {name: bool(one[name]) for name in ("refined", "followed", "front")}
+        if scale:
+            row["rpm"] = [row["window_start"] * scale, row["window_end"] * scale]
+            row["rpm_width"] = row["window_width"] * scale
+        if um:
+            row["worst_amplitude_um"] = row["worst_amplitude"] * um
+        rows.append(row)
+    limit = float(ds.attrs["limit"])
+    return {
+        "case": system.case, "varied": names, "units": {n: ds[n].attrs["units"] for n in names}, "limit": limit,
+        "limit_um": limit * um if um else None, "s": ds["s"].values, "designs": rows,
+        "widest": int(ds.attrs["widest"]), "calmest": int(ds.attrs["calmest"]), "incomplete": ds.attrs.get("incomplete"),
+    }  # fmt: skip
+
+
+def _print(facts: dict[str, Any]) -> None:
+    names, um, designs = facts["varied"], facts["limit_um"], facts["designs"]
+    limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
+    typer.echo(f"{facts['case']}: {len(designs)} designs at {len(facts['s'])} speeds, peak to peak at most {limit}")
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
+    heads = [n if facts["units"][n] == "1" else f"{n} [{facts['units'][n]}]" for n in names]
+    rows = []
+    for i in sorted(range(len(designs)), key=lambda i: [designs[i][n] for n in names]):
+        d = designs[i]
+        low, high = d.get("rpm", [d["window_start"], d["window_end"]])
+        place = "-" if not d["safe_share"] else f"{low:.0f} .. {high:.0f}" if "rpm" in d else f"{low:.4f} .. {high:.4f}"
+        width = f"{d['rpm_width']:.0f}" if "rpm" in d else f"{d['window_width']:.4f}"
+        worst = d.get("worst_amplitude_um", d["worst_amplitude"])
+        swing = f"{d['ended']} runs end early" if d["ended"] else f"{worst:.4g}"
+        judged = "up and down" if d["followed"] else "cold"
+        notes = [w for w, key in (("widest window", "widest"), ("lowest amplitude", "calmest")) if facts[key] == i]
+        share = f"{100 * d['safe_share']:.0f} %"
+        rows.append((*(f"{d[n]:.5g}" for n in names), place, width, share, swing, judged, ", ".join(notes)))
+    speed, length = ("rpm", "um") if "rpm" in designs[0] else ("s", "clearances")
+    columns = (*heads, f"widest window [{speed}]", "width", "safe", f"worst amplitude [{length}]", "judged", "")
+    report.show(report.table("Designs", columns, rows, numbers=(*range(len(names)), len(names) + 1, len(names) + 2)))
+    best = designs[facts["widest"]]
+    if best["safe_share"]:
+        units = facts["units"]
+        chosen = " ".join(f'--set "{n}={best[n]:.6g}{"" if units[n] == "1" else " " + units[n]}"' for n in names)
+        typer.echo(f"next: whirlmap speeds {facts['case']} {chosen}, the other options as here")
+    else:
+        typer.echo("no design has a safe speed")
+
+
+def _picture(units: "Dimensions", ds: "xr.Dataset") -> Any:
+    from whirlmap.plot.figures.improve import improve_figure
+
+    rpm, um, _ = sizes_of(units)
+    shown = ds if rpm == rpm else ds.drop_vars("rpm", errors="ignore")
+    known = um == um
+    return improve_figure(shown, unit=um if known else 1.0, length="um" if known else "1", title=units.system.case)

@@ -1,0 +1,367 @@
+"""``whirlmap map``: regimes over a grid of parameters, or over random draws, in a store that survives interruptions."""
+
+import shlex
+import signal
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from whirlmap.cli.common import figures_of_commands as pictures
+from whirlmap.cli.common import interrupts, options, report
+from whirlmap.cli.common.messages import say
+from whirlmap.cli.common.outputs import claim
+from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_input, refuse_twice
+from whirlmap.cli.common.store_status import say_status
+from whirlmap.errors import InputError, RangeError, nearest
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from whirlmap.equations.model import Model
+    from whirlmap.integrate.system import System
+    from whirlmap.sweep.maps.run_sweep import Progress as Chunks
+    from whirlmap.sweep.parameters.ranges import Range
+    from whirlmap.sweep.parameters.space import Space
+
+SWEEP, STORE = "Sweep", "Store and machines"
+
+EXAMPLES = (
+    "whirlmap map duffing --vary gamma=0.1:0.7:200 --vary omega=0.6:1.6:150 --store duffing.map --out duffing.png",
+    "whirlmap map gear-psfd/machine --vary s=0.3:5:400 --vary psi=1e-5:1:300:log --store machine.map --refine",
+    "whirlmap map gear-psfd/machine --vary s=0.3:5:400 --vary psi=1e-5:1:300:log --store machine.map --share 3/8",
+    "whirlmap map gear-psfd/machine --draw psi=uniform:20% --draw xi_m=normal:5% --draws 1000 --store draws.map",
+    "whirlmap map --status machine.map",
+)
+
+
+def map(  # noqa: A001 (the command's name)
+    case: Annotated[str | None, typer.Argument(metavar="CASE", help="Name or path of a case, as of every command.")] = None,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
+            help="Parameter and range, ascending; given twice for a map, once for a line; of a case with dimensions also"
+            ' "speed=500 rpm:6000 rpm:200".',
+        ),
+    ] = None,
+    draw: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--draw", metavar="NAME=TOLERANCE", rich_help_panel=SWEEP,
+            help="Parameter that is drawn at random: uniform:LOW:HIGH, normal:MEAN:SPREAD, or uniform:10% and normal:3%"
+            " of the case's value. May be repeated.",
+        ),
+    ] = None,
+    draws: Annotated[
+        int | None, typer.Option("--draws", metavar="N", min=1, rich_help_panel=SWEEP, help="Number of random draws.")
+    ] = None,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SWEEP, help="Master seed of the random draws.")
+    ] = 0,
+    refine: Annotated[
+        bool,
+        typer.Option(
+            "--refine", rich_help_panel=SWEEP,
+            help="Compute every eighth point along both parameters, then only points near differing labels, down to the"
+            " grid; the others get the label of their surroundings and are marked as inferred.",
+        ),
+    ] = False,
+    sections: Annotated[
+        bool,
+        typer.Option(
+            "--sections", rich_help_panel=SWEEP,
+            help="Keep the section of every point, once per T: with one --vary the store holds a bifurcation diagram.",
+        ),
+    ] = False,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    store: Annotated[
+        Path | None,
+        typer.Option(
+            "--store", metavar="DIR", rich_help_panel=STORE,
+            help="Folder of the Zarr store; xarray.open_zarr opens it. Without it nothing is kept but --out.",
+        ),
+    ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", rich_help_panel=STORE,
+            help="Go on with what the store holds; begin it where it is absent, empty or half-made.",
+        ),
+    ] = False,
+    status: Annotated[
+        Path | None,
+        typer.Option("--status", metavar="DIR", rich_help_panel=STORE, help="Say how far a store is, running or dead."),
+    ] = None,
+    share: Annotated[
+        str | None,
+        typer.Option(
+            "--share", metavar="I/N", rich_help_panel=STORE,
+            help="Work on share I of N of the chunks (I from 1): the jobs of a Slurm array work on one store with"
+            " --share $SLURM_ARRAY_TASK_ID/N. Run again, a share goes on where it was.",
+        ),
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option(
+            "--dask", metavar="ADDRESS", rich_help_panel=STORE,
+            help="Compute on the workers of the Dask scheduler at this address, tcp://host:8786; they need the store's"
+            " folder under the same path.",
+        ),
+    ] = None,
+    chunk: Annotated[
+        int | None,
+        typer.Option(
+            "--chunk", metavar="N", min=1, rich_help_panel=STORE,
+            help="Points in one task; chosen by a pilot where absent, so that a task takes about 3 s.",
+        ),
+    ] = None,
+    workers: options.Workers = None,
+    transient: options.Transient = 100,
+    most: options.Most = 64,
+    tolerance: options.Tolerance = 1e-6,
+    lyapunov: options.Lyapunov = None,
+    steps: options.Steps = None,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    plot: Annotated[
+        str | None,
+        typer.Option(
+            "--plot", metavar="QUANTITY", rich_help_panel=options.OUTPUT,
+            help="State or output whose amplitude (peak to peak) gives the contour lines; the first displacement"
+            " where absent.",
+        ),
+    ] = None,
+    dimensionless: options.Dimensionless = False,
+    out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
+    force: Annotated[
+        bool,
+        typer.Option(
+            "--force", rich_help_panel=options.OUTPUT,
+            help="Replace what --out names, and, without --resume, what --store names.",
+        ),
+    ] = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Label the regime of every point of a grid over parameters of CASE.
+
+    Every point says its regime, exponent, amplitudes, largest eccentricity and thinnest film, and how its run ended. Chunks
+    of points are committed one by one: after a crash, a kill or Ctrl-C the same command with --resume goes on, and the
+    result is the same to the bit. The picture of a case with dimensions is in rpm and um.
+    """
+    if status is not None:
+        if case or vary or draw or store:
+            raise InputError("--status reads a store that is there: expected nothing beside it but --json")
+        say_status(status, json=json)
+        return
+    if case is None:
+        raise InputError("found no CASE, expected the name or path of one, or --status DIR")
+    part = _share(share)
+    destination = claim(out, "map", force=force, size=size, dpi=dpi, title=title)
+    space = None
+    system = options.open_system(case, changes, start)
+    space = _space(system, vary, draw, draws, seed, options.assignments(changes, "--set"))
+    quantity = _quantity(system, plot)
+    if out is not None and len(space.dims) > 2:
+        raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
+    from whirlmap.analysis.labels.labelling import Labelling
+    from whirlmap.analysis.steady.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.sweep.maps.run_sweep import run_sweep
+
+    settling = Settling(transient=transient, most=most, tolerance=tolerance)
+    labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers=1)
+    watch = _Watch(space.points, quiet=quiet)
+    before = signal.signal(signal.SIGTERM, interrupts.first)  # Slurm ends a job with it
+    units = Dimensions(system, own=dimensionless)
+    with TemporaryDirectory(prefix="whirlmap-") as passing:
+        place = Path(passing) / "map" if store is None and not (resume or part or dask) else store
+        try:
+            with watch.bar:
+                ds = run_sweep(
+                    system, space, labelling, store=place, resume=resume, force=force, share=part, cluster=dask,
+                    refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=watch,
+                )  # fmt: skip
+        except KeyboardInterrupt:
+            files = []
+            if store is None and (kept := watch.kept(place)) is not None:
+                files = destination.write(kept, lambda done: pictures.regime_map(units, done, quantity))
+            if json and watch.last is not None:
+                now = f"interrupted after {watch.last.points_done} of {watch.last.points_total} points"
+                report.print_json({
+                    "case": system.case, "model": system.model.name, "varied": list(space.names),
+                    **watch.facts(space.points, refine), "store": store, "files": files, "incomplete": now,
+                })  # fmt: skip
+            say(watch.interrupted(store, files))
+            raise typer.Exit(interrupts.INTERRUPTED) from None
+        finally:
+            signal.signal(signal.SIGTERM, before)
+        files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity))
+    if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
+        say(f"accuracy not met: {doubts}")
+    assumptions = report.say_assumptions(system, {name: (values[0], values[-1]) for name, values in space.axes.items()})
+    facts = {
+        "case": system.case, "model": system.model.name, "varied": list(space.names),
+        **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
+        "incomplete": None,
+    }  # fmt: skip
+    if json:
+        report.print_json(facts)
+    else:
+        _print(facts)
+        report.print_written(files)
+    if watch.last is not None and watch.last.failed:
+        say(f"{watch.last.failed} chunks failed; --status says why, and --resume tries them again")
+        raise typer.Exit(1)
+
+
+def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
+    """Say how many points do not meet the accuracy, and what to try."""
+    from whirlmap.integrate.accuracy import Verdict
+
+    return "; ".join(f"{n} points: {Verdict(v).advice(model)}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
+
+
+class _Watch:
+    """Shows the progress of a sweep, and remembers how far it came."""
+
+    def __init__(self, points: int, *, quiet: bool) -> None:
+        self.bar = Progress("map", points, quiet=quiet, unit="points", rate_unit="points/s")
+        self.last: Chunks | None = None
+        self.told = 0
+
+    def __call__(self, now: "Chunks") -> None:
+        """Take over what a chunk has added."""
+        for message in now.messages[self.told :]:
+            say(message)
+        self.told = len(now.messages)
+        self.last = now
+        done, total = now.points_done, now.points_total
+        self.bar.expect(total - done + now.points, f"{done} of {total} points: {_shares(now.regimes)}")
+        self.bar(now.points - self.bar.done)
+
+    def kept(self, place: Path | None) -> "xr.Dataset | None":
+        """What is finished of a sweep whose store does not stay; None where nothing is."""
+        from whirlmap.sweep.store.zarr_store import Store
+
+        if place is None or self.last is None or not self.last.points_done:
+            return None
+        now = self.last
+        return Store(place).open().load().assign_attrs(
+            incomplete=f"interrupted after {now.points_done} of {now.points_total} points"
+        )  # fmt: skip
+
+    def interrupted(self, store: Path | None, files: Sequence[Path]) -> str:
+        """Say what is kept and how to go on."""
+        if self.last is None or not (store or self.last.done):
+            return "interrupted: nothing was finished, so nothing was kept"
+        done = f"interrupted: {self.last.done} of {self.last.total} chunks are done and"
+        if store is None:
+            names = " ".join(str(file) for file in files)
+            where = f"were kept in {names}" if files else "lost, for neither --out nor --store was given"
+            return f"{done} {where}\n  with --store DIR the next run can be gone on with"
+        again = [Path(sys.argv[0]).name, *(word for word in sys.argv[1:] if word not in ("--resume", "--force")), "--resume"]
+        return f"{done} kept in {store}; go on with\n  {shlex.join(again)}"
+
+    def facts(self, points: int, refine: bool) -> dict[str, Any]:
+        """What the sweep came to."""
+        from whirlmap.results.regime import Regime
+
+        assert self.last is not None
+        now = self.last
+        found = {
+            "points": now.points_total, "chunks": now.total, "chunks_failed": now.failed,
+            "regimes": {Regime(k).label: n for k, n in now.regimes.most_common()},
+        }  # fmt: skip
+        if refine:
+            found |= {"computed": now.computed, "uniform_grid": points}
+        return found
+
+
+def _shares(regimes: Any) -> str:
+    from whirlmap.results.regime import Regime
+
+    total = max(sum(regimes.values()), 1)
+    return ", ".join(f"{Regime(k).label} {100 * n / total:.3g} %" for k, n in regimes.most_common())
+
+
+def _share(text: str | None) -> tuple[int, int] | None:
+    if text is None:
+        return None
+    try:
+        i, n = (int(word) for word in text.split("/"))
+    except ValueError:
+        raise InputError(f"--share: found {text!r}, expected I/N, as in 3/8") from None
+    if not 1 <= i <= n:
+        raise InputError(f"--share: found {text!r}, expected I/N with I from 1 to N")
+    return i, n
+
+
+def _space(
+    system: "System", vary: Sequence[str] | None, draw: Sequence[str] | None, draws: int | None, seed: int,
+    changed: dict[str, str],
+) -> "Space":  # fmt: skip
+    from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.parameters.random_draws import Tolerance
+    from whirlmap.sweep.parameters.space import Space
+
+    ranges: dict[str, Range] = {}
+    for text in vary or ():
+        swept, unit = read_range(text)
+        refuse_twice(set(changed), swept)
+        swept = in_parameters(system, swept, unit)
+        if swept.name in ranges:
+            raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
+        ranges[swept.name] = swept
+    refuse_points([*(swept.count for swept in ranges.values()), *([draws] if draws else [])])
+    axes = {name: swept.values for name, swept in ranges.items()}
+    texts = options.assignments(draw, "--draw")
+    if bool(texts) != (draws is not None):
+        raise InputError("--draw and --draws go together: which parameters, and how many draws")
+    if seed and not texts:
+        raise InputError("--seed: expected --draw beside it, for nothing else is random")
+    if not axes and not texts:
+        raise InputError("found neither --vary nor --draw, expected one: --vary s=0.3:5:400 --vary psi=1e-5:1:300:log")
+    for name in texts:
+        if name in changed:
+            raise RangeError(f"{name}: found it in --set and in --draw, expected it in one of them")
+        refuse_input(system, name, "--draw")
+        if name not in system.parameters:
+            raise RangeError(
+                f"--draw: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
+                f"\n  parameters: {' '.join(system.parameters)}"
+            )
+    tolerances = {name: Tolerance.parse(text, float(system.values[name])) for name, text in texts.items()}
+    return Space(axes, tolerances, draws or 0, seed)
+
+
+def _quantity(system: "System", plot: str | None) -> str:
+    known = [*system.states, *system.model.outputs]
+    if plot is None:
+        return pictures.swing_of(system)[0]
+    if plot not in known:
+        raise RangeError(f"--plot: {system.model.name} has no state or output {plot!r}.{nearest(plot, known)}"
+                         f"\n  states and outputs: {' '.join(known)}")  # fmt: skip
+    return plot
+
+
+def _print(facts: dict[str, Any]) -> None:
+    typer.echo(f"{facts['case']}: {' and '.join(facts['varied'])}, {facts['points']} points in {facts['chunks']} chunks")
+    if "computed" in facts:
+        whole = facts["uniform_grid"]
+        typer.echo(
+            f"computed {facts['computed']} points; a uniform grid of this resolution takes {whole},"
+            f" {whole / max(facts['computed'], 1):.3g} times as many"
+        )
+    report.show(report.regimes_table(facts["regimes"]))
+    if facts["store"]:
+        typer.echo(f"store: {facts['store']}")

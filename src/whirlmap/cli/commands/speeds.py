@@ -1,0 +1,145 @@
+"""``whirlmap speeds``: where may this machine run, within a limit of vibration, and why not elsewhere."""
+
+import json as js
+from typing import Annotated
+
+import typer
+
+from whirlmap.cli.common import options, report, speed_report
+from whirlmap.cli.common.engineering_input import drawn_machines, limit_of, range_of, tolerances_of
+from whirlmap.cli.common.outputs import claim
+from whirlmap.cli.common.progress import Progress
+
+SPEEDS = "Speeds"
+
+EXAMPLES = (
+    'whirlmap speeds machines/turbo-gearbox --limit "25 um"',
+    'whirlmap speeds gear-psfd/machine --limit "40 um" --range "1500 rpm:9000 rpm" --out speeds.png',
+    'whirlmap speeds machines/jeffcott-rig --tolerance c=5% --tolerance M=10% --draws 64',
+    "whirlmap speeds gear-psfd/intended --limit 0.6 --range 0.5:4 --points 200 --no-follow",
+)
+
+Limit = Annotated[
+    str | None,
+    typer.Option(
+        "--limit", metavar="LENGTH", rich_help_panel=SPEEDS,
+        help='Largest peak-to-peak displacement that is allowed: "20 um", or a number of clearances. The limit in the'
+        " case's table [operation] where absent.",
+    ),
+]  # fmt: skip
+Span = Annotated[
+    str | None,
+    typer.Option(
+        "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
+        help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
+        " absent.",
+    ),
+]  # fmt: skip
+Quantity = Annotated[
+    str | None,
+    typer.Option(
+        "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
+        help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
+    ),
+]  # fmt: skip
+
+
+def speeds(
+    case: options.CaseName,
+    limit: Limit = None,
+    span: Span = None,
+    points: Annotated[
+        int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds judged.")
+    ] = 100,
+    quantity: Quantity = None,
+    follow: Annotated[
+        bool,
+        typer.Option(
+            "--follow/--no-follow", rich_help_panel=SPEEDS,
+            help="Whether to run up and down as well, which shows coexisting motions, for about three times the work.",
+        ),
+    ] = True,
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--tolerance", metavar="NAME=PERCENT", rich_help_panel=SPEEDS,
+            help="Half width of the range from which a parameter or a dimensional input is drawn; may be repeated.",
+        ),
+    ] = None,
+    draws: Annotated[int, typer.Option("--draws", metavar="N", min=1, rich_help_panel=SPEEDS, help="Machines drawn.")] = 64,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SPEEDS, help="Of the draws.")] = 0,
+    changes: options.Changes = None,
+    start: options.Start = None,
+    transient: options.Transient = 100,
+    accuracy: options.Accuracy = None,
+    method: options.Method = None,
+    workers: options.Workers = None,
+    dimensionless: options.Dimensionless = False,
+    out: options.Out = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
+    force: options.Force = False,
+    json: options.Json = False,
+    quiet: options.Quiet = False,
+) -> None:  # fmt: skip
+    """Find the windows of speed in which CASE runs periodically and within a limit of vibration.
+
+    Each speed is judged from a cold start and in a run-up and a run-down. Said are the windows, how far the machine's own
+    speed is from their ends, what forbids the speeds between them, and the thinnest film and the largest bearing load.
+    """
+    tolerances = tolerances_of(tolerance)
+    destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)
+    system = options.open_system(case, changes, start)
+    import numpy as np
+
+    from whirlmap.analysis.steady.settling import Settling
+    from whirlmap.integrate.dimensions import Dimensions
+    from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.diagrams.in_batches import expected_periods
+    from whirlmap.sweep.speeds.designs import safe_probability
+    from whirlmap.sweep.speeds.safe_speeds import safe_speeds_in_parts
+
+    allowed = limit_of(system, limit)
+    low, high = range_of(system, span)
+    refuse_points([points, draws] if tolerances else [points])
+    at, settling = np.linspace(low, high, points), Settling(transient=transient)
+    judged = points * (3 if follow else 1)
+    drawn_points = judged * draws if tolerances else 0
+    with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
+        progress.later(drawn_points)
+        work = safe_speeds_in_parts(
+            system, at, allowed, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy, method=method,
+            workers=workers, progress=progress,
+        )  # fmt: skip
+        if work.dataset is None:
+            raise KeyboardInterrupt
+        ds = work.dataset
+        if tolerances and work.complete:
+            progress.later(0)
+            progress.more_points(drawn_points)
+            settings = options.assignments(changes, "--set")
+            drawn, limits = drawn_machines(system, case, settings, tolerances, draws, seed, allowed)
+            try:
+                chance = safe_probability(
+                    system, drawn, at, limits, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy,
+                    method=method, workers=workers, progress=progress,
+                )  # fmt: skip
+            except KeyboardInterrupt:
+                ds.attrs["incomplete"] = "interrupted before the probabilities over the tolerances were known"
+            else:
+                report.say_doubts(chance.attrs)
+                ds = ds.merge(chance, combine_attrs="override")
+                ds = ds.assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
+    units = Dimensions(system, own=dimensionless)
+    files = destination.write(ds, lambda made: speed_report.picture(units, made))
+    report.say_doubts(ds.attrs)
+    facts = speed_report.summary(units, ds)
+    facts["assumptions"] = report.say_assumptions(system, {"s": (low, high)})
+    if json:
+        report.print_json({**facts, "files": files})
+    else:
+        speed_report.show(facts)
+        report.print_written(files)
+    if facts["incomplete"]:
+        report.interrupted(facts["incomplete"], files, "the same command judges all speeds anew; with --range, fewer")

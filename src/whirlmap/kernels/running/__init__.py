@@ -1,0 +1,1 @@
+"""Compiled kernels as Python calls them, and the plain NumPy reference of the equations."""

@@ -1,0 +1,1 @@
+"""What figures and panels share: style, names of axes, limits, saving."""

@@ -1,0 +1,1 @@
+"""Whole figures, composed of panels."""

@@ -1,0 +1,1 @@
+"""Single panels: a Dataset in, the Axes out."""

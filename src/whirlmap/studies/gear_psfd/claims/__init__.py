@@ -1,0 +1,1 @@
+"""The paper's statements, and the labelled diagrams that they are judged on."""

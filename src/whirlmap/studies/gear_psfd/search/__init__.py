@@ -1,0 +1,1 @@
+"""The search for the numbers that the paper does not give: what `identify` computes and writes."""

@@ -1,0 +1,1 @@
+"""Many start states of one operating point: coexisting attractors and their basins."""

@@ -1,0 +1,76 @@
+"""Basins of attraction: the attractor that every start state of a two-dimensional slice leads to."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike
+
+from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.system import System
+from whirlmap.progress import shows_progress
+from whirlmap.results.memory import refuse_memory
+from whirlmap.results.schema import variable
+from whirlmap.sweep.attractors.attractors import attractors_in_parts
+from whirlmap.sweep.attractors.start_states import start_values
+from whirlmap.sweep.interruptible import Work
+
+
+@shows_progress("basins")
+def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.Dataset:
+    """Find the attractor of every start state on a grid over two states, the others at their start values.
+
+    Parameters
+    ----------
+    grid : mapping of state to array
+        Two states and their values, ascending.
+    **options
+        ``settling``, ``lyapunov``, ``steps``, ``accuracy``, ``method``, ``workers``, ``progress`` of `attractors`.
+
+    Returns
+    -------
+    xr.Dataset
+        As of `attractors`, but ``attractor_of``, ``start_regime`` and ``start_status`` are over the two states, and
+        there is no ``start_state``; ``share`` is that of the slice. Its error is that of as many starts drawn at random,
+        an upper bound for a grid whose basins are wider than its cells.
+
+    Raises
+    ------
+    RangeError
+        Unless the grid has two states of the model, each with two or more values that ascend.
+    """
+    work = basins_in_parts(system, grid, **options)
+    if work.dataset is None or not work.complete:
+        raise KeyboardInterrupt
+    return work.dataset
+
+
+def basins_in_parts(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> Work:
+    """Find basins as `basins` does; `KeyboardInterrupt` ends it with what is finished, as in `attractors_in_parts`."""
+    if len(grid) != 2:
+        raise RangeError(f"grid: found {len(grid)} states ({' '.join(grid) or 'none'}), expected two, as in x and v")
+    axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in grid.items()}
+    for name, values in axes.items():
+        if name not in system.states:
+            raise RangeError(
+                f"grid: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
+                f"\n  states: {' '.join(system.states)}"
+            )
+        if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
+            raise RangeError(f"grid of {name!r}: expected two or more finite values that ascend")
+    (first, a), (second, b) = axes.items()
+    refuse_memory("the basins", a.size * b.size * (3 * system.model.dimension + 40))
+    x = np.repeat(start_values(system)[:, None], a.size * b.size, axis=1)
+    x[system.states.index(first)] = np.repeat(a, b.size)
+    x[system.states.index(second)] = np.tile(b, a.size)
+    work = attractors_in_parts(system, starts=x, **options)
+    if work.dataset is None:
+        return work
+    ds = work.dataset.drop_vars("start_state")
+    for name in ("attractor_of", "start_regime", "start_status"):
+        ds[name] = ((first, second), ds[name].values.reshape(a.size, b.size), ds[name].attrs)
+    states = {s.name: s for s in system.model.states}
+    ds = ds.assign_coords({n: variable(n, v, states[n].unit, states[n].meaning) for n, v in axes.items()})
+    return replace(work, dataset=ds)

@@ -1,0 +1,1 @@
+"""One varied parameter: bifurcation diagrams and waterfalls."""

@@ -1,0 +1,274 @@
+"""Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches, simulations in stretches.
+
+The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch
+to the next, and a stretch of a simulation goes on from the end of the one before.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.motion.ensembles import parameter_values
+from whirlmap.analysis.motion.record_length import record_periods
+from whirlmap.analysis.simulation.trajectory import Series
+from whirlmap.analysis.steady.settling import Settling
+from whirlmap.equations.model import Model
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.orders import order_groups, orders_vary
+from whirlmap.integrate.system import System
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.progress import tell
+from whirlmap.results.memory import refuse_memory
+from whirlmap.results.status import Status
+from whirlmap.sweep.diagrams.diagram import Follow, bifurcation_diagram, kept_states, select_states
+from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
+from whirlmap.sweep.interruptible import OnBatch, Work, batches
+from whirlmap.sweep.points.point_variables import doubts
+
+Array = NDArray[np.float64]
+
+#: Blocks of lanes in a batch at most, and in the first one, for each worker.
+BATCH, FIRST = 32, 4
+
+#: Points of a chain in one batch at most; a chain walks them one by one.
+CHAIN = 16
+
+#: Stretches of a simulation at least, seconds in one at most, and T in the first one.
+STRETCHES, STRETCH, SHORT = 16, 1.0, 16
+
+#: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
+NOT_REACHED = {
+    "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
+    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
+    "grazings": 0,
+}  # fmt: skip
+
+
+def diagram_in_batches(
+    system: System,
+    parameter: str,
+    values: ArrayLike,
+    *,
+    follow: Follow | None = None,
+    settling: Settling | None = None,
+    lyapunov: int | None = None,
+    states: Sequence[str] | None = None,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    batch: int | None = None,
+    progress: Callable[[int], None] | None = None,
+    on_batch: OnBatch | None = None,
+) -> Work:
+    """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it with what is finished.
+
+    Parameters
+    ----------
+    batch : int, optional
+        Points in a batch; where absent as many as take some seconds (`work.batches`), `BATCH` blocks of lanes for each
+        worker at most, or `CHAIN` where the state is followed.
+    on_batch : callable, optional
+        ``on_batch(done, total)`` after each batch, in points.
+
+    Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both
+    directions was interrupted on its way down, points not reached have ``status`` failed.
+    """
+    points = np.atleast_1d(np.asarray(values, dtype=float))
+    settling = settling or Settling()
+    if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
+        raise RangeError(f"values of {parameter!r} must be finite and ascend")
+    # These refuse now what the last batch would meet, and a length that gives no error.
+    groups = order_groups(system, parameter_values(system, {parameter: points}), [parameter])
+    Labelling(settling, lyapunov)
+    common = max(group.strobe for group in groups)
+    ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
+    block = LANES * (workers or cores())
+    size = batch or (BATCH * block if follow is None else CHAIN)
+    first = batch or (FIRST * block if follow is None else 1)
+    even = system.model.forced and not orders_vary(system.model, [parameter])
+    if follow is not None and not even:
+        first = size = points.size  # the last row of its section is not the state at the end of each record
+    refuse_memory(
+        "the diagram", 2 * len(ways) * points.size * max(record_periods(g.orders, settling.keep) for g in groups)
+        * len(kept_states(system, states))
+        + min(size, points.size) * 2 * settling.most * common * system.model.dimension,
+    )  # fmt: skip
+    options: dict[str, Any] = {
+        "settling": settling, "lyapunov": lyapunov, "states": kept_states(system, states), "steps": steps,
+        "accuracy": accuracy, "method": method,
+        "workers": workers, "progress": progress,
+    }  # fmt: skip
+    sweeps = [
+        _Sweep(parameter, points.size, backwards=way == "down", even=even) for way in ways
+    ]  # fmt: skip
+    done, total = 0, points.size * len(ways)
+    try:
+        for way, sweep in zip(ways, sweeps, strict=True):
+            for part in _parts(system, parameter, points, way, (first, size), dict(options)):
+                sweep.take(part)
+                done += part.sizes[parameter]
+                if on_batch:
+                    on_batch(done, total)
+    except KeyboardInterrupt:
+        pass
+    ds = _joined(sweeps, parameter, points, follow, system.model)
+    if ds is not None and "direction" in ds.dims:
+        ds = with_hysteresis(ds, system, parameter)
+    if ds is not None and done < total:
+        ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
+    return Work(ds, done, total)
+
+
+def _parts(
+    system: System, parameter: str, points: Array, way: Follow | None, sizes: tuple[int, int], options: dict[str, Any]
+) -> Iterator[xr.Dataset]:
+    now, kept = system, options.pop("states")
+    every = kept if way is None else system.states  # a chain goes on from the whole state
+    for place in batches(points.size, first=sizes[0], most=sizes[1]):
+        part = points[::-1][place][::-1] if way == "down" else points[place]
+        ds = bifurcation_diagram(now, parameter, part, follow=way, states=every, **options)
+        yield ds if way is None else select_states(ds, system, kept)
+        if way is not None and place.stop < points.size:
+            last = ds.isel({parameter: 0 if way == "down" else -1})
+            state = last["section"].isel(period=-1).values
+            ran = int(last["status"]) == Status.ok
+            now = _from(system, state) if ran else system
+
+
+def _from(system: System, x: Array) -> System:
+    """Return the system, started from these states."""
+    return system.replace(start=dict(zip(system.states, x.tolist(), strict=True)))
+
+
+class _Sweep:
+    """Parts of a sweep in one direction, written where they belong as they come: a large diagram is not in memory twice.
+
+    Sections of unforced models, and of points with different common periods, differ in length. Such parts are kept, and
+    joined at the end with NaN where one is shorter.
+    """
+
+    def __init__(self, dim: str, total: int, *, backwards: bool, even: bool) -> None:
+        self.dim, self.total, self.backwards, self.even = dim, total, backwards, even
+        self.done, self.parts, self.attrs = 0, list[xr.Dataset](), dict[Any, Any]()
+        self._whole: dict[Any, tuple[Any, NDArray[Any], dict[Any, Any]]] = {}
+        self._rest = xr.Dataset()
+
+    def take(self, part: xr.Dataset) -> None:
+        """Take over the next part."""
+        count = part.sizes[self.dim]
+        if not self.done:
+            self.attrs = part.attrs  # it began where the user said
+            along = {name: v for name, v in part.variables.items() if self.dim in v.dims}
+            self._rest = part.drop_vars(list(along))
+            if self.even:
+                self._whole = {k: (v.dims, np.empty((self.total, *v.shape[1:]), v.dtype), v.attrs) for k, v in along.items()}
+        first = self.total - self.done - count if self.backwards else self.done
+        for name, (dims, whole, _) in self._whole.items():
+            assert dims[0] == self.dim, name
+            whole[first : first + count] = part.variables[name].values
+        if not self.even:
+            self.parts.insert(0 if self.backwards else len(self.parts), part)
+        self.done += count
+
+    def dataset(self) -> xr.Dataset | None:
+        """Give what is finished; None where nothing is."""
+        if not self.done:
+            return None
+        if self.parts:
+            return _concat(self.parts, self.dim) if len(self.parts) > 1 else self.parts[0]
+        first = self.total - self.done if self.backwards else 0
+        made = {name: (dims, v[first : first + self.done], attrs) for name, (dims, v, attrs) in self._whole.items()}
+        coordinate = made.pop(self.dim)
+        return self._rest.assign(made).assign_coords({self.dim: coordinate})
+
+
+def _joined(
+    sweeps: list[_Sweep], parameter: str, points: Array, follow: Follow | None, model: Model
+) -> xr.Dataset | None:
+    made = [ds for sweep in sweeps if (ds := sweep.dataset()) is not None]
+    if not made:
+        return None
+    ds = made[0]
+    if len(made) > 1:
+        if made[1].sizes[parameter] < points.size:
+            meta = {name: v.attrs for name, v in made[1].variables.items()}
+            made[1] = made[1].reindex({parameter: ds[parameter]}, fill_value=_fill(made[1]))
+            for name, own in meta.items():
+                made[1][name].attrs = own
+        ds = _concat(made, "direction")
+    kept = {k: v for k, v in sweeps[0].attrs.items() if k not in ("accuracy_not_met", "grazing")}
+    ds.attrs = kept | {"follow": follow or "none"} | doubts(ds, model)
+    return ds
+
+
+def _fill(ds: xr.Dataset) -> dict[Any, Any]:
+    return {name: NOT_REACHED.get(str(name), np.nan) for name in ds.data_vars}
+
+
+def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
+    """Join along a dimension; sections that differ in length are filled with NaN."""
+    joined: xr.Dataset = xr.concat(
+        parts, dim=dim, join="outer", data_vars="minimal" if dim != "direction" else "all", coords="minimal",
+        compat="equals", combine_attrs="override",
+    )  # fmt: skip
+    return joined
+
+
+def simulation_in_stretches(
+    system: System,
+    *,
+    periods: int | None = None,
+    transient: int = 0,
+    every: int = 1,
+    steps: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    progress: Callable[[int], None] | None = None,
+) -> Work:
+    """Simulate stretch by stretch; `KeyboardInterrupt` ends it with what is finished.
+
+    Parameters, and the Dataset, are those of `simulate`.
+    """
+    series = Series(
+        system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
+        workers=workers, progress=progress,
+    )  # fmt: skip
+    refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
+    tell(progress, "expect", series.transient + series.periods)
+    try:
+        for part in batches(series.transient, first=SHORT, most=series.transient, seconds=STRETCH):
+            series.pass_by(part.stop - part.start)
+        unit = series.least  # T after which a sample falls on a whole one
+        most = min(series.stretch // unit, max(-(-series.periods // (STRETCHES * unit)), 1))
+        for part in batches(series.periods // unit, first=max(SHORT // unit, 1), most=most, seconds=STRETCH):
+            series.stretch = (part.stop - part.start) * unit
+            series.advance()
+    except KeyboardInterrupt:
+        if not series.passed + series.done:
+            return Work(None, 0, series.periods)
+        ds = series.dataset()
+        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T" if series.done else (
+            f"interrupted after {series.passed} of {series.transient} T of the transient: only the state there is known"
+        )  # fmt: skip
+        return Work(ds, series.done, series.periods)
+    return Work(series.dataset(), series.done, series.periods)
+
+
+def expected_periods(
+    system: System, points: int, settling: Settling, vary: Mapping[str, ArrayLike] | None = None
+) -> int:
+    """Periods T that a diagram takes at least, over all points: what a progress bar begins with.
+
+    ``vary`` are the varied parameters, where frequencies may be among them.
+    """
+    each = settling.transient + min(settling.first_window, 2 * settling.most)
+    groups = order_groups(system, parameter_values(system, vary or {}), vary or {})
+    repeats = points // sum(g.members.size for g in groups)  # sweeps up and down
+    return repeats * sum(g.members.size * (each * g.strobe + record_periods(g.orders, settling.keep)) for g in groups)

@@ -1,0 +1,1 @@
+"""Speeds of machines: safe windows, run-up and run-down, designs compared."""

@@ -1,0 +1,299 @@
+"""Values of one or two design parameters compared: the widest safe window of speed, and the largest amplitude.
+
+1. Every combination of the values is a machine of its own, made from the case, so that all groups follow a changed input.
+2. All machines are judged at the same speeds of the first shaft, from cold starts (`judge_machines`).
+3. Once more, at values between the neighbours of the design with the widest window, and of the one with the lowest worst
+   amplitude.
+4. These two designs are judged in run-up and run-down as well. Where that makes another design the best, so is this one.
+"""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import product
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.system import System
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.progress import shows_progress
+from whirlmap.results.schema import variable
+from whirlmap.sweep.diagrams.in_batches import BATCH
+from whirlmap.sweep.interruptible import OnBatch, Work, batches
+from whirlmap.sweep.speeds.designs import judge_machines
+from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
+from whirlmap.sweep.speeds.verdicts import SPEED, Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds.windows import widest_window
+
+Array = NDArray[np.float64]
+
+#: Parts of the distance to a neighbouring value in the refinement, for one and for two parameters.
+PARTS = {1: 4, 2: 2}
+
+
+@shows_progress("improve")
+def improve(
+    make: Callable[..., System],
+    vary: Mapping[str, ArrayLike],
+    speeds: ArrayLike,
+    limit: float,
+    *,
+    units: Mapping[str, str] | None = None,
+    refine: bool = True,
+    follow: bool = True,
+    quantity: str | None = None,
+    **options: Any,
+) -> xr.Dataset:
+    """Compare values of one or two design parameters by what they do to the safe speeds.
+
+    Parameters
+    ----------
+    make : callable
+        ``make(**changes) -> System``, as ``functools.partial(whirlmap.load, "gear-psfd/machine")``; without changes the
+        machine as it is, whose ``s`` and length count.
+    vary : mapping of str to array
+        Values, ascending, of one or two parameters or dimensional inputs.
+    speeds : array_like, shape (s,)
+        Values of ``s`` of the machine as it is; every design runs at the same speed of the first shaft [rad/s].
+    limit : float
+        Largest peak-to-peak displacement that is allowed, in clearances of the machine as it is.
+    units : mapping of str to str, optional
+        Units of the dimensional inputs among them.
+    refine : bool
+        Whether values around the best are tried as well.
+    follow : bool
+        Whether the best designs are judged in run-up and run-down too.
+    quantity : str, optional
+        As in `safe_speeds`.
+    **options
+        Those of `label_points`.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``design``, in the order tried: the varied parameters as coordinates, ``refined``, ``followed`` (judged in
+        run-up and run-down), ``window_start``, ``window_end``, ``window_width`` of the widest safe window, ``safe_share``
+        of the speeds, ``worst_amplitude`` over the speeds (NaN where a run did not reach its end), ``ended`` (how many),
+        ``front`` (no other design is better in width and amplitude both). Over ``(design, s)``: ``verdict``, ``amplitude``.
+        Speeds are values of ``s``, lengths clearances, of the machine as it is. ``attrs["widest"]`` and ``attrs["calmest"]``
+        are the numbers of the two best designs; ``calmest`` is -1 where no design ran at all speeds.
+
+    Raises
+    ------
+    RangeError
+        None or more than two parameters; values that do not ascend; speeds that do not ascend or are not positive; a limit
+        that is not positive; the speed or a number of teeth as a parameter.
+
+    Notes
+    -----
+    A window ends where the amplitude crosses the limit, linear between two speeds, or at the last safe speed where the next
+    one is forbidden by its motion. What is narrower than the spacing of the speeds is not seen. Coexisting motions are
+    sought in the best designs alone, so that the others may look better than they are, never worse.
+    """
+    work = improve_in_batches(
+        make, vary, speeds, limit, units=units, refine=refine, follow=follow, quantity=quantity, **options
+    )
+    if work.dataset is None or not work.complete:
+        raise KeyboardInterrupt
+    return work.dataset
+
+
+def improve_in_batches(
+    make: Callable[..., System],
+    vary: Mapping[str, ArrayLike],
+    speeds: ArrayLike,
+    limit: float,
+    *,
+    units: Mapping[str, str] | None = None,
+    refine: bool = True,
+    follow: bool = True,
+    quantity: str | None = None,
+    batch: int | None = None,
+    on_batch: OnBatch | None = None,
+    **options: Any,
+) -> Work:
+    """Compare designs batch by batch; `KeyboardInterrupt` ends it with the designs that are finished.
+
+    Parameters
+    ----------
+    batch : int, optional
+        Designs in a batch; where absent as many as take some seconds (`work.batches`), and `BATCH` blocks of lanes for each
+        worker hold at most.
+    on_batch : callable, optional
+        ``on_batch(done, total)`` after each batch, in designs; judged once more in run-up and run-down counts as one.
+
+    Other parameters are those of `improve`, and so is the Dataset, which carries ``incomplete`` where something is missing.
+    """
+    at = np.atleast_1d(np.asarray(speeds, dtype=float))
+    axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in vary.items()}
+    _refuse_axes(axes)
+    refuse_speeds(at, limit)
+    trial = _Trial(make, tuple(axes), units or {}, at, limit, {"quantity": quantity, **options}, make())
+    most = batch or max(BATCH * LANES * (options.get("workers") or cores()) // at.size, 1)
+    count = _Count(on_batch, int(np.prod([v.size for v in axes.values()])) + follow)
+    designs: list[xr.Dataset] = []  # each with one design
+    stage = "the values given"
+    try:
+        for part in trial.in_batches(list(product(*axes.values())), batch or 1, most, count, refined=False):
+            designs += part
+        if refine:
+            stage = "the values around the best"
+            more = _around(_joined(designs), axes)
+            count.total += len(more)
+            for part in trial.in_batches(more, batch or 1, most, count, refined=True):
+                designs += part
+        stage = "the run-up and run-down of the best"
+        while follow and (best := [i for i in _best(_joined(designs)) if not designs[i]["followed"].item()]):
+            count.total = count.done + len(best)
+            for i in best:
+                designs[i] = trial.followed(designs[i])
+                count(1)
+        stage = ""
+    except KeyboardInterrupt:
+        pass
+    if not designs:
+        return Work(None, 0, count.total)
+    ds = _joined(designs)
+    ds["front"] = variable("design", _front(ds), "1", "1 where no other design is better in width and amplitude both")
+    rpm = shaft_speed(trial.system) * 30 / np.pi
+    if np.isfinite(rpm):
+        ds = ds.assign_coords(rpm=(SPEED, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
+    ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
+    if stage:
+        ds.attrs["incomplete"] = f"interrupted in {stage}, after {count.done} designs"
+    return Work(ds, count.done, max(count.total, count.done + 1) if stage else count.done)
+
+
+@dataclass
+class _Count:
+    """Designs judged, and to be judged as far as is known."""
+
+    report: OnBatch | None
+    total: int
+    done: int = 0
+
+    def __call__(self, designs: int) -> None:
+        self.done += designs
+        if self.report:
+            self.report(self.done, self.total)
+
+
+def _refuse_axes(axes: Mapping[str, Array]) -> None:
+    if not 1 <= len(axes) <= 2:
+        raise RangeError(f"found {len(axes)} design parameters, expected one or two")
+    for name, values in axes.items():
+        if name in (SPEED, "speed"):
+            raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")
+        if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
+            raise RangeError(f"values of {name!r} must be finite and ascend, and be two or more")
+
+
+def _around(ds: xr.Dataset, axes: Mapping[str, Array]) -> list[tuple[float, ...]]:
+    """Designs between the neighbours of the best ones, without those that were tried."""
+    known = set(zip(*(ds[name].values.tolist() for name in axes), strict=True))
+    finer = {d for i in _best(ds) for d in product(*(_between(v, float(ds[n][i]), len(axes)) for n, v in axes.items()))}
+    return sorted(finer - known)
+
+
+def _joined(designs: Sequence[xr.Dataset]) -> xr.Dataset:
+    return xr.concat(designs, "design", data_vars="minimal", coords="minimal", compat="override", combine_attrs="override")
+
+
+def _best(ds: xr.Dataset) -> list[int]:
+    return list(dict.fromkeys(i for i in (widest(ds), calmest(ds)) if i >= 0))
+
+
+def widest(ds: xr.Dataset) -> int:
+    """Number of the design with the widest window; of equals, the one with the lower worst amplitude."""
+    worst = np.where(np.isfinite(ds["worst_amplitude"].values), ds["worst_amplitude"].values, np.inf)
+    return int(np.lexsort((worst, -ds["window_width"].values))[0])
+
+
+def calmest(ds: xr.Dataset) -> int:
+    """Number of the design with the lowest worst amplitude; -1 where no design ran at all speeds."""
+    worst = ds["worst_amplitude"].values
+    return int(np.nanargmin(worst)) if np.isfinite(worst).any() else -1
+
+
+@dataclass(frozen=True)
+class _Trial:
+    """What all designs share."""
+
+    make: Callable[..., System]
+    names: tuple[str, ...]
+    units: Mapping[str, str]
+    at: Array
+    limit: float
+    options: Mapping[str, Any]
+    system: System
+
+    def in_batches(
+        self, designs: list[tuple[float, ...]], first: int, most: int, count: "_Count", *, refined: bool
+    ) -> Iterator[list[xr.Dataset]]:
+        """Judge designs from cold starts, batch by batch, each a Dataset of its own."""
+        for place in batches(len(designs), first=first, most=most):
+            part = designs[place]
+            ds = self.run(part, refined=refined, follow=False)
+            yield [ds.isel(design=[i]) for i in range(len(part))]
+            count(len(part))
+
+    def followed(self, one: xr.Dataset) -> xr.Dataset:
+        """Judge a design in run-up and run-down as well."""
+        return self.run([tuple(one[n].item() for n in self.names)], refined=bool(one["refined"].item()), follow=True)
+
+    def run(self, designs: list[tuple[float, ...]], *, refined: bool, follow: bool) -> xr.Dataset:
+        """Judge designs."""
+        machines = [self.make(**{n: self._text(n, v) for n, v in zip(self.names, d, strict=True)}) for d in designs]
+        lengths = np.array([clearance(m) for m in machines]) / clearance(self.system)
+        lengths = np.where(np.isfinite(lengths), lengths, 1.0)
+        judged = judge_machines(self.system, machines, self.at, self.limit / lengths, follow=follow, **self.options)
+        ds = judged.rename(machine="design")
+        ds["amplitude"] = ds["amplitude"].copy(data=ds["amplitude"].values * lengths[:, None])
+        swing, safe = ds["amplitude"].values, ds["verdict"].values == Verdict.safe
+        ended = ~np.isfinite(swing)
+        spans = np.array([
+            widest_window(self.at, s, v, self.limit) for s, v in zip(swing, ds["verdict"].values, strict=True)
+        ])  # fmt: skip
+        worst = np.where(ended.any(axis=1), np.nan, np.where(ended, 0, swing).max(axis=1))
+        for name, values, meaning in (
+            ("window_start", spans[:, 0], "first speed ratio of the widest safe window"),
+            ("window_end", spans[:, 1], "last speed ratio of the widest safe window"),
+            ("window_width", np.nan_to_num(spans[:, 1] - spans[:, 0]), "width of the widest safe window"),
+            ("safe_share", safe.mean(axis=1), "share of the speeds that are safe"),
+            ("worst_amplitude", worst, "largest peak to peak over all speeds"),
+            ("ended", ended.sum(axis=1), "speeds at which the run did not reach its end"),
+            ("refined", np.full(len(designs), int(refined)), "1 where the design was tried in the refinement"),
+            ("followed", np.full(len(designs), int(follow)), "1 where it was judged in run-up and run-down as well"),
+        ):  # fmt: skip
+            ds[name] = variable("design", values, "1", meaning)
+        for k, name in enumerate(self.names):
+            unit = self.units.get(name, "1")
+            ds = ds.assign_coords({name: variable("design", [d[k] for d in designs], unit, name)})
+        return ds
+
+    def _text(self, name: str, value: float) -> Any:
+        return f"{float(value)!r} {self.units[name]}" if name in self.units else float(value)
+
+
+def _between(values: Array, best: float, parameters: int) -> list[float]:
+    """Values between the neighbours of the best one, itself among them."""
+    i, parts = int(np.flatnonzero(values == best)[0]), PARTS[parameters]
+    even = values.size > 2 and values[0] > 0 and np.allclose(np.diff(np.log(values)), np.log(values[1] / values[0]))
+    space = np.geomspace if even else np.linspace
+    out = [best]
+    for j in (i - 1, i + 1):
+        if 0 <= j < values.size:
+            out += space(best, values[j], parts + 1)[1:-1].tolist()
+    return sorted(out)
+
+
+def _front(ds: xr.Dataset) -> NDArray[np.int8]:
+    width = ds["window_width"].values
+    worst = np.where(np.isfinite(ds["worst_amplitude"].values), ds["worst_amplitude"].values, np.inf)
+    no_worse = (width[:, None] >= width) & (worst[:, None] <= worst)
+    better = (width[:, None] > width) | (worst[:, None] < worst)
+    return np.asarray(~(no_worse & better).any(axis=0), dtype=np.int8)

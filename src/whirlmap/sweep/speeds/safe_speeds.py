@@ -1,0 +1,193 @@
+"""Safe speed windows: where a machine runs periodically and within a limit of vibration, and why it does not elsewhere.
+
+1. Every speed of a grid is judged from a cold start, and in a run-up and a run-down through the grid (`motions_met`).
+2. A speed is safe where all motions that were met are periodic, their largest peak-to-peak displacement is within the
+   limit, and the teeth stay in contact. Where the cold start alone is all of that, motions coexist.
+3. The edges of the windows are refined: `PARTS` speeds between a safe one and its neighbour that is not, `ROUNDS` times.
+"""
+
+import json
+from collections.abc import Callable, Mapping
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.analysis.steady.settling import POOL, Settling
+from whirlmap.errors import RangeError
+from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.system import System
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.progress import ProgressOption, shows_progress, tell
+from whirlmap.results.schema import variable
+from whirlmap.sweep.diagrams.in_batches import FIRST
+from whirlmap.sweep.interruptible import Work, batches
+from whirlmap.sweep.points.label_points import POOLS
+from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
+from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, shaft_speed
+from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
+
+Array = NDArray[np.float64]
+Progress = Callable[[int], None]
+
+#: Variables of the outcome that are kept.
+KEPT = (
+    "verdict", "other", "motions", "amplitude", "amplitude_cold", "tooth_contact", "min_film", "max_load", "regime",
+    "status", "period_T", "lyapunov", "lyapunov_error",
+)  # fmt: skip
+
+
+@shows_progress("speeds")
+def safe_speeds(
+    system: System,
+    speeds: ArrayLike,
+    limit: float,
+    *,
+    quantity: str | None = None,
+    follow: bool = True,
+    settling: Settling | None = None,
+    lyapunov: int | None = None,
+    accuracy: float | None = None,
+    method: str | None = None,
+    workers: int | None = None,
+    progress: ProgressOption = None,
+) -> xr.Dataset:
+    """Judge the speeds of a machine.
+
+    Parameters
+    ----------
+    speeds : array_like, shape (s,)
+        Values of ``s``, positive and ascending, two or more.
+    limit : float
+        Largest peak-to-peak displacement that is allowed, in the model's length (clearances, for the machines).
+    quantity : str, optional
+        State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
+    follow : bool
+        Whether to run up and down through the speeds as well, which shows coexisting motions; about three times the work.
+    progress : callable or True, optional
+        Called with the number of points x periods T done since the last call; True shows a bar.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``s``: ``verdict`` with CF flags; ``other``, why not, of the motions that a cold start does not meet;
+        ``motions``, how many different ones were met; ``margin``, the distance of a safe speed to the nearer end of its
+        window, infinite where it ends with the range on both sides. Of the worst motion met: ``amplitude`` (NaN where one
+        ended early), ``tooth_contact`` (share of the time in which the teeth touch, NaN without teeth), and over ``bearing``
+        ``min_film`` [c] and ``max_load`` [the model's force] of a film. Of the cold start: ``amplitude_cold``, ``regime``,
+        ``status``, ``period_T``, ``lyapunov``. Where the case has dimensions, ``rpm(s)``. Over ``window``:
+        ``window_start``, ``window_end``, ``gap_start``, ``gap_end`` (zero at an end of the range), ``window_amplitude``.
+        ``attrs["stretches"]`` is a list of runs of speeds with one verdict as JSON (`windows.stretches`);
+        ``attrs["windows"]`` those of them that are safe.
+
+    Raises
+    ------
+    RangeError
+        The model has no ``s``; speeds that do not ascend or are not positive; a limit that is not positive.
+    """
+    work = safe_speeds_in_parts(
+        system, speeds, limit, quantity=quantity, follow=follow, settling=settling, lyapunov=lyapunov, accuracy=accuracy,
+        method=method, workers=workers, progress=progress,
+    )  # fmt: skip
+    if work.dataset is None or not work.complete:
+        raise KeyboardInterrupt
+    return work.dataset
+
+
+def safe_speeds_in_parts(
+    system: System, speeds: ArrayLike, limit: float, *, quantity: str | None = None, follow: bool = True, **options: Any
+) -> Work:
+    """Judge the speeds of a machine part by part; `KeyboardInterrupt` ends it with what is finished.
+
+    The cold starts are finished in batches of speeds, those from the lowest on; then each round of run-up and run-down; then
+    the edges of the windows. ``done`` and ``total`` of the work count the speeds, and one for each of the other two parts.
+    Parameters are those of `safe_speeds`, and so is the Dataset, which carries ``incomplete`` where something is missing.
+    """
+    at = np.atleast_1d(np.asarray(speeds, dtype=float))
+    if SPEED not in system.parameters:
+        raise RangeError(f"{system.model.name} has no parameter 's': safe speeds are those of a machine with one")
+    refuse_speeds(at, limit)
+    judge = Judge(system, quantity, options)
+    block = LANES * (options.get("workers") or cores())
+    parts: list[xr.Dataset] = []
+    met: xr.Dataset | None = None
+    edges: dict[int, Edge] | None = None
+    followed = False
+    asked, total, missing = at.size, at.size + 1 + follow, "the edges of the windows"
+    try:
+        for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
+            parts.append(cold_motions(judge, {SPEED: at[part]}, np.full(at[part].size, float(limit))))
+        met, progress = cold_at(parts, system.model), options.get("progress")
+        safe = met["verdict"].values == Verdict.safe
+        at_edges = int((safe[1:] != safe[:-1]).sum()) * edge_points(follow=follow)
+        tell(progress, "more_points", at_edges + (2 * at.size if follow else 0))
+        if follow:
+            missing = "run-up and run-down"
+            cold = met
+            for met in rounds_met(judge, {SPEED: at}, np.full(at.size, float(limit)), at.size, cold):  # noqa: B007 (the last one counts)
+                tell(progress, "more_points", at_edges)
+            followed = True
+            missing = "the edges of the windows"
+        edges = refined_edges(judge, at, met, limit, follow=follow)
+        missing = ""
+    except KeyboardInterrupt:
+        if met is None:
+            at = at[: sum(part.sizes["point"] for part in parts)]
+            if at.size < 2:
+                return Work(None, 0, total)
+            met = cold_at(parts, system.model)
+    if edges is None:  # windows end with their last safe speed
+        edges = refined_edges(judge, at, met, limit, follow=False, rounds=0)
+    ds = _dataset(system, judge, at, met, edges, limit, follow=followed)
+    done = total
+    if missing:
+        done = at.size if at.size < asked else total - 1 - (missing == "run-up and run-down")
+        where = f"after {at.size} of {asked} speeds" if at.size < asked else f"before {missing} were finished"
+        ds.attrs["incomplete"] = f"interrupted {where}"
+    return Work(ds, done, total)
+
+
+def _dataset(
+    system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool
+) -> xr.Dataset:
+    whole = outcome(met, at.size).swap_dims(point=SPEED)
+    ds = whole[[name for name in KEPT if name in whole]]
+    rows = stretches(ds, edges)
+    windows = [row for row in rows if row["verdict"] == Verdict.safe.name]
+    ds["margin"] = variable(SPEED, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds",
+                            measure="rotation")  # fmt: skip
+    for name, key, meaning in (
+        ("window_start", "start", "first safe speed ratio"), ("window_end", "end", "last safe speed ratio"),
+        ("gap_start", "gap_start", "distance to the first speed below that was judged and is not safe"),
+        ("gap_end", "gap_end", "distance to the first speed above that was judged and is not safe"),
+        ("window_amplitude", "amplitude", "largest peak to peak in the window"),
+    ):  # fmt: skip
+        measure = "length" if key == "amplitude" else "rotation"
+        ds[name] = variable("window", [w[key] for w in windows], "1", meaning, measure=measure)
+    scale = shaft_speed(system) * 30 / np.pi
+    if np.isfinite(scale):
+        ds["rpm"] = variable(SPEED, at * scale, "rpm", "speed of the first shaft")
+    return ds.assign_attrs(
+        met.attrs, limit=limit, quantities=" ".join(judge.rows), followed=int(follow), windows=json.dumps(windows),
+        stretches=json.dumps(rows),
+    )  # fmt: skip
+
+
+def refuse_speeds(at: Array, limit: float) -> None:
+    """Refuse speeds and limits that say nothing."""
+    if at.size < 2 or not np.isfinite(at).all() or at[0] <= 0 or np.any(np.diff(at) <= 0):
+        raise RangeError("speeds must be positive and ascend, and be two or more")
+    if not 0 < limit < np.inf:
+        raise RangeError(f"the limit must be a positive length, not {limit:g}")
+
+
+def _margins(at: Array, windows: list[dict[str, Any]]) -> Array:
+    """Distances to the ends of windows; an end of the range is none, what lies behind it is not known."""
+    out = np.full(at.size, np.nan)
+    for window in windows:
+        inside = at[(at >= window["start"]) & (at <= window["end"])]
+        below = inside - window["start"] if window["gap_start"] else np.inf
+        above = window["end"] - inside if window["gap_end"] else np.inf
+        out[np.isin(at, inside)] = np.minimum(below, above)
+    return out

@@ -1,0 +1,162 @@
+"""Whether a machine may run at a speed: its motion is periodic and within a limit, and its teeth stay in contact."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from enum import IntEnum
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import ArrayLike, NDArray
+
+from whirlmap.analysis.motion.ensembles import make_ensemble, parameter_values
+from whirlmap.analysis.motion.tooth_contact import tooth_contact
+from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.orders import order_groups
+from whirlmap.integrate.system import System
+from whirlmap.results.regime import WITHOUT_BOUND, Regime
+from whirlmap.results.schema import variable
+from whirlmap.results.status import flags
+from whirlmap.sweep.points.label_points import label_points
+
+Array = NDArray[np.float64]
+
+#: Parameter that is the speed.
+SPEED = "s"
+
+
+class Verdict(IntEnum):
+    """Whether a speed is safe, else the first reason why not."""
+
+    safe = 0
+    amplitude = 1
+    separation = 2
+    coexisting = 3
+    quasi_periodic = 4
+    chaotic = 5
+    contact = 6
+    diverged = 7
+    undecided = 8
+
+
+REASONS = {
+    Regime.quasi_periodic: Verdict.quasi_periodic, Regime.chaotic: Verdict.chaotic, Regime.contact: Verdict.contact,
+    **dict.fromkeys(WITHOUT_BOUND, Verdict.diverged), Regime.undecided: Verdict.undecided,
+    Regime.not_settled: Verdict.undecided,
+}  # fmt: skip
+
+
+@dataclass(frozen=True)
+class Judge:
+    """How points of one machine, or of several of one model, are judged.
+
+    Attributes
+    ----------
+    system : System
+        What all points share; columns of values replace its own.
+    quantity : str, optional
+        State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
+    options : mapping
+        Those of `label_points`.
+    """
+
+    system: System
+    quantity: str | None = None
+    options: Mapping[str, Any] = field(default_factory=dict)
+
+    @property
+    def rows(self) -> list[str]:
+        """Quantities whose peak-to-peak counts."""
+        model = self.system.model
+        known = [*self.system.states, *model.outputs]
+        if self.quantity is None:
+            return [s.name for s in model.swing]
+        if self.quantity not in known:
+            raise RangeError(
+                f"{model.name} has no state or output {self.quantity!r}.{nearest(self.quantity, known)}"
+                f"\n  known: {' '.join(known)}"
+            )
+        return [self.quantity]
+
+    def __call__(self, values: Mapping[str, Array], limits: Array, *, starts: Array | None = None) -> xr.Dataset:
+        """Judge points, each from a cold start or from its own.
+
+        Parameters
+        ----------
+        values : mapping of str to array, shape (point,)
+        limits : array, shape (point,)
+            Largest peak-to-peak displacement that is allowed, in the model's length.
+        starts : array, shape (state, point), optional
+
+        Returns
+        -------
+        xr.Dataset
+            That of `label_points` with ``end_state``, and ``amplitude``, ``tooth_contact`` and ``verdict``.
+        """
+        ds = label_points(self.system, values, starts=starts, ends=True, **self.options)
+        swing = ds["peak_to_peak"].sel(quantity=self.rows).max("quantity", skipna=False).values
+        touching = self._tooth_contact(values, ds)
+        ds["amplitude"] = amplitude_variable("point", swing, self.rows)
+        ds["tooth_contact"] = contact_variable("point", touching)
+        ds["verdict"] = verdict_variable("point", verdicts(ds["regime"].values, swing, limits, touching))
+        return ds
+
+    def _tooth_contact(self, values: Mapping[str, Array], ds: xr.Dataset) -> Array:
+        """Share of one return for which the teeth touch; NaN without teeth and where the motion does not return."""
+        returns = np.where(ds["regime"].values == Regime.periodic, ds["period_common"].values, 0)
+        if self.system.model.teeth is None or not self.system.model.forced or not returns.any():
+            return np.full(returns.size, np.nan)
+        out = np.full(returns.size, np.nan)
+        for group in order_groups(self.system, parameter_values(self.system, values), values):
+            these = group.members[returns[group.members] > 0]
+            if not these.size:
+                continue
+            ensemble, _ = make_ensemble(
+                self.system, {name: column[these] for name, column in values.items()},
+                starts=ds["end_state"].values[these].T, steps=ds["steps"].values[these],
+                method=self.options.get("method"), workers=self.options.get("workers"),
+            )  # fmt: skip
+            out[these] = tooth_contact(ensemble, returns[these] * group.common_multiple, self.options.get("progress"))
+        return out
+
+
+def verdicts(regime: ArrayLike, amplitude: ArrayLike, limit: ArrayLike, touching: ArrayLike = np.nan) -> NDArray[np.int8]:
+    """Verdict of every point from its regime, its amplitude and the share of the time in which its teeth touch."""
+    labels, swing = np.asarray(regime), np.asarray(amplitude)
+    parted = np.where(np.less(touching, 1), Verdict.separation, Verdict.safe)
+    out = np.where(swing <= limit, parted, Verdict.amplitude)
+    for label, why in REASONS.items():
+        out = np.where(labels == label, why, out)
+    return out.astype(np.int8)
+
+
+def shaft_speed(system: System) -> float:
+    """Speed of the first shaft at ``s = 1`` [rad/s], or NaN for a system without dimensions."""
+    return float(Dimensions(system).worth("rotation"))
+
+
+def force_unit(system: System) -> float:
+    """The force [N] that the model's forces are in units of, or NaN for a system without dimensions."""
+    return float(Dimensions(system).worth("force"))
+
+
+def clearance(system: System) -> float:
+    """The length [m] that the model's lengths are in units of, or NaN for a system without dimensions."""
+    return float(Dimensions(system).worth("length"))
+
+
+def verdict_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
+    """Verdicts, with CF flags."""
+    codes = np.asarray(values, dtype=np.int8)
+    return variable(dims, codes, "1", "whether the speed is safe, else why not", **flags(Verdict))
+
+
+def amplitude_variable(dims: Any, values: ArrayLike, rows: Sequence[str]) -> tuple[Any, ...]:
+    """Peak to peak of the judged quantities."""
+    return variable(dims, values, "1", f"peak to peak of {', '.join(rows)}, the largest", measure="length")
+
+
+def contact_variable(dims: Any, values: ArrayLike) -> tuple[Any, ...]:
+    """Share of the time in which the teeth touch."""
+    return variable(dims, values, "1", "share of the time in which the driving flanks press on each other")
