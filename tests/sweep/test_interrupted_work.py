@@ -9,8 +9,9 @@ from whirlmap.cli.main import app
 from whirlmap.integrate.loading import load
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
-from whirlmap.sweep.attractors.attractors import attractor_search, attractors_in_parts
+from whirlmap.sweep.attractors import attractor_search
 from whirlmap.sweep.attractors.attractors import attractors as found
+from whirlmap.sweep.attractors.attractors import attractors_in_parts
 from whirlmap.sweep.attractors.basins import basins_in_parts
 from whirlmap.sweep.interruptible import batches
 from whirlmap.sweep.speeds.safe_speeds import safe_speeds, safe_speeds_in_parts

@@ -12,7 +12,7 @@ Examples
 >>> ax = whirlmap.plot.draw_phase_portrait(series, "x")
 >>> ax.get_title(loc="left")
 'phase portrait, 4 $T$'
->>> whirlmap.plot.common.save(ax.figure, "portrait.pdf").name
+>>> whirlmap.plot.save(ax.figure, "portrait.pdf").name
 'portrait.pdf'
 """
 

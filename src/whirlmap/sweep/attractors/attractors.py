@@ -96,9 +96,9 @@ def attractors(
     Notes
     -----
     1. All starts settle as one batch. Those that return are on the same orbit where a point of it is theirs, at a phase of
-       the forcing that is the same: orbits are closed by Newton's method (`whirlmap.analysis.periodic_orbits.closed_orbit`), and
-       compared to ten tolerances of settling. Angles are compared modulo their period. The phases are those of the common
-       period, or of what is left of it where a harmonic has no amplitude (`whirlmap.sweep.attractors.repeat_time`).
+       the forcing that is the same: orbits are closed by Newton's method (`periodic_orbits.closed_orbit`), and compared to
+       ten tolerances of settling. Angles are compared modulo their period. The phases are those of the common period, or of
+       what is left of it where a harmonic has no amplitude (`repeat_time`).
     2. Those that do not return belong to a known orbit where they flow into it. Of the others, `LANES` and then twice as
        many each time are labelled (`label_points`). Those that come out chaotic, quasi-periodic or locked (and cycles of
        unforced models) are traced over 2048 section points (`attractor_search.TRACE`), and the others are on the same

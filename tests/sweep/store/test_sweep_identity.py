@@ -3,7 +3,7 @@
 import pytest
 
 import whirlmap
-from whirlmap.sweep.store.zarr_store import fingerprint as identity
+from whirlmap.sweep.store import fingerprint as identity
 
 
 @pytest.fixture

@@ -22,9 +22,9 @@ from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
 from whirlmap.sweep.maps import executors
 from whirlmap.sweep.maps.regime_map import regime_map
 from whirlmap.sweep.points.label_points import Labelling, label_points
+from whirlmap.sweep.store import zarr_store as store
 from whirlmap.sweep.store.store_status import store_standing
 from whirlmap.sweep.store.zarr_store import Evaluation, Store, differences
-from whirlmap.sweep.store.zarr_store import zarr_store as store
 
 SHORT = Settling(transient=40, most=8, keep=8)
 GRID = {"gamma": np.linspace(0.2, 0.6, 11), "omega": np.linspace(1.0, 1.4, 9)}
