@@ -29,8 +29,9 @@ from whirlmap.progress import compiling
 
 Data = TypeVar("Data")
 
-#: Layers whose source decides what lowering gives; the model itself is part of every question.
-WRITERS = ("equations", "films", "kernels", "integrate", "analysis")
+#: Layers whose source decides what lowering gives; the model itself is part of every question. What a layer above these asks
+#: for, it names by its own source (`file_digest`).
+WRITERS = ("equations", "films", "kernels", "integrate")
 
 
 def folder() -> Path:
@@ -129,6 +130,12 @@ def _sources(place: Traversable, name: str) -> list[tuple[str, bytes]]:
         return [(name, place.read_bytes())] if name.endswith(".py") else []
     found = sorted(place.iterdir(), key=lambda child: child.name)
     return [source for child in found for source in _sources(child, f"{name}/{child.name}")]
+
+
+@cache
+def file_digest(path: str) -> str:
+    """Hash of one source file."""
+    return hashlib.sha256(Path(path).read_bytes()).hexdigest()
 
 
 def remembered(question: str, answer: Callable[[], Data], sound: Callable[[Data], bool]) -> Data:

@@ -50,12 +50,13 @@ def numpy_function(
     Parameters
     ----------
     role : str
-        What the formula is to the model. Model and role name the entry of the cache; the formula itself is only asked
-        for where there is none.
+        What the formula is to the model. Model, role and the source file of ``formula`` name the entry of the cache; the
+        formula itself is only asked for where there is none.
     calls : mapping of str to callable, optional
         Functions that the expressions call by name, beside those of NumPy.
     """
-    text = cache.remembered(f"numpy function\n{model_digest(model)}\n{role}", lambda: numpy_text(formula()), _is_text)
+    question = f"numpy function\n{model_digest(model)}\n{role}\n{cache.file_digest(inspect.getfile(formula))}"
+    text = cache.remembered(question, lambda: numpy_text(formula()), _is_text)
     return _function(text, calls or {})
 
 
