@@ -143,7 +143,7 @@ from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
 points, transient = int(sys.argv[1]), int(sys.argv[2])
 system = whirlmap.load("gear-psfd/reference", psi=0.0)
 settling = Settling(transient=transient, first_window=2, most=1, keep=8)
-diagram_in_batches(system, "s", np.linspace(1.0, 4.0, points), settling=settling, steps=60)
+diagram_in_batches(system, "s", np.linspace(1.0, 4.0, points), settling=settling, steps=60).run()
 # not getrusage: its peak is inherited from the process that started this one
 print(int(re.search(r"VmHWM:\\s+(\\d+)", Path("/proc/self/status").read_text())[1]) / 1024)
 """

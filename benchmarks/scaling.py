@@ -19,9 +19,10 @@ from pathlib import Path
 import numpy as np
 
 import whirlmap
-from whirlmap.analysis.labels.labelling import Labelling
-from whirlmap.analysis.steady.settling import Settling
+from whirlmap.analysis.labels.labelling import measure as label
 from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
 from whirlmap.sweep.maps.regime_map import regime_map
 from whirlmap.sweep.store.zarr_store import Store
 
@@ -72,11 +73,11 @@ def count_steps():
         counted["tangent" if self.tangents else "plain"] += int(n_periods * self.point_steps[at].sum())
         return advance(self, n_periods, members=members, **options)
 
-    labelling = Labelling(Settling(), 256, workers=1)
-    labelling.measure(system(), {VARIED: np.array([FIRST, LAST])})
+    labelling, alone = Labelling(lyapunov=256), Execution(workers=1)
+    label(system(), {VARIED: np.array([FIRST, LAST])}, labelling, alone)
     Ensemble.advance = counting
     try:
-        seconds, _ = timed(lambda: labelling.measure(system(), axis()), time.process_time)
+        seconds, _ = timed(lambda: label(system(), axis(), labelling, alone), time.process_time)
     finally:
         Ensemble.advance = advance
     return {**counted, "seconds": seconds}

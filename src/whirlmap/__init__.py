@@ -23,12 +23,16 @@ if TYPE_CHECKING:
     from whirlmap.analysis.simulation.trajectory import simulate as simulate
     from whirlmap.analysis.spectra.spectrum import full_spectrum as full_spectrum
     from whirlmap.analysis.spectra.spectrum import power_spectrum as power_spectrum
-    from whirlmap.analysis.steady.settling import Settling as Settling
     from whirlmap.analysis.variational.floquet import floquet_multipliers as floquet_multipliers
     from whirlmap.analysis.variational.lyapunov import lyapunov_spectrum as lyapunov_spectrum
     from whirlmap.integrate.in_units import in_units as in_units
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
+    from whirlmap.options.computed import Integration as Integration
+    from whirlmap.options.computed import Labelling as Labelling
+    from whirlmap.options.computed import Settling as Settling
+    from whirlmap.options.execution import Execution as Execution
+    from whirlmap.options.storage import Storage as Storage
     from whirlmap.results.labels import labels as labels
     from whirlmap.sweep.attractors.attractors import attractors as attractors
     from whirlmap.sweep.attractors.basins import basins as basins
@@ -49,7 +53,11 @@ _HOMES = {
     "linear_analysis": "whirlmap.analysis.linear.linearisation",
     "stability_threshold": "whirlmap.analysis.linear.stability_threshold",
     "lyapunov_spectrum": "whirlmap.analysis.variational.lyapunov",
-    "Settling": "whirlmap.analysis.steady.settling",
+    "Settling": "whirlmap.options.computed",
+    "Integration": "whirlmap.options.computed",
+    "Labelling": "whirlmap.options.computed",
+    "Execution": "whirlmap.options.execution",
+    "Storage": "whirlmap.options.storage",
     "diagnose_series": "whirlmap.analysis.signals.diagnose_series",
     "film_coefficients": "whirlmap.analysis.linear.film_coefficients",
     "floquet_multipliers": "whirlmap.analysis.variational.floquet",

@@ -5,17 +5,10 @@ import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
-from functools import wraps
 from types import TracebackType
-from typing import Any, ParamSpec, Self, TypeVar
+from typing import Any, Self
 
 from whirlmap.forecast import Forecast
-
-P = ParamSpec("P")
-R = TypeVar("R")
-
-#: What public functions take as ``progress``: a callable that gets the T run since its last call, True for a bar, or None.
-ProgressOption = Any
 
 #: Seconds between lines where standard error is neither a terminal nor a notebook, and between two drawings of a bar.
 EVERY, DRAWN = 10.0, 0.1
@@ -224,29 +217,10 @@ def compiling() -> Iterator[None]:
         yield
 
 
-def tell(progress: ProgressOption, what: str, *numbers: float) -> None:
+def tell(progress: Any, what: str, *numbers: float) -> None:
     """Tell a `Progress` how operating points fare; a plain callable is not told."""
     if isinstance(progress, Progress):
         getattr(progress, what)(*numbers)
-
-
-def shows_progress(what: str, **options: str) -> Callable[[Callable[P, R]], Callable[P, R]]:
-    """Have a function take ``progress=True``: it then shows a bar called ``what``, with these options of `Progress`."""
-
-    def decorate(function: Callable[P, R]) -> Callable[P, R]:
-        @wraps(function)
-        def shown(*args: P.args, **given: P.kwargs) -> R:
-            if given.get("progress") is False:
-                given["progress"] = None
-            if given.get("progress") is not True:
-                return function(*args, **given)
-            with Progress(what, None, **options) as bar:  # type: ignore[arg-type]  # words all of them
-                given["progress"] = bar
-                return function(*args, **given)
-
-        return shown
-
-    return decorate
 
 
 def _bar(most: bool) -> Any:

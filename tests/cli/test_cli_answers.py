@@ -68,8 +68,9 @@ def test_a_run_that_could_not_go_on_ends_with_one(status, code, monkeypatch):
     whole = sweep_run.simulation_in_stretches
 
     def ended(*args, **options):
-        work = whole(*args, **options)
+        work = whole(*args, **options).run()
         work.dataset["status"] = work.dataset["status"].copy(data=Status[status])
+        work.run = lambda: work
         return work
 
     monkeypatch.setattr(sweep_run, "simulation_in_stretches", ended)

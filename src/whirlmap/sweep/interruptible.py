@@ -2,7 +2,8 @@
 
 import time
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from contextlib import suppress
+from typing import Self
 
 import xarray as xr
 
@@ -15,26 +16,63 @@ GROWTH = 8
 OnBatch = Callable[[int, int], None]
 
 
-@dataclass(frozen=True)
 class Work:
-    """What was done of a piece of work: all of it, or what was finished when Ctrl-C came.
+    """Long work in parts: iterating does one part after the other, and whoever iterates may stop after any of them.
 
-    Attributes
+    What is finished is in `dataset` at any time, also where Ctrl-C (`KeyboardInterrupt`) ended a part.
+
+    Parameters
     ----------
-    dataset : xr.Dataset or None
-        None where nothing was finished. Carries the attribute ``incomplete`` where something is missing.
-    done, total : int
-        Points, or T.
+    total : int
+        Points, T or whatever is counted, as far as is known.
+    parts : callable
+        ``parts(work)``, a generator that does the work and gives how much is done after each part.
+    gather : callable
+        ``gather(work)``: the Dataset of what is finished, with the attribute ``incomplete`` where something is missing; None
+        where nothing is finished.
     """
 
-    dataset: xr.Dataset | None
-    done: int
-    total: int
+    def __init__(
+        self, total: int, parts: "Callable[[Work], Iterator[int]]", gather: "Callable[[Work], xr.Dataset | None]"
+    ) -> None:
+        self.done, self.total = 0, total
+        self._parts, self._gather = parts(self), gather
+        self._made: list[xr.Dataset | None] = []
+
+    def __iter__(self) -> Iterator[int]:
+        """Do the next parts."""
+        self._made.clear()
+        for done in self._parts:
+            self.done = done
+            yield done
+            self._made.clear()
+
+    def run(self, on_batch: OnBatch | None = None) -> Self:
+        """Do all of it, or what is finished when Ctrl-C comes; ``on_batch(done, total)`` after each part."""
+        with suppress(KeyboardInterrupt):
+            for done in self:
+                if on_batch:
+                    on_batch(done, self.total)
+        return self
+
+    def whole(self) -> xr.Dataset:
+        """Do all of it; Ctrl-C ends it without a result."""
+        for _ in self:
+            pass
+        assert self.dataset is not None
+        return self.dataset
 
     @property
     def complete(self) -> bool:
         """Whether all was done."""
         return self.done == self.total
+
+    @property
+    def dataset(self) -> xr.Dataset | None:
+        """What is finished."""
+        if not self._made:
+            self._made.append(self._gather(self))
+        return self._made[0]
 
 
 def batches(count: int, *, first: int, most: int, seconds: float = SECONDS) -> Iterator[slice]:

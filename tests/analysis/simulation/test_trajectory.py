@@ -55,5 +55,5 @@ def test_a_series_says_where_the_accuracy_is_not_met():
 
     fast = whirlmap.load("duffing", alpha=1e9)
     assert "stiff" in whirlmap.simulate(fast, periods=1).attrs["accuracy_not_met"]
-    assert "stiff" in simulation_in_stretches(fast, periods=2).dataset.attrs["accuracy_not_met"]
+    assert "stiff" in simulation_in_stretches(fast, periods=2).run().dataset.attrs["accuracy_not_met"]
     assert "accuracy_not_met" not in whirlmap.simulate(whirlmap.load("duffing"), periods=1).attrs

@@ -7,8 +7,8 @@ from dead_zone import DeadZone
 from scipy.integrate import solve_ivp
 
 import whirlmap
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.errors import RangeError
+from whirlmap.options.computed import Labelling
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.attractors.attractor_search import Search
 from whirlmap.sweep.attractors.attractors import attractors
@@ -144,11 +144,11 @@ def test_one_strange_attractor_and_one_torus_are_one_each():
 )
 def test_traces_made_together_gather_as_one_after_the_other(case, options):
     system = whirlmap.load(case, **options)
-    labelling = Labelling(whirlmap.Settling(transient=30, most=8), 256, steps=48)
+    labelling = Labelling(whirlmap.Settling(transient=30, most=8), 256, whirlmap.Integration(steps=48))
     starts = draw_starts(system, 40, {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}, 5)
     found = []
     for together in (1, 16):
-        search = Search(system, labelling, starts, None)
+        search = Search(system, labelling, whirlmap.Execution(), starts)
         search.together = together
         found.append((search.run(), search.known.traces))
     (one, traces), (many, traced) = found

@@ -7,12 +7,13 @@ from sympy import Rational
 import whirlmap
 from whirlmap.equations import Model, Parameter, State, cos, t
 from whirlmap.integrate.system import System
+from whirlmap.options.computed import Integration, Labelling
+from whirlmap.options.execution import Execution
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.attractors.attractor_search import Search
 from whirlmap.sweep.attractors.attractors import attractors
 from whirlmap.sweep.attractors.repeat_time import repeat_of_forcing
 from whirlmap.sweep.attractors.start_states import draw_starts
-from whirlmap.sweep.points.label_points import Labelling
 
 BOX = {"x": (-2.0, 2.0), "v": (-2.0, 2.0)}
 SHORT = whirlmap.Settling(transient=60, most=8)
@@ -58,7 +59,7 @@ def test_sets_that_a_search_took_for_several_are_joined(gamma, many):
     """Every tenth start of each attractor is given to another one, with a trace of its own."""
     system = whirlmap.load("duffing", gamma=gamma)
     starts = draw_starts(system, 80, BOX, 0)
-    search = Search(system, Labelling(SHORT, 512, steps=24), starts, None)
+    search = Search(system, Labelling(SHORT, 512, Integration(steps=24)), Execution(), starts)
     found = search.run()
     assert len(found.representative) == many
     for number in range(many):
@@ -143,7 +144,8 @@ def test_every_start_of_the_dead_zone_has_the_orbit_that_a_plain_run_comes_to():
     system = whirlmap.load("gear_backlash", Omega=1.0, zeta=0.05, F_ah=0.2)
     starts = draw_starts(system, 96, {"x": (-3, 3), "v": (-2, 2)}, 0)
     ds = attractors(system, starts=starts)
-    plain = Search(system, Labelling(whirlmap.Settling(), 0, steps=int(ds["steps"][0])), starts, None).ensemble(starts)
+    alike = Labelling(lyapunov=0, integration=Integration(steps=int(ds["steps"][0])))
+    plain = Search(system, alike, Execution(), starts).ensemble(starts)
     plain.advance(2000)
     end = plain.x.copy()
     later = plain.advance(8, save_periods=1).saved

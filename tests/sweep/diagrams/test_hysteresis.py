@@ -50,7 +50,7 @@ def test_branches_differ_between_the_folds(loop):
 
 
 def test_batches_and_fewer_states_say_the_same(spring, loop):
-    work = diagram_in_batches(spring, "omega", OMEGA, follow="both", settling=SETTLING, batch=7, states=["v"])
+    work = diagram_in_batches(spring, "omega", OMEGA, follow="both", settling=SETTLING, batch=7, states=["v"]).run()
     assert work.dataset["state"].values.tolist() == ["v"]
     xr.testing.assert_identical(work.dataset["hysteresis"], loop["hysteresis"])
 

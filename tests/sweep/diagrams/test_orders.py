@@ -113,10 +113,10 @@ def test_a_point_has_the_same_bits_in_other_company():
 def test_a_diagram_in_batches_and_both_ways_is_the_diagram_at_once():
     system, values = load(TWO, a=1.0, b=0.5), np.array([0.4, 0.45, 0.5, 0.6])
     whole = bifurcation_diagram(system, "b", values, settling=SETTLING)
-    parts = diagram_in_batches(system, "b", values, settling=SETTLING, batch=2).dataset
+    parts = diagram_in_batches(system, "b", values, settling=SETTLING, batch=2).run().dataset
     assert parts is not None
     xr.testing.assert_identical(whole["section"], parts["section"])
-    both = diagram_in_batches(system, "b", values, follow="both", settling=SETTLING, batch=2).dataset
+    both = diagram_in_batches(system, "b", values, follow="both", settling=SETTLING, batch=2).run().dataset
     assert both is not None
     assert (both["hysteresis"] == 0).all()
     assert both["period_T"].sel(direction="down").values.tolist() == [5, 20, 2, 5]

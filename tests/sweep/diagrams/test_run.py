@@ -28,7 +28,7 @@ def same(a, b):
 @pytest.mark.parametrize("batch", [3, 4, 100])
 def test_batches_change_nothing(follow, batch):
     duffing = load("duffing")
-    work = diagram_in_batches(duffing, "gamma", GAMMA, follow=follow, settling=SETTLING, batch=batch)
+    work = diagram_in_batches(duffing, "gamma", GAMMA, follow=follow, settling=SETTLING, batch=batch).run()
     assert work.complete
     same(work.dataset, bifurcation_diagram(duffing, "gamma", GAMMA, follow=follow, settling=SETTLING))
 
@@ -37,7 +37,7 @@ def test_batches_change_nothing(follow, batch):
 def test_batches_of_an_unforced_system_differ_in_length_and_change_nothing(follow):
     lorenz = load("lorenz")
     rho = np.linspace(24.0, 28.0, 7)
-    work = diagram_in_batches(lorenz, "rho", rho, follow=follow, settling=SETTLING, batch=3)
+    work = diagram_in_batches(lorenz, "rho", rho, follow=follow, settling=SETTLING, batch=3).run()
     same(work.dataset, bifurcation_diagram(lorenz, "rho", rho, follow=follow, settling=SETTLING))
 
 
@@ -59,7 +59,7 @@ def test_an_interrupt_keeps_the_batches_that_were_done(monkeypatch, follow, kept
     duffing = load("duffing")
     whole = bifurcation_diagram(duffing, "gamma", GAMMA, follow=follow, settling=SETTLING)
     interrupted_after(monkeypatch, "bifurcation_diagram", 2)
-    work = diagram_in_batches(duffing, "gamma", GAMMA, follow=follow, settling=SETTLING, batch=3)
+    work = diagram_in_batches(duffing, "gamma", GAMMA, follow=follow, settling=SETTLING, batch=3).run()
     assert (work.done, work.total, work.complete) == (6, 11, False)
     assert work.dataset.attrs["incomplete"] == "interrupted after 6 of 11 points"
     xr.testing.assert_identical(work.dataset.drop_attrs(), whole.isel(gamma=kept).drop_attrs())
@@ -68,7 +68,7 @@ def test_an_interrupt_keeps_the_batches_that_were_done(monkeypatch, follow, kept
 def test_an_interrupt_on_the_way_down_keeps_the_way_up(monkeypatch):
     duffing = load("duffing")
     interrupted_after(monkeypatch, "bifurcation_diagram", 5)
-    work = diagram_in_batches(duffing, "gamma", GAMMA, follow="both", settling=SETTLING, batch=3)
+    work = diagram_in_batches(duffing, "gamma", GAMMA, follow="both", settling=SETTLING, batch=3).run()
     ds = work.dataset
     assert (work.done, work.total) == (14, 22) and ds.sizes["gamma"] == 11
     assert (ds["status"].sel(direction="up") == 0).all()
@@ -82,14 +82,13 @@ def test_a_diagram_of_some_hundred_points_is_more_than_one_batch():
     done = []
     diagram_in_batches(
         load("duffing", gamma=0.2), "omega", np.linspace(1.3, 1.4, 300), settling=SETTLING, steps=16, workers=1,
-        on_batch=lambda now, total: done.append((now, total)),
-    )  # fmt: skip
+    ).run(lambda now, total: done.append((now, total)))  # fmt: skip
     assert len(done) > 1 and done[-1] == (300, 300)
 
 
 def test_an_interrupt_before_the_first_batch_leaves_nothing(monkeypatch):
     interrupted_after(monkeypatch, "bifurcation_diagram", 0)
-    assert diagram_in_batches(load("duffing"), "gamma", GAMMA, settling=SETTLING).dataset is None
+    assert diagram_in_batches(load("duffing"), "gamma", GAMMA, settling=SETTLING).run().dataset is None
 
 
 @pytest.mark.parametrize(("periods", "transient", "every"), [(37, 3, 5), (5, 0, 1), (1, 0, 100)])
@@ -97,7 +96,7 @@ def test_stretches_change_nothing(periods, transient, every):
     options = {"periods": periods, "transient": transient, "every": every}
     for name in ("duffing", "lorenz"):
         system = load(name)
-        work = simulation_in_stretches(system, **options)
+        work = simulation_in_stretches(system, **options).run()
         assert work.complete
         same(work.dataset, simulate(system, **options))
 
@@ -106,7 +105,7 @@ def test_stretches_of_a_run_that_ends_early_are_filled_with_nan():
     """A hardening spring turned soft lets x escape."""
     system = load("duffing", beta=-1.0, alpha=1.0, start={"x": 0.9})
     whole = simulate(system, periods=40)
-    work = simulation_in_stretches(system, periods=40)
+    work = simulation_in_stretches(system, periods=40).run()
     assert int(whole["status"]) == 2
     np.testing.assert_array_equal(work.dataset["x"], whole["x"])
     np.testing.assert_array_equal(work.dataset["time"], whole["time"])
@@ -126,7 +125,7 @@ def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
         advance(series)
 
     monkeypatch.setattr(run.Series, "advance", interrupted)
-    work = simulation_in_stretches(system, periods=32)
+    work = simulation_in_stretches(system, periods=32).run()
     assert work.done == 6 and work.dataset.attrs["incomplete"] == "interrupted after 6 of 32 T"
     np.testing.assert_array_equal(work.dataset["x"], whole["x"][: 6 * 100 + 1])
 
@@ -134,6 +133,6 @@ def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
 def test_what_cannot_fit_into_memory_is_refused(monkeypatch):
     monkeypatch.setattr("whirlmap.results.memory.memory", lambda: 2**30)
     with pytest.raises(RangeError, match=r"4\.\d+ GB, expected at most 0\.5 GB"):
-        simulation_in_stretches(load("duffing"), periods=1_000_000)
+        simulation_in_stretches(load("duffing"), periods=1_000_000).run()
     with pytest.raises(RangeError, match="memory"):
-        diagram_in_batches(load("duffing"), "gamma", GAMMA, settling=Settling(keep=10_000_000))
+        diagram_in_batches(load("duffing"), "gamma", GAMMA, settling=Settling(keep=10_000_000)).run()

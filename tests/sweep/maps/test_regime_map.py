@@ -14,14 +14,16 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.analysis.steady.settling import Settling
+from whirlmap.analysis.labels.labelling import measure
 from whirlmap.errors import OutputError, RangeError
+from whirlmap.options.computed import Labelling, Settling
+from whirlmap.options.execution import Execution
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
 from whirlmap.sweep.maps import executors
 from whirlmap.sweep.maps.regime_map import regime_map
-from whirlmap.sweep.points.label_points import Labelling, label_points
+from whirlmap.sweep.points.label_points import label_points
 from whirlmap.sweep.store import zarr_store as store
 from whirlmap.sweep.store.store_status import store_standing
 from whirlmap.sweep.store.zarr_store import Evaluation, Store, differences
@@ -364,8 +366,8 @@ def test_systems_go_to_other_machines_whole():
     quantities = [(*s.model.states, *s.model.parameters) for s in (system, again)]
     for a, b in zip(*quantities, strict=True):
         assert a.__getnewargs_ex__() == b.__getnewargs_ex__()
-    labelling, at = Labelling(Settling(transient=10, most=2, keep=4), 0, workers=1), {"s": np.array([0.7])}
-    one, two = (labelling.measure(s, at)[0].returns.extremes["rms"] for s in (system, again))
+    labelling, at = Labelling(Settling(transient=10, most=2, keep=4), 0), {"s": np.array([0.7])}
+    one, two = (measure(s, at, labelling, Execution(workers=1))[0].returns.extremes["rms"] for s in (system, again))
     np.testing.assert_array_equal(one, two)
 
 

@@ -10,7 +10,7 @@
 import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,19 +22,19 @@ from whirlmap.analysis.diagnosis.swarm_measures import (
     section_and_dimension,
     section_votes,
 )
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure_ensemble
 from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.motion.record_length import turns_per_T
 from whirlmap.analysis.steady.returns import Returns, first_drift
-from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.variational.exponents_with_section import TangentRun, exponents_to_error
-from whirlmap.analysis.variational.lyapunov import BLOCKS
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System, common_multiple_attribute
-from whirlmap.progress import ProgressOption, shows_progress
+from whirlmap.options.computed import BLOCKS, LABELLING, Integration, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.findings import Findings, gives_dataset
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, plain_attributes, regime_variable, status_variable, variable
@@ -51,27 +51,22 @@ SECTION = 2048
 
 
 @gives_dataset
-@shows_progress("diagnose")
+@takes_options("diagnose")
 def diagnose(
     system: System,
     *,
-    settling: Settling | None = None,
     exponent_count: int | None = None,
     max_periods: int = 16384,
     points: int = 5000,
     record: int = 512,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> Findings:
     """Measure one operating point.
 
     Parameters
     ----------
-    settling : Settling, optional
-        Transient, windows and tolerance.
     exponent_count : int, optional
         Number of exponents, largest first; where absent 4, or as many as there are states.
     max_periods : int
@@ -80,8 +75,10 @@ def diagnose(
         Section points of the correlation dimension, over the whole swarm.
     record : int
         Least T of the recorded time series, rounded up to whole common periods.
-    steps, accuracy, method, workers
-        As in `make_ensemble`.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -90,7 +87,6 @@ def diagnose(
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
     """
-    settling = settling or Settling()
     n = system.model.dimension
     count = min(4, n) if exponent_count is None else exponent_count
     if not 1 <= count <= n:
@@ -100,10 +96,11 @@ def diagnose(
             raise RangeError(f"{name} must be at least {least}, not {given}")
     swarm = {system.parameters[0]: np.full(RUNS, system.vector[0])}
     ensemble, found = make_ensemble(
-        system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True,
+        system, swarm, swarm=True, integration=labelling.integration, execution=execution
     )  # fmt: skip
     cyclic = cyclic_states(system)
-    measured = Labelling(settling, workers=workers).measure_ensemble(system, swarm, ensemble, found, progress)
+    progress = execution.progress
+    measured = measure_ensemble(system, swarm, labelling, ensemble, found, progress)
     returns, label = measured.returns, Regime(int(measured.returns.regime[0]))
     same = (returns.regime == returns.regime[0]) & (returns.period == returns.period[0])
     alive = np.flatnonzero(same & ensemble.running)
@@ -157,7 +154,7 @@ def diagnose(
     facts = {
         "indicators": json.dumps(votes),
         **common_multiple_attribute(ensemble.orders),
-        "period_T_time": float(ensemble.period[0]), "transient": settling.transient,
+        "period_T_time": float(ensemble.period[0]), "transient": labelling.settling.transient,
         "clocks": json.dumps(turns_per_T(system)), "end_reason": end_named(system.model, int(ensemble.end_stop[0])),
     }  # fmt: skip
     return Findings(data, coords, plain_attributes(run_attributes(system, ensemble, **facts)))
@@ -183,8 +180,9 @@ class _Look:
         def measured(count: int) -> tuple[TangentRun, bool]:
             repeat = {self.system.parameters[0]: np.full(alive.size, self.system.vector[0])}
             tangent, _ = make_ensemble(
-                self.system, repeat, starts=ensemble.x[:, alive], steps=tangent_steps(ensemble)[alive],
-                method=ensemble.method.name, tangents=count, workers=ensemble.workers, turn=ensemble.period[alive],
+                self.system, repeat, starts=ensemble.x[:, alive], tangents=count, turn=ensemble.period[alive],
+                integration=Integration(ensemble.method.name, tangent_steps(ensemble)[alive]),
+                execution=Execution(ensemble.workers),
             )  # fmt: skip
             tangent.turns[:] = ensemble.turns[alive]
             least = BLOCKS if multiple else SECTION

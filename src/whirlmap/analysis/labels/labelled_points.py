@@ -31,6 +31,8 @@ from whirlmap.analysis.trends.trend_labels import Trends, label_trends
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System
+from whirlmap.options.computed import Integration
+from whirlmap.options.execution import Execution
 from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 
@@ -145,8 +147,8 @@ class LabelledPoints:
         e, found = self.ensemble, self.found
         tangent, _ = make_ensemble(
             self.system, {name: np.asarray(v, dtype=float)[points] for name, v in self.values.items()},
-            starts=e.x[:, points], steps=e.point_steps[points], method=e.method.name, tangents=1, workers=e.workers,
-            turn=e.period[points], ranges=self._ranges(points),
+            starts=e.x[:, points], integration=Integration(e.method.name, e.point_steps[points]), tangents=1,
+            turn=e.period[points], ranges=self._ranges(points), execution=Execution(e.workers),
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
         judged = judge_open_points(

@@ -3,7 +3,7 @@
 import json
 from collections.abc import Mapping
 from fractions import Fraction
-from typing import Any, cast
+from typing import Any, Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -23,6 +23,9 @@ from whirlmap.kernels.lowering.formulas import HoistedFunction
 from whirlmap.kernels.methods import method as method_named
 from whirlmap.kernels.running.machine import processor
 from whirlmap.kernels.running.root_choice import chosen
+from whirlmap.options.computed import INTEGRATION, Integration
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import IntegrationParts, takes_options
 from whirlmap.results.provenance import provenance
 
 Array = NDArray[np.float64]
@@ -83,19 +86,19 @@ def _follow_defaults(system: System, columns: Mapping[str, Array], values: Array
             values[system.parameters.index(parameter.name)] = function.evaluate(values)[0]
 
 
+@takes_options()
 def make_ensemble(
     system: System,
     vary: Mapping[str, ArrayLike] | None = None,
     *,
     starts: Array | None = None,
-    steps: int | NDArray[np.int64] | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
     tangents: int = 0,
-    workers: int | None = None,
     swarm: bool = False,
     turn: Array | None = None,
     ranges: Array | None = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[IntegrationParts],
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     """Build the ensemble of a system at one or many operating points.
 
@@ -105,14 +108,6 @@ def make_ensemble(
         Parameters that differ between points.
     starts : array, shape (state, point), optional
         Start states; where absent the model's default starts, with the system's own start values on top.
-    steps : int or array of int, optional
-        Steps per T. Where absent, each point gets those that the accuracy asks for
-        (`whirlmap.integrate.accuracy.choose_steps`, `whirlmap.integrate.turns.choose_unforced_steps`).
-    accuracy : float, optional
-        Error over one common period, of an unforced model over one typical time; `ACCURACY` or `UNFORCED_ACCURACY` where
-        absent.
-    method : str, optional
-        ``dop853`` where absent.
     swarm : bool
         Move every start by `SWARM` of the sizes of its states (`first_sizes`) in its own fixed random direction (the first
         point stays).
@@ -121,6 +116,11 @@ def make_ensemble(
         T of the points of an unforced model, where it is known; the typical time where absent.
     ranges : array, shape (state, point), optional
         Of the states over the motion, in which lengths of tangent vectors are measured; where absent `first_sizes`.
+    integration : Integration, optional
+        Method, and steps or accuracy (`ACCURACY` or `UNFORCED_ACCURACY` where absent), by which each point's are chosen
+        (`whirlmap.integrate.accuracy.choose_steps`, `whirlmap.integrate.turns.choose_unforced_steps`).
+    execution : Execution, optional
+        How it is run.
 
     Returns
     -------
@@ -128,9 +128,7 @@ def make_ensemble(
     found : array of bool, shape (point,)
         Whether each default start was had (see `start_states`).
     """
-    forced = system.model.forced
-    if steps is not None and accuracy is not None:
-        raise RangeError("give steps per T or an accuracy, not both")
+    forced, steps, accuracy = system.model.forced, integration.steps, integration.accuracy
     if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
         raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
     values = parameter_values(system, vary or {})
@@ -146,10 +144,11 @@ def make_ensemble(
         kicks[:, 0] = 0
         size = first_sizes(system.model, values, x)
         x = x + SWARM * size * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
-    chosen = method_named(method or "dop853")
+    chosen = method_named(integration.method or "dop853")
     usual = ACCURACY if forced else UNFORCED_ACCURACY
     wanted = (usual if accuracy is None else accuracy) if steps is None else None
-    options: dict[str, Any] = {"orders": orders, "method": chosen, "workers": workers, "accuracy": wanted, "turn": turn}
+    options: dict[str, Any] = {"orders": orders, "method": chosen, "accuracy": wanted, "turn": turn}
+    options["workers"] = execution.workers
     sizes = None
     if tangents:
         period = periods(system.model, values)

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from math import gcd
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,10 @@ from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System, common_multiple_attribute
 from whirlmap.kernels.running.reference import reference_outputs
 from whirlmap.kernels.writing.routine import LANES
-from whirlmap.progress import ProgressOption, shows_progress, tell
+from whirlmap.options.computed import INTEGRATION, Integration
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import IntegrationParts, takes_options
+from whirlmap.progress import tell
 from whirlmap.results.schema import names_coordinate, status_variable, variable, with_attributes
 
 if TYPE_CHECKING:
@@ -37,16 +40,15 @@ def outputs_of(model: Model, values: Array, x: Array) -> Array:
 SAMPLES = 100
 
 
-def series_steps(
-    system: System, *, steps: int | None = None, accuracy: float | None = None, method: str | None = None
-) -> tuple[int, dict[str, str]]:
+def series_steps(system: System, integration: Integration) -> tuple[int, dict[str, str]]:
     """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture.
 
     With them the attribute that says where the accuracy is not met.
     """
-    chosen = make_ensemble(system, steps=steps, accuracy=accuracy, method=method)[0]
+    chosen = make_ensemble(system, integration=integration)[0]
     doubts = doubtful(chosen.step_verdict, system.model)
-    return chosen.steps if steps is not None else max(SAMPLES, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
+    least = SAMPLES if integration.steps is None else 1
+    return max(least, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
 
 
 #: Numbers of saved states that one call of the ensemble holds for its lanes.
@@ -58,7 +60,7 @@ class Series:
 
     Parameters
     ----------
-    periods, transient, every, steps, accuracy, method, workers, progress
+    periods, transient, every, integration, execution
         As in `simulate`.
 
     Attributes
@@ -70,23 +72,23 @@ class Series:
     """
 
     def __init__(
-        self, system: System, *, periods: int | None = None, transient: int = 0, every: int = 1, steps: int | None = None,
-        accuracy: float | None = None, method: str | None = None, workers: int | None = None,
-        progress: Callable[[int], None] | None = None,
+        self, system: System, *, periods: int | None = None, transient: int = 0, every: int = 1,
+        integration: Integration = INTEGRATION, execution: Execution = EXECUTION,
     ) -> None:  # fmt: skip
         _refuse_counts(transient=(transient, 0), every=(every, 1), **({} if periods is None else {"periods": (periods, 1)}))
-        self.steps, self.doubts = series_steps(system, steps=steps, accuracy=accuracy, method=method)
+        self.steps, self.doubts = series_steps(system, integration)
         self.least = every // gcd(self.steps, every)  # T after which a sample falls on a whole one
         if periods is None:
             length = shown_periods(system, max(self.steps // every, 1))
             periods = -(-length // self.least) * self.least
         if (periods * self.steps) % every:
             raise RangeError(f"every = {every} does not divide the {periods * self.steps} recorded steps")
-        self.system, self.periods, self.transient, self.every, self.progress = system, periods, transient, every, progress
+        self.system, self.periods, self.transient, self.every = system, periods, transient, every
+        self.progress = execution.progress
         self.samples = periods * self.steps // every
         each = max(KEPT // (LANES * system.model.dimension * self.steps // every + 1), 1)
         self.stretch = max(min(each, periods) // self.least, 1) * self.least
-        self.ensemble, self.found = _one(system, self.steps, None, method, workers)
+        self.ensemble, self.found = _one(system, Integration(integration.method, self.steps), execution)
         self.done = self.passed = 0
         self.x = self.outputs = np.zeros((0, 0))
 
@@ -143,18 +145,16 @@ class Series:
         return with_attributes(ds, run_attributes(self.system, e, **facts))
 
 
-@shows_progress("simulate")
+@takes_options("simulate")
 def simulate(
     system: System,
     *,
     periods: int | None = None,
     transient: int = 0,
     every: int = 1,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[IntegrationParts],
 ) -> "xr.Dataset":
     """Time series of a system.
 
@@ -167,10 +167,11 @@ def simulate(
         T dropped before.
     every : int
         Steps between recorded samples.
-    steps, accuracy, method, workers
-        As in `make_ensemble`; but `SAMPLES` steps per T are taken where the accuracy asks for fewer.
-    progress : callable or True, optional
-        Called with the T done since the last call; True shows a bar.
+    integration : Integration, optional
+        Method, and steps or accuracy; or its parts as keywords, ``method``, ``steps``, ``accuracy``. `SAMPLES` steps
+        per T are taken where the accuracy asks for fewer.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -179,16 +180,15 @@ def simulate(
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
     """
     series = Series(
-        system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
-        workers=workers, progress=progress,
-    )  # fmt: skip
-    tell(progress, "expect", series.transient + series.periods)
+        system, periods=periods, transient=transient, every=every, integration=integration, execution=execution
+    )
+    tell(execution.progress, "expect", series.transient + series.periods)
     while series.done < series.periods:
         series.advance()
     return series.dataset()
 
 
-@shows_progress("section")
+@takes_options("section")
 def section(
     system: System,
     *,
@@ -196,11 +196,9 @@ def section(
     transient: int | None = None,
     once_per: str = "T",
     starts: int = 1,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[IntegrationParts],
 ) -> "xr.Dataset":
     """Poincaré section of a system.
 
@@ -214,6 +212,10 @@ def section(
         For a forced model: once per T, as the figures do, or once per common period, as dimensions need where it is short.
     starts : int
         Runs from starts that differ by 1e-6; in chaos they decorrelate, and the points of all are one sample.
+    integration : Integration, optional
+        Method, and steps or accuracy; or its parts as keywords, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -231,7 +233,8 @@ def section(
         raise RangeError(f"once_per is 'T' or 'common', not {once_per!r}")
     transient = settled_periods(system) if transient is None else transient
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))
-    ensemble, _ = _one(system, steps, accuracy, method, workers, starts)
+    ensemble, _ = _one(system, integration, execution, starts)
+    progress = execution.progress
     ensemble.advance(transient, progress=progress)
     if transient and check_steps(ensemble, progress):
         ensemble.advance(transient, progress=progress)
@@ -262,12 +265,10 @@ def section(
 
 
 def _one(
-    system: System, steps: int | None, accuracy: float | None, method: str | None, workers: int | None, starts: int = 1
+    system: System, integration: Integration, execution: Execution, starts: int = 1
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
-    return make_ensemble(
-        system, repeat, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=starts > 1
-    )  # fmt: skip
+    return make_ensemble(system, repeat, swarm=starts > 1, integration=integration, execution=execution)
 
 
 def _crossings(

@@ -29,11 +29,11 @@ from whirlmap.analysis.steady.return_search import search_windows
 from whirlmap.analysis.steady.slow_approach import LONGEST_RETURN
 from whirlmap.analysis.trends.film_thinning import narrowest_gap, thinning_power, turning
 from whirlmap.analysis.trends.trend import trend
-from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales
 from whirlmap.kernels.running.loops import compiled
 from whirlmap.kernels.writing.routine import LANES
+from whirlmap.options.computed import Settling as Settling
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -49,49 +49,6 @@ PAST = 1e-3
 SWINGS = 10.0
 #: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
 POOL = 128
-
-
-@dataclass(frozen=True)
-class Settling:
-    """How long to wait and how sure to be.
-
-    Attributes
-    ----------
-    transient : int
-        Common periods that a point which does not return runs before its longest window begins. Points that return
-        earlier stop there.
-    first_window : int
-        Common periods of the first window; a return is sought up to half of it.
-    most : int
-        Largest return that is sought, in common periods.
-    keep : int
-        Least number of T that are recorded once settled (`record_length.record_periods`).
-    tolerance : float
-        Largest difference that counts as a return, relative to the range of each state.
-    accelerate : bool
-        Whether slow approaches may be cut short.
-    """
-
-    transient: int = 100
-    first_window: int = 8
-    most: int = 64
-    keep: int = 64
-    tolerance: float = 1e-6
-    accelerate: bool = True
-
-    def __post_init__(self) -> None:
-        """Refuse counts that make no sense, naming the one."""
-        for name, least in (("transient", 0), ("first_window", 2), ("most", 1), ("keep", 1)):
-            value = getattr(self, name)
-            if not least <= value <= 10_000_000:
-                raise RangeError(f"{name} must lie between {least} and 10000000, not {value}")
-        if not 0 < self.tolerance < 1:
-            raise RangeError(f"tolerance must lie between 0 and 1, not {self.tolerance}")
-
-    @property
-    def longest(self) -> int:
-        """Common periods after which a point is given up."""
-        return self.transient + max(2 * self.most, self.first_window)
 
 
 @dataclass(frozen=True)

@@ -1,7 +1,7 @@
 """Lyapunov exponents from the tangent dynamics, with an honest error."""
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,9 @@ from whirlmap.analysis.variational.tangent_accuracy import FINE, tuned
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.progress import ProgressOption, shows_progress
+from whirlmap.options.computed import BLOCKS, INTEGRATION, Integration
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import IntegrationParts, takes_options
 from whirlmap.results.schema import status_variable, variable, with_attributes
 from whirlmap.results.status import Status
 
@@ -20,9 +22,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Array = NDArray[np.float64]
-
-#: Blocks of a run whose means give the error.
-BLOCKS = 16
 
 
 def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None) -> Array:
@@ -96,7 +95,7 @@ def in_phase(rates: Array, cycle: int = 1) -> Array:
     return _swing(np.ascontiguousarray(_over_cycles(rates, cycle).mean(axis=2).T))
 
 
-@shows_progress("exponents")
+@takes_options("exponents")
 def lyapunov_spectrum(
     system: System,
     *,
@@ -104,11 +103,9 @@ def lyapunov_spectrum(
     transient: int = 200,
     periods: int = 400,
     starts: int = 8,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[IntegrationParts],
 ) -> "xr.Dataset":
     """Largest Lyapunov exponents of a system, one run from each of several start states.
 
@@ -123,6 +120,10 @@ def lyapunov_spectrum(
         Runs from starts that differ by 1e-6, which decorrelate in chaos; the error is the largest of the scatter
         between runs and the mean error within them, both for the mean over runs, of a quarter of the difference between the
         halves of the record, of what the steps leave (`tangent_accuracy`) and of what the sum misses of the divergence.
+    integration : Integration, optional
+        Method, and steps or accuracy; or its parts as keywords, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -151,8 +152,9 @@ def lyapunov_spectrum(
         raise RangeError(f"starts must be at least 1, not {starts}")
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
     ensemble, _ = make_ensemble(
-        system, repeat, steps=steps, accuracy=accuracy, method=method, tangents=count, workers=workers, swarm=True
+        system, repeat, tangents=count, swarm=True, integration=integration, execution=execution
     )
+    progress = execution.progress
     ensemble = tuned(ensemble).ensemble  # vectors that vanish on the way would not come back
     align = max(transient // 10, 5)
     ensemble.advance(max(transient - align, 0) * ensemble.strobe, progress=progress)

@@ -1,5 +1,6 @@
 """``whirlmap attractors``: what motions coexist at one operating point, and how many starts lead to each."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -9,6 +10,8 @@ from whirlmap.cli.common import options, report
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.ranges import in_states, read_brackets
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,6 +30,7 @@ EXAMPLES = (
 )
 
 
+@options.computing(*options.LABELS, lyapunov=options.MeasuredLyapunov)
 def attractors(
     case: options.CaseName,
     starts: Annotated[
@@ -45,14 +49,8 @@ def attractors(
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Of the drawing.")] = 0,
     changes: options.Changes = None,
     start: options.Start = None,
-    transient: options.Transient = 100,
-    most: options.Most = 64,
-    tolerance: options.Tolerance = 1e-6,
-    lyapunov: options.MeasuredLyapunov = None,
-    steps: options.Steps = None,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     size: options.Size = None,
@@ -72,19 +70,18 @@ def attractors(
     system = options.open_system(case, changes, start)
     ranges = [in_states(system, *read, option="--box") for read in brackets.values()]
     boxes = {one.name: (one.start, one.stop) for one in ranges}
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.results.memory import refuse_points
     from whirlmap.sweep.attractors.attractors import attractors_in_parts as find
     from whirlmap.sweep.diagrams.in_batches import expected_periods
 
-    settling = Settling(transient=transient, most=most, tolerance=tolerance)
     refuse_points([starts])
-    with Progress("attractors", expected_periods(system, starts, settling), quiet=quiet, points=starts) as progress:
+    expected = expected_periods(system, starts, labelling.settling)
+    with Progress("attractors", expected, quiet=quiet, points=starts) as progress:
         work = find(
-            system, starts=starts, box=boxes or None, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps,
-            accuracy=accuracy, method=method, workers=workers, progress=progress,
-        )  # fmt: skip
+            system, starts=starts, box=boxes or None, seed=seed, labelling=labelling,
+            execution=replace(execution, progress=progress),
+        ).run()  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)

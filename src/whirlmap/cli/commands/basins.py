@@ -1,5 +1,6 @@
 """``whirlmap basins``: which attractor each start state of a slice leads to."""
 
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -11,6 +12,8 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.ranges import in_states, read_range
 from whirlmap.errors import RangeError
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 EXAMPLES = (
     "whirlmap basins duffing --set gamma=0.2 --grid x=-2:2:200 --grid v=-2:2:200 --out basins.png",
@@ -18,6 +21,7 @@ EXAMPLES = (
 )
 
 
+@options.computing(*options.LABELS, lyapunov=options.MeasuredLyapunov)
 def basins(
     case: options.CaseName,
     grid: Annotated[
@@ -30,14 +34,8 @@ def basins(
     ],
     changes: options.Changes = None,
     start: options.Start = None,
-    transient: options.Transient = 100,
-    most: options.Most = 64,
-    tolerance: options.Tolerance = 1e-6,
-    lyapunov: options.MeasuredLyapunov = None,
-    steps: options.Steps = None,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     size: options.Size = None,
@@ -61,18 +59,14 @@ def basins(
     destination = claim(out, "basins", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     ranges = [in_states(system, *one, option="--grid") for one in read]
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.attractors.basins import basins_in_parts as find
     from whirlmap.sweep.diagrams.in_batches import expected_periods
 
-    settling = Settling(transient=transient, most=most, tolerance=tolerance)
     points = ranges[0].count * ranges[1].count
-    with Progress("basins", expected_periods(system, points, settling), quiet=quiet, points=points) as progress:
-        work = find(
-            system, {r.name: r.values for r in ranges}, settling=settling, lyapunov=lyapunov, steps=steps,
-            accuracy=accuracy, method=method, workers=workers, progress=progress,
-        )  # fmt: skip
+    with Progress("basins", expected_periods(system, points, labelling.settling), quiet=quiet, points=points) as progress:
+        axes = {r.name: r.values for r in ranges}
+        work = find(system, axes, labelling=labelling, execution=replace(execution, progress=progress)).run()
     if work.dataset is None:
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)

@@ -1,6 +1,7 @@
 """``whirlmap bifurcation``: the section of a system against one parameter."""
 
 from collections import Counter
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -12,6 +13,8 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_twice
 from whirlmap.errors import RangeError, nearest
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -33,6 +36,7 @@ EXAMPLES = (
 )
 
 
+@options.computing("keep", *options.LABELS)
 def bifurcation(
     case: options.CaseName,
     vary: Annotated[
@@ -53,21 +57,8 @@ def bifurcation(
     ] = None,
     changes: options.Changes = None,
     start: options.Start = None,
-    transient: options.Transient = 100,
-    keep: Annotated[
-        int,
-        typer.Option(
-            "--keep", metavar="N", rich_help_panel=options.COMPUTING,
-            help="Section points kept of each point, once per T; at least two common periods are.",
-        ),
-    ] = 64,
-    most: options.Most = 64,
-    tolerance: options.Tolerance = 1e-6,
-    lyapunov: options.Lyapunov = None,
-    steps: options.Steps = None,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     plot: Annotated[
         str | None,
         typer.Option(
@@ -99,24 +90,19 @@ def bifurcation(
     system = options.open_system(case, changes, start)
     swept = in_parameters(system, swept, unit)
     states = _states(system, plot)
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in
     from whirlmap.results.memory import refuse_memory
     from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
 
-    settling = Settling(transient=transient, keep=keep, most=most, tolerance=tolerance)
     total = swept.count * (2 if follow == "both" else 1)
-    refuse_memory("the diagram", 2 * total * keep * len(states))  # at least, and before anything of its size is made
-    expected = expected_periods(system, total, settling, {swept.name: swept.values})
+    refuse_memory("the diagram", 2 * total * labelling.settling.keep * len(states))  # at least, and before it is made
+    expected = expected_periods(system, total, labelling.settling, {swept.name: swept.values})
     with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
         work = diagram_in_batches(
             system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
-            settling=settling, lyapunov=lyapunov, states=states, steps=steps, accuracy=accuracy, method=method,
-            workers=workers, progress=progress, on_batch=lambda done, points: progress.expect(
-                progress.done * points / done, f"{done} of {points} points"
-            ),
-        )  # fmt: skip
+            states=states, labelling=labelling, execution=replace(execution, progress=progress),
+        ).run(lambda done, points: progress.expect(progress.done * points / done, f"{done} of {points} points"))  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
     units = Dimensions(system, own=dimensionless)

@@ -1,5 +1,6 @@
 """``whirlmap diagnose``: everything about one operating point, and what its regime is."""
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
@@ -11,6 +12,8 @@ from whirlmap.cli.common import series_options as signals
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.errors import InputError
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 if TYPE_CHECKING:
     from whirlmap.integrate.dimensions import Dimensions
@@ -27,6 +30,7 @@ EXAMPLES = (
 )
 
 
+@options.computing(*options.LABELS)
 def diagnose(
     case: Annotated[
         str | None,
@@ -38,9 +42,8 @@ def diagnose(
     ] = None,
     changes: options.Changes = None,
     start: options.Start = None,
-    transient: options.Transient = 100,
-    most: options.Most = 64,
-    tolerance: options.Tolerance = 1e-6,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     exponents: Annotated[
         int | None,
         typer.Option(
@@ -73,10 +76,6 @@ def diagnose(
     window: signals.Window = None,
     speed: signals.Speed = None,
     teeth: signals.Teeth = None,
-    steps: options.Steps = None,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     size: options.Size = None,
@@ -94,9 +93,8 @@ def diagnose(
     test and spectrum are its evidence.
     """
     if series is not None:
-        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents, "--steps": steps,
-            "--accuracy": accuracy,
-                 "--method": method}  # fmt: skip
+        given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents,
+                 **{f"--{name}": getattr(labelling.integration, name) for name in options.INTEGRATION}}  # fmt: skip
         for name, value in given.items():
             if value:
                 raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
@@ -119,16 +117,15 @@ def diagnose(
     from whirlmap.analysis.diagnosis.diagnosis import RUNS
     from whirlmap.analysis.diagnosis.diagnosis import diagnose as measure
     from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in
 
-    settling = Settling(transient=transient, most=most, tolerance=tolerance)
-    longest = RUNS * (system.strobe * (transient + 4 * most + points // RUNS) + max_periods)
+    settling = labelling.settling
+    longest = RUNS * (system.strobe * (settling.transient + 4 * settling.most + points // RUNS) + max_periods)
     with Progress("diagnose", max(longest, 1), quiet=quiet, most=True) as progress:
         found = measure.find(
-            system, settling=settling, exponent_count=exponents, max_periods=max_periods, points=points,
-            steps=steps, accuracy=accuracy, method=method, workers=workers, progress=progress,
+            system, exponent_count=exponents, max_periods=max_periods, points=points, labelling=labelling,
+            execution=replace(execution, progress=progress),
         )  # fmt: skip
     report.say_doubts(found.attrs)
     assumptions = report.say_assumptions(system)

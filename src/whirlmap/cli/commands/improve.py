@@ -1,6 +1,7 @@
 """``whirlmap improve``: which values of one or two design parameters give the widest safe window."""
 
 from collections.abc import Callable, Iterator, Sequence
+from dataclasses import replace
 from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, Annotated, Any
@@ -15,6 +16,8 @@ from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.ranges import read_range
 from whirlmap.cli.common.speed_report import sizes_of
 from whirlmap.errors import InputError, RangeError
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,6 +33,7 @@ EXAMPLES = (
 )
 
 
+@options.computing(*(name for name in options.LABELS if name != "tolerance"))
 def improve(
     case: options.CaseName,
     vary: Annotated[
@@ -58,10 +62,8 @@ def improve(
     ] = True,
     changes: options.Changes = None,
     start: options.Start = None,
-    transient: options.Transient = 100,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     size: options.Size = None,
@@ -86,7 +88,6 @@ def improve(
     _refuse_unknown(system, ranges, units)
     import numpy as np
 
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.loading import load
     from whirlmap.results.memory import refuse_points
@@ -96,17 +97,15 @@ def improve(
     refuse_points([*(r.count for r in ranges.values()), points])
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
-    at, settling = np.linspace(low, high, points), Settling(transient=transient)
+    at = np.linspace(low, high, points)
     make = partial(load, case, start=dict(system.start), **settings)
     judged = points * int(np.prod([r.count for r in ranges.values()]))
-    with Progress("improve", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
+    with Progress("improve", expected_periods(system, judged, labelling.settling), quiet=quiet, points=judged) as progress:
         work = improve_in_batches(
             make, {n: r.values for n, r in ranges.items()}, at, allowed,
-            units=units, refine=not coarse, follow=follow, quantity=quantity, settling=settling, accuracy=accuracy,
-            method=method, workers=workers, progress=progress, on_batch=lambda done, total: progress.expect(
-                progress.done * total / done, f"{done} of {total} designs"
-            ),
-        )  # fmt: skip
+            units=units, refine=not coarse, follow=follow, quantity=quantity, labelling=labelling,
+            execution=replace(execution, progress=progress),
+        ).run(lambda done, total: progress.expect(progress.done * total / done, f"{done} of {total} designs"))  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
     ds = work.dataset

@@ -4,6 +4,7 @@ import shlex
 import signal
 import sys
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Annotated, Any
@@ -18,6 +19,9 @@ from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_input, refuse_twice
 from whirlmap.cli.common.store_status import say_status
 from whirlmap.errors import InputError, RangeError, nearest
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.storage import Storage
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -39,6 +43,7 @@ EXAMPLES = (
 )
 
 
+@options.computing(*options.LABELS)
 def map(  # noqa: A001 (the command's name)
     case: Annotated[str | None, typer.Argument(metavar="CASE", help="Name or path of a case, as of every command.")] = None,
     vary: Annotated[
@@ -121,14 +126,8 @@ def map(  # noqa: A001 (the command's name)
             help="Points in one task; chosen by a pilot where absent, so that a task takes about 3 s.",
         ),
     ] = None,
-    workers: options.Workers = None,
-    transient: options.Transient = 100,
-    most: options.Most = 64,
-    tolerance: options.Tolerance = 1e-6,
-    lyapunov: options.Lyapunov = None,
-    steps: options.Steps = None,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     plot: Annotated[
         str | None,
         typer.Option(
@@ -173,13 +172,9 @@ def map(  # noqa: A001 (the command's name)
     quantity = _quantity(system, plot)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
-    from whirlmap.analysis.labels.labelling import Labelling
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.sweep.maps.run_sweep import run_sweep
 
-    settling = Settling(transient=transient, most=most, tolerance=tolerance)
-    labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers=1)
     watch = _Watch(space.points, quiet=quiet)
     before = signal.signal(signal.SIGTERM, interrupts.first)  # Slurm ends a job with it
     units = Dimensions(system, own=dimensionless)
@@ -188,8 +183,8 @@ def map(  # noqa: A001 (the command's name)
         try:
             with watch.bar:
                 ds = run_sweep(
-                    system, space, labelling, store=place, resume=resume, force=force, share=part, cluster=dask,
-                    refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=watch,
+                    system, space, labelling, replace(execution, cluster=dask), Storage(place, resume, force, part, chunk),
+                    refine=refine, sections=sections, on_chunk=watch,
                 )  # fmt: skip
         except KeyboardInterrupt:
             files = []

@@ -1,5 +1,6 @@
 """``whirlmap simulate``: the time series of one operating point."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -11,6 +12,8 @@ from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim, write_all
 from whirlmap.cli.common.progress import Progress
 from whirlmap.errors import InputError
+from whirlmap.options.computed import INTEGRATION, Integration
+from whirlmap.options.execution import EXECUTION, Execution
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,6 +31,7 @@ EXAMPLES = (
 )
 
 
+@options.computing(*options.INTEGRATION, "workers")
 def simulate(
     case: options.CaseName,
     changes: options.Changes = None,
@@ -51,10 +55,8 @@ def simulate(
             "--every", metavar="N", help="Steps between samples.", rich_help_panel=options.COMPUTING
         ),
     ] = 1,
-    steps: options.Steps = None,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
     animate: Annotated[
         Path | None,
         typer.Option(
@@ -98,9 +100,9 @@ def simulate(
 
     with Progress("simulate", None, quiet=quiet) as progress:
         work = simulation_in_stretches(
-            system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
-            workers=workers, progress=progress,
-        )  # fmt: skip
+            system, periods=periods, transient=transient, every=every, integration=integration,
+            execution=replace(execution, progress=progress),
+        ).run()  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
     units = Dimensions(system, own=dimensionless)

@@ -1,6 +1,7 @@
 """``whirlmap speeds``: where may this machine run, within a limit of vibration, and why not elsewhere."""
 
 import json as js
+from dataclasses import replace
 from typing import Annotated
 
 import typer
@@ -9,6 +10,8 @@ from whirlmap.cli.common import options, report, speed_report
 from whirlmap.cli.common.engineering_input import drawn_machines, limit_of, range_of, tolerances_of
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 SPEEDS = "Speeds"
 
@@ -44,6 +47,7 @@ Quantity = Annotated[
 ]  # fmt: skip
 
 
+@options.computing(*(name for name in options.LABELS if name != "tolerance"))
 def speeds(
     case: options.CaseName,
     limit: Limit = None,
@@ -70,10 +74,8 @@ def speeds(
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SPEEDS, help="Of the draws.")] = 0,
     changes: options.Changes = None,
     start: options.Start = None,
-    transient: options.Transient = 100,
-    accuracy: options.Accuracy = None,
-    method: options.Method = None,
-    workers: options.Workers = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
     dimensionless: options.Dimensionless = False,
     out: options.Out = None,
     size: options.Size = None,
@@ -93,7 +95,6 @@ def speeds(
     system = options.open_system(case, changes, start)
     import numpy as np
 
-    from whirlmap.analysis.steady.settling import Settling
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.results.memory import refuse_points
     from whirlmap.sweep.diagrams.in_batches import expected_periods
@@ -103,15 +104,15 @@ def speeds(
     allowed = limit_of(system, limit)
     low, high = range_of(system, span)
     refuse_points([points, draws] if tolerances else [points])
-    at, settling = np.linspace(low, high, points), Settling(transient=transient)
+    at = np.linspace(low, high, points)
     judged = points * (3 if follow else 1)
     drawn_points = judged * draws if tolerances else 0
-    with Progress("speeds", expected_periods(system, judged, settling), quiet=quiet, points=judged) as progress:
+    with Progress("speeds", expected_periods(system, judged, labelling.settling), quiet=quiet, points=judged) as progress:
         progress.later(drawn_points)
+        execution = replace(execution, progress=progress)
         work = safe_speeds_in_parts(
-            system, at, allowed, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy, method=method,
-            workers=workers, progress=progress,
-        )  # fmt: skip
+            system, at, allowed, quantity=quantity, follow=follow, labelling=labelling, execution=execution
+        ).run()  # fmt: skip
         if work.dataset is None:
             raise KeyboardInterrupt
         ds = work.dataset
@@ -122,8 +123,7 @@ def speeds(
             drawn, limits = drawn_machines(system, case, settings, tolerances, draws, seed, allowed)
             try:
                 chance = safe_probability(
-                    system, drawn, at, limits, quantity=quantity, follow=follow, settling=settling, accuracy=accuracy,
-                    method=method, workers=workers, progress=progress,
+                    system, drawn, at, limits, quantity=quantity, follow=follow, labelling=labelling, execution=execution
                 )  # fmt: skip
             except KeyboardInterrupt:
                 ds.attrs["incomplete"] = "interrupted before the probabilities over the tolerances were known"

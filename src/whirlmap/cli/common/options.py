@@ -1,12 +1,16 @@
 """Options that commands share, and how their text is read."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import wraps
+from inspect import Parameter, signature
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from whirlmap.errors import CaseError, InputError, RangeError
+from whirlmap.options.computed import Integration, Labelling, Settling
+from whirlmap.options.execution import Execution
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
@@ -143,6 +147,13 @@ MeasuredLyapunov = Annotated[
         "--lyapunov", metavar="N", help=_LYAPUNOV + "256 or more.", rich_help_panel=COMPUTING, show_default=False,
     ),
 ]  # fmt: skip
+Keep = Annotated[
+    int,
+    typer.Option(
+        "--keep", metavar="N", rich_help_panel=COMPUTING,
+        help="Section points kept of each point, once per T; at least two common periods are.",
+    ),
+]  # fmt: skip
 Most = Annotated[
     int,
     typer.Option(
@@ -161,6 +172,50 @@ Tolerance = Annotated[
         rich_help_panel=COMPUTING,
     ),
 ]
+
+
+#: Options that are parts of values: of `Settling`, of `Integration`, and the others.
+SETTLING = {"transient": Transient, "keep": Keep, "most": Most, "tolerance": Tolerance}
+INTEGRATION = {"steps": Steps, "accuracy": Accuracy, "method": Method}
+OTHERS = {"lyapunov": Lyapunov, "workers": Workers}
+#: Those of commands that label points.
+LABELS = ("transient", "most", "tolerance", "lyapunov", *INTEGRATION, "workers")
+
+
+def computing(*names: str, **different: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
+    """Give a command these options, whose defaults are those of Python.
+
+    It gets them whole: as ``labelling`` or ``integration``, in whose place they stand, and ``execution``. ``different`` are
+    declarations that replace the usual ones.
+    """
+    declared = SETTLING | INTEGRATION | OTHERS | different
+
+    def decorate(command: Callable[..., None]) -> Callable[..., None]:
+        own = signature(command)
+        whole = [name for name in own.parameters if name in ("labelling", "integration", "execution")]
+        defaults, kind = {name: getattr(Settling, name, None) for name in names}, Parameter.POSITIONAL_OR_KEYWORD
+        flat = [Parameter(name, kind, default=defaults[name], annotation=declared[name]) for name in names]
+        kept = list(own.parameters.values())
+        place = list(own.parameters).index(whole[0])
+        shown = [*kept[:place], *flat, *(p for p in kept[place:] if p.name not in whole)]
+
+        @wraps(command)
+        def called(**given: Any) -> None:
+            parts = {name: given.pop(name) for name in names}
+            integration = Integration(**{name: parts[name] for name in INTEGRATION if name in parts})
+            settling = Settling(**{name: parts[name] for name in SETTLING if name in parts})
+            values = {
+                "labelling": Labelling(settling, parts.get("lyapunov"), integration), "integration": integration,
+                "execution": Execution(parts["workers"]),
+            }  # fmt: skip
+            command(**given, **{name: values[name] for name in whole})
+
+        made: Any = called
+        made.__signature__ = own.replace(parameters=shown)
+        made.__annotations__ = {p.name: p.annotation for p in shown}
+        return called
+
+    return decorate
 
 
 #: What the text of an option looks like, where it is not that of --set.

@@ -7,14 +7,13 @@
 4. Sets are compared with each other, by their traces and where these differ by longer ones.
 """
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.labelled_points import PATIENCE
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble
 from whirlmap.analysis.periodic_orbits.arrivals import arrivals
@@ -24,6 +23,8 @@ from whirlmap.analysis.steady.settling import POOL
 from whirlmap.integrate.ensemble import Ensemble, cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
 from whirlmap.progress import tell
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -36,7 +37,6 @@ from whirlmap.sweep.points.label_points import POOLS
 
 Array = NDArray[np.float64]
 Starts = NDArray[np.intp]
-Progress = Callable[[int], None]
 
 #: Section points by which a run that does not return is known to be on an attractor, and those of the attractor itself; how
 #: many times as many of two that differ.
@@ -52,10 +52,10 @@ ENDLESS = (Regime.drifting, Regime.growing, Regime.not_settled)
 class Search:
     """Settles all starts, and gathers them into attractors."""
 
-    def __init__(self, system: System, labelling: Labelling, starts: Array, progress: Progress | None) -> None:
-        self.system, self.labelling, self.progress = system, labelling, progress
+    def __init__(self, system: System, labelling: Labelling, execution: Execution, starts: Array) -> None:
+        self.system, self.labelling, self.execution, self.progress = system, labelling, execution, execution.progress
         self.cyclic, self.starts = cyclic_states(system), starts
-        self.together = LANES * (labelling.workers or cores())  # starts traced as one batch
+        self.together = LANES * (execution.workers or cores())  # starts traced as one batch
         n = starts.shape[1]
         self.every = 1  # T after which the equations are the same, known once runs have settled
         self.records: dict[int, Array] = {}  # section points of the starts that do not return
@@ -109,7 +109,7 @@ class Search:
 
     def _settle(self) -> None:
         """Settle all starts in batches."""
-        n, block = self.x.shape[1], LANES * (self.labelling.workers or cores())
+        n, block = self.x.shape[1], LANES * (self.execution.workers or cores())
         settling = replace(self.labelling.settling, keep=1)
         for place in batches(n, first=FIRST * block, most=POOLS * POOL * block):
             batch = np.arange(place.start, place.stop)
@@ -135,10 +135,9 @@ class Search:
 
     def ensemble(self, x: Array) -> Ensemble:
         """Start states on the operating point, as integrated everywhere in this search."""
-        o = self.labelling
         ensemble, _ = make_ensemble(
-            self.system, repeated(self.system, x.shape[1]), starts=x, steps=o.steps, accuracy=o.accuracy, method=o.method,
-            workers=o.workers,
+            self.system, repeated(self.system, x.shape[1]), starts=x, integration=self.labelling.integration,
+            execution=self.execution,
         )  # fmt: skip
         return ensemble
 
@@ -185,8 +184,8 @@ class Search:
 
     def _label(self, chosen: Starts) -> None:
         """Label starts that do not return, and take all those that lie on the sets that these trace."""
-        measured, ensemble = self.labelling.measure(
-            self.system, repeated(self.system, chosen.size), starts=self.x[:, chosen], progress=self.progress
+        measured, ensemble = measure(
+            self.system, repeated(self.system, chosen.size), self.labelling, self.execution, starts=self.x[:, chosen]
         )
         label, forced = measured.returns.regime, self.system.model.forced
         self.judged[chosen] = True

@@ -1,25 +1,26 @@
 """Coexisting attractors of one operating point: many start states, one batch, gathered, each with evidence and basin."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.indicators.section_indicators import LEAST
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.labels.regime import regime
 from whirlmap.analysis.motion.ensembles import TANGENT_STEPS, cyclic_states, make_ensemble, run_attributes, tangent_steps
 from whirlmap.analysis.steady.returns import settle_and_record
-from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.variational.exponents_with_section import run_with_section
 from whirlmap.analysis.variational.lyapunov import mean_and_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import LADDER, Verdict, doubtful
 from whirlmap.integrate.system import System
-from whirlmap.progress import ProgressOption, shows_progress
+from whirlmap.options.computed import LABELLING, Integration, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
@@ -31,7 +32,6 @@ from whirlmap.sweep.interruptible import Work
 from whirlmap.sweep.points.point_variables import points_dataset
 
 Array = NDArray[np.float64]
-Progress = Callable[[int], None]
 
 #: Starts whose steps per T are chosen by the accuracy, settled; all take the most that one of them needs.
 PILOT = 64
@@ -43,20 +43,16 @@ KEPT = 512
 OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.not_settled, Regime.undecided)
 
 
-@shows_progress("attractors")
+@takes_options("attractors")
 def attractors(
     system: System,
     *,
     starts: int | ArrayLike = 256,
     box: Mapping[str, tuple[float, float]] | None = None,
     seed: int = 0,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Find the attractors of one operating point that many start states lead to.
 
@@ -69,14 +65,11 @@ def attractors(
         are drawn from `default_box`.
     seed : int
         Of the drawing.
-    settling : Settling, optional
-        Transient, windows and tolerance.
-    lyapunov : int, optional
-        T over which the exponent of motion that does not return is measured, at most, as in `label_points`; 256 or more.
-    steps, accuracy, method, workers
-        As in `make_ensemble`.
-    progress : callable or True, optional
-        Called with the number of starts x periods T done since the last call; True shows a bar.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+        ``lyapunov`` is 256 or more.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -115,43 +108,34 @@ def attractors(
     than settling and exponent's run is taken for an attractor. Orbits closer than ten tolerances of settling are one (those
     that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
     """
-    work = attractors_in_parts(
-        system, starts=starts, box=box, seed=seed, settling=settling, lyapunov=lyapunov, steps=steps, accuracy=accuracy,
-        method=method, workers=workers, progress=progress,
-    )  # fmt: skip
-    if work.dataset is None or not work.complete:
-        raise KeyboardInterrupt
-    return work.dataset
+    return attractors_in_parts(
+        system, starts=starts, box=box, seed=seed, labelling=labelling, execution=execution
+    ).whole()  # fmt: skip
 
 
+@takes_options()
 def attractors_in_parts(
     system: System,
     *,
     starts: int | ArrayLike = 256,
     box: Mapping[str, tuple[float, float]] | None = None,
     seed: int = 0,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: Progress | None = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> Work:
-    """Find attractors; `KeyboardInterrupt` ends it with the starts that have settled and the attractors found so far.
+    """Search for attractors in parts: who stops keeps the starts that have settled and the attractors found so far.
 
     ``done`` and ``total`` of the work count starts, and the measurement of the attractors as one more. Parameters are those
     of `attractors`, and so is the Dataset; where it carries ``incomplete``, shares are those of the starts that have come to
     an attractor or ended, the others have ``start_status`` failed, and of the attractors no more is known than
     `found_so_far` says.
     """
-    settling = settling or Settling()
-    if lyapunov is not None and not LEAST <= lyapunov <= 10_000_000:
-        raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 T, not {lyapunov}")
-    labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers)
+    if labelling.lyapunov is not None and not LEAST <= labelling.lyapunov <= 10_000_000:
+        raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 T, not {labelling.lyapunov}")
     drawn = isinstance(starts, int | np.integer)
     if drawn:
-        x = draw_starts(system, int(starts), default_box(system, labelling) if box is None else box, seed)  # type: ignore[arg-type]
+        x = draw_starts(system, int(starts), default_box(system, labelling, execution) if box is None else box, seed)  # type: ignore[arg-type]
     else:
         if box is not None:
             raise RangeError("box: found one, expected none where the start states themselves are given")
@@ -161,35 +145,46 @@ def attractors_in_parts(
                 f"starts have shape {x.shape}, expected {system.model.dimension} states ({' '.join(system.states)}) by"
                 " one or more starts, all finite"
             )
-    search, doubts, n, settled = None, None, x.shape[1], 0
+    n = x.shape[1]
+    search: Search | None = None
+    evidence: tuple[xr.Dataset, dict[str, Any]] | None = None
+    doubts: str | None = None
     missing = "all starts had come to an attractor"
-    try:
-        labelling, doubts = _one_step(system, labelling, x, progress)
-        search = Search(system, labelling, x, progress)
+
+    def parts(_: Work) -> Iterator[int]:
+        nonlocal search, evidence, doubts, missing
+        same, doubts = _one_step(system, labelling, execution, x)
+        search = Search(system, same, execution, x)
         search.run()
         missing = "the attractors were measured"
-        evidence = _evidence(system, labelling, search.found, progress)
-        ds = _dataset(system, labelling, search.found, x, evidence, np.ones(n, dtype=bool))
-        missing = ""
-    except KeyboardInterrupt:
+        yield n
+        evidence = _evidence(system, same, execution, search.found)
+        yield n + 1
+
+    def gather(work: Work) -> xr.Dataset | None:
         if search is None:
-            return Work(None, 0, n + 1)
-        search.gather_some()
-        gathered = search.gathered  # a start that has settled alone has no outcome yet: it is not undecided
-        if not gathered.any():
-            return Work(None, 0, n + 1)
-        ds = _dataset(system, labelling, search.found, x, found_so_far(system, search), gathered)
-        settled = int(gathered.sum())
-        ds.attrs["incomplete"] = "interrupted " + (f"after {settled} of {n} starts" if settled < n else f"before {missing}")
-    if doubts:
-        ds.attrs["accuracy_not_met"] = doubts
-    return Work(ds.assign_attrs({"seed": seed} if drawn else {}), settled if missing else n + 1, n + 1)
+            return None
+        gathered = np.ones(n, dtype=bool)
+        if evidence is None:
+            search.gather_some()
+            gathered = search.gathered  # a start that has settled alone has no outcome yet: it is not undecided
+            if not gathered.any():
+                return None
+        settled = work.done = int(gathered.sum()) + work.complete
+        known = found_so_far(system, search) if evidence is None else evidence
+        ds = _dataset(system, search.labelling, search.found, x, known, gathered)
+        if evidence is None:
+            where = f"after {settled} of {n} starts" if settled < n else f"before {missing}"
+            ds.attrs["incomplete"] = f"interrupted {where}"
+        if doubts:
+            ds.attrs["accuracy_not_met"] = doubts
+        return ds.assign_attrs({"seed": seed} if drawn else {})
 
-
+    return Work(n + 1, parts, gather)
 
 
 def _one_step(
-    system: System, labelling: Labelling, starts: Array, progress: Progress | None
+    system: System, labelling: Labelling, execution: Execution, starts: Array
 ) -> tuple[Labelling, str | None]:
     """Choose the steps per T that all starts take, and say where they do not meet the accuracy.
 
@@ -197,23 +192,24 @@ def _one_step(
     motion passes corners and the accuracy is out of reach, all take the most steps of the ladder: between steps the
     corners shift a weakly attracting orbit by more than it attracts, which can make two of it (the dead zone, 8 and 16 T).
     """
-    if labelling.steps is not None or not system.model.forced:
+    if labelling.integration.steps is not None or not system.model.forced:
         return labelling, None
     order = np.lexsort(starts)  # the same starts, whatever order they come in, and from all parts of a grid
     some = starts[:, order[np.linspace(0, order.size - 1, min(PILOT, order.size)).astype(int)]]
     ensemble, _ = make_ensemble(
-        system, repeated(system, some.shape[1]), starts=some, accuracy=labelling.accuracy, method=labelling.method,
-        workers=labelling.workers,
+        system, repeated(system, some.shape[1]), starts=some, integration=labelling.integration, execution=execution
     )  # fmt: skip
-    settle_and_record(ensemble, replace(labelling.settling, keep=1), cyclic=cyclic_states(system), progress=progress)
+    settling = replace(labelling.settling, keep=1)
+    settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=execution.progress)
     steps = int(max(ensemble.point_steps.max(), TANGENT_STEPS))
     if (ensemble.step_verdict == Verdict.nonsmooth).any():
         steps = LADDER[-1]
-    return replace(labelling, steps=steps, accuracy=None), doubtful(ensemble.step_verdict, system.model) or None
+    integration = Integration(labelling.integration.method, steps)
+    return replace(labelling, integration=integration), doubtful(ensemble.step_verdict, system.model) or None
 
 
 def _evidence(
-    system: System, labelling: Labelling, found: Found, progress: Progress | None
+    system: System, labelling: Labelling, execution: Execution, found: Found
 ) -> tuple[xr.Dataset, dict[str, Any]]:
     """Variables of `label_points` over the attractors with the votes of all indicators about each, and attributes."""
     if not found.representative:
@@ -223,14 +219,14 @@ def _evidence(
     keep = max(labelling.settling.keep, 2 * cycle * max(found.multiple))
     options = replace(labelling, settling=replace(labelling.settling, keep=keep))
     values = repeated(system, count)
-    measured, ensemble = options.measure(system, values, starts=np.stack(found.representative, axis=1), progress=progress)
+    measured, ensemble = measure(system, values, options, execution, starts=np.stack(found.representative, axis=1))
     ds = points_dataset(system, values, measured).reset_coords(list(values), drop=True).rename(point="attractor")
     tangent, _ = make_ensemble(
-        system, values, starts=ensemble.x, steps=tangent_steps(ensemble), method=ensemble.method.name, tangents=1,
-        workers=labelling.workers, turn=ensemble.period,
+        system, values, starts=ensemble.x, tangents=1, turn=ensemble.period, execution=execution,
+        integration=Integration(ensemble.method.name, tangent_steps(ensemble)),
     )  # fmt: skip
     length = -(-(labelling.lyapunov or EVIDENCE) // cycle) * cycle
-    rates, record = run_with_section(tangent, length, align=-(-length // 10 // cycle) * cycle, progress=progress)
+    rates, record = run_with_section(tangent, length, align=-(-length // 10 // cycle) * cycle, progress=execution.progress)
     mean, spread = mean_and_error(rates[:, 0], cycle)
     record = record[: np.isfinite(record[:, 0]).all(axis=1).sum()]
     members = record[cycle - 1 :: cycle][:KEPT]
@@ -280,7 +276,7 @@ def _dataset(
         ds = ds.isel(attractor=order).assign_coords(attractor=np.arange(1, order.size + 1))
     else:
         of = np.zeros(starts.shape[1], dtype=np.int64)
-        attributes = run_attributes(system, Search(system, labelling, starts[:, :1], None).ensemble(starts[:, :1]))
+        attributes = run_attributes(system, Search(system, labelling, EXECUTION, starts[:, :1]).ensemble(starts[:, :1]))
     label = found.outcome.copy()
     if found.representative:
         label[of > 0] = ds["regime"].values[of[of > 0] - 1]

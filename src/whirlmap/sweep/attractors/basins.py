@@ -1,8 +1,7 @@
 """Basins of attraction: the attractor that every start state of a two-dimensional slice leads to."""
 
 from collections.abc import Mapping
-from dataclasses import replace
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -10,7 +9,9 @@ from numpy.typing import ArrayLike
 
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
-from whirlmap.progress import shows_progress
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.memory import refuse_memory
 from whirlmap.results.schema import variable
 from whirlmap.sweep.attractors.attractors import attractors_in_parts
@@ -18,16 +19,25 @@ from whirlmap.sweep.attractors.start_states import start_values
 from whirlmap.sweep.interruptible import Work
 
 
-@shows_progress("basins")
-def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.Dataset:
+@takes_options("basins")
+def basins(
+    system: System,
+    grid: Mapping[str, ArrayLike],
+    *,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
+) -> xr.Dataset:
     """Find the attractor of every start state on a grid over two states, the others at their start values.
 
     Parameters
     ----------
     grid : mapping of state to array
         Two states and their values, ascending.
-    **options
-        ``settling``, ``lyapunov``, ``steps``, ``accuracy``, ``method``, ``workers``, ``progress`` of `attractors`.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -41,14 +51,19 @@ def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.
     RangeError
         Unless the grid has two states of the model, each with two or more values that ascend.
     """
-    work = basins_in_parts(system, grid, **options)
-    if work.dataset is None or not work.complete:
-        raise KeyboardInterrupt
-    return work.dataset
+    return basins_in_parts(system, grid, labelling=labelling, execution=execution).whole()
 
 
-def basins_in_parts(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> Work:
-    """Find basins as `basins` does; `KeyboardInterrupt` ends it with what is finished, as in `attractors_in_parts`."""
+@takes_options()
+def basins_in_parts(
+    system: System,
+    grid: Mapping[str, ArrayLike],
+    *,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
+) -> Work:
+    """Find basins in parts; what is finished is kept, as in `attractors_in_parts`."""
     if len(grid) != 2:
         raise RangeError(f"grid: found {len(grid)} states ({' '.join(grid) or 'none'}), expected two, as in x and v")
     axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in grid.items()}
@@ -65,12 +80,17 @@ def basins_in_parts(system: System, grid: Mapping[str, ArrayLike], **options: An
     x = np.repeat(start_values(system)[:, None], a.size * b.size, axis=1)
     x[system.states.index(first)] = np.repeat(a, b.size)
     x[system.states.index(second)] = np.tile(b, a.size)
-    work = attractors_in_parts(system, starts=x, **options)
-    if work.dataset is None:
-        return work
-    ds = work.dataset.drop_vars("start_state")
-    for name in ("attractor_of", "start_regime", "start_status"):
-        ds[name] = ((first, second), ds[name].values.reshape(a.size, b.size), ds[name].attrs)
-    states = {s.name: s for s in system.model.states}
-    ds = ds.assign_coords({n: variable(n, v, states[n].unit, states[n].meaning) for n, v in axes.items()})
-    return replace(work, dataset=ds)
+    search = attractors_in_parts(system, starts=x, labelling=labelling, execution=execution)
+
+    def gather(work: Work) -> xr.Dataset | None:
+        found = search.dataset
+        work.done = search.done
+        if found is None:
+            return None
+        ds = found.drop_vars("start_state")
+        for name in ("attractor_of", "start_regime", "start_status"):
+            ds[name] = ((first, second), ds[name].values.reshape(a.size, b.size), ds[name].attrs)
+        states = {s.name: s for s in system.model.states}
+        return ds.assign_coords({n: variable(n, v, states[n].unit, states[n].meaning) for n, v in axes.items()})
+
+    return Work(search.total, lambda _: iter(search), gather)

@@ -1,16 +1,19 @@
 """Start states of one operating point: its own, a random box of them, and those at which a run is over already."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 from sympy import sympify
 
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import cyclic_states
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 
 Array = NDArray[np.float64]
 
@@ -18,7 +21,7 @@ Array = NDArray[np.float64]
 WIDER = 2.0
 
 
-def default_box(system: System, labelling: Labelling) -> dict[str, tuple[float, float]]:
+def default_box(system: System, labelling: Labelling, execution: Execution = EXECUTION) -> dict[str, tuple[float, float]]:
     """Box of start states about the motion from the default start: `WIDER` times its range, angles whole turns.
 
     Raises
@@ -26,7 +29,7 @@ def default_box(system: System, labelling: Labelling) -> dict[str, tuple[float, 
     RangeError
         Where that run ends early, or does not move: then nothing says how large a box should be.
     """
-    measured, _ = labelling.measure(system, repeated(system, 1))
+    measured, _ = measure(system, repeated(system, 1), labelling, replace(execution, progress=None))
     low, high = (measured.returns.extremes[k][: system.model.dimension, 0] for k in ("minimum", "maximum"))
     if not np.isfinite(low).all() or not (high > low).any():
         raise RangeError(

@@ -1,21 +1,22 @@
 """Bifurcation diagrams: the section of a system against one parameter, every point labelled."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.labels.measured import Measured, joined
 from whirlmap.analysis.motion.ensembles import run_attributes
-from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
-from whirlmap.progress import ProgressOption, shows_progress
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
@@ -33,21 +34,17 @@ Array = NDArray[np.float64]
 Follow = Literal["up", "down", "both"]
 
 
-@shows_progress("bifurcation")
+@takes_options("bifurcation")
 def bifurcation_diagram(
     system: System,
     parameter: str,
     values: ArrayLike,
     *,
     follow: Follow | None = None,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
     states: Sequence[str] | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Section of every state against one parameter, with status, regime and amplitude of every point.
 
@@ -60,16 +57,13 @@ def bifurcation_diagram(
     follow : {"up", "down", "both"}, optional
         Carry the state along, each point starting from the end of its neighbour, upwards, downwards or both (then
         the Dataset has a dimension ``direction``). Absent: every point starts cold, and all run together.
-    settling : Settling, optional
-        Transient, windows and tolerance.
-    lyapunov : int, optional
-        T over which points that do not return run with a tangent vector, at most, as in `label_points`; 0: none do, and stay
-        undecided. Where absent: as long as labels may need.
     states : sequence of str, optional
         States whose section is kept; the model's displacements (`kept_states`) where absent. All of them take 512 bytes
         per point and state with 64 T kept.
-    progress : callable or True, optional
-        Called with the number of points x periods T done since the last call; True shows a bar.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -85,7 +79,6 @@ def bifurcation_diagram(
     Following is a chain by its nature, one point after the other; it shows hysteresis, and is slower than a cold start.
     A point that ends in contact or diverges hands on the default start of the next.
     """
-    settling = settling or Settling()
     try:
         points = np.atleast_1d(np.asarray(values, dtype=float))
     except ValueError as error:  # text such as "1000 rpm", which the command line converts
@@ -95,8 +88,7 @@ def bifurcation_diagram(
     if follow is not None and follow not in ("up", "down", "both"):
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     kept = kept_states(system, states)
-    labelling = Labelling(settling, lyapunov, steps, accuracy, method, workers, kept=tuple(kept))
-    run = _Run(system, parameter, labelling, progress)
+    run, settling = _Run(system, parameter, kept, labelling, execution), labelling.settling
     if follow is None:
         measured, ensemble = run.cold(points)
         ds = _dataset(system, parameter, points, measured, kept)
@@ -123,12 +115,14 @@ class _Run:
 
     system: System
     parameter: str
+    kept: list[str]
     labelling: Labelling
-    progress: Callable[[int], None] | None
+    execution: Execution
 
     def cold(self, points: Array, starts: Array | None = None) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start."""
-        return self.labelling.measure(self.system, {self.parameter: points}, starts=starts, progress=self.progress)
+        values = {self.parameter: points}
+        return measure(self.system, values, self.labelling, self.execution, starts=starts, kept=self.kept)
 
     def chain(self, points: Array, *, downwards: bool) -> tuple[Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""

@@ -4,30 +4,31 @@ The numbers do not depend on the parts: points never see each other, a chain han
 to the next, and a stretch of a simulation goes on from the end of the one before.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
 from whirlmap.analysis.simulation.trajectory import Series
-from whirlmap.analysis.steady.settling import Settling
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
+from whirlmap.options.computed import INTEGRATION, LABELLING, Integration, Labelling, Settling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import IntegrationParts, LabellingParts, takes_options
 from whirlmap.progress import tell
 from whirlmap.results.memory import refuse_memory
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
-from whirlmap.sweep.interruptible import OnBatch, Work, batches
+from whirlmap.sweep.interruptible import Work, batches
 from whirlmap.sweep.points.point_variables import doubts
 
 Array = NDArray[np.float64]
@@ -49,86 +50,76 @@ NOT_REACHED = {
 }  # fmt: skip
 
 
+@takes_options()
 def diagram_in_batches(
     system: System,
     parameter: str,
     values: ArrayLike,
     *,
     follow: Follow | None = None,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
     states: Sequence[str] | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
     batch: int | None = None,
-    progress: Callable[[int], None] | None = None,
-    on_batch: OnBatch | None = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> Work:
-    """Compute a bifurcation diagram batch by batch; `KeyboardInterrupt` ends it with what is finished.
+    """Bifurcation diagram as work in batches: whoever iterates may stop, and keeps what is finished.
 
     Parameters
     ----------
     batch : int, optional
         Points in a batch; where absent as many as take some seconds (`work.batches`), `BATCH` blocks of lanes for each
         worker at most, or `CHAIN` where the state is followed.
-    on_batch : callable, optional
-        ``on_batch(done, total)`` after each batch, in points.
 
     Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both
     directions was interrupted on its way down, points not reached have ``status`` failed.
     """
     points = np.atleast_1d(np.asarray(values, dtype=float))
-    settling = settling or Settling()
     if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    # These refuse now what the last batch would meet, and a length that gives no error.
+    # This refuses now what the last batch would meet.
     groups = order_groups(system, parameter_values(system, {parameter: points}), [parameter])
-    Labelling(settling, lyapunov)
     common = max(group.strobe for group in groups)
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
-    block = LANES * (workers or cores())
+    block = LANES * (execution.workers or cores())
     size = batch or (BATCH * block if follow is None else CHAIN)
     first = batch or (FIRST * block if follow is None else 1)
     even = system.model.forced and not orders_vary(system.model, [parameter])
     if follow is not None and not even:
         first = size = points.size  # the last row of its section is not the state at the end of each record
     refuse_memory(
-        "the diagram", 2 * len(ways) * points.size * max(record_periods(g.orders, settling.keep) for g in groups)
+        "the diagram", 2 * len(ways) * points.size * max(record_periods(g.orders, labelling.settling.keep) for g in groups)
         * len(kept_states(system, states))
-        + min(size, points.size) * 2 * settling.most * common * system.model.dimension,
+        + min(size, points.size) * 2 * labelling.settling.most * common * system.model.dimension,
     )  # fmt: skip
-    options: dict[str, Any] = {
-        "settling": settling, "lyapunov": lyapunov, "states": kept_states(system, states), "steps": steps,
-        "accuracy": accuracy, "method": method,
-        "workers": workers, "progress": progress,
-    }  # fmt: skip
+    options = {"labelling": labelling, "execution": execution}
+    kept = kept_states(system, states)
     sweeps = [
         _Sweep(parameter, points.size, backwards=way == "down", even=even) for way in ways
     ]  # fmt: skip
-    done, total = 0, points.size * len(ways)
-    try:
+
+    def parts(work: Work) -> Iterator[int]:
         for way, sweep in zip(ways, sweeps, strict=True):
-            for part in _parts(system, parameter, points, way, (first, size), dict(options)):
+            for part in _parts(system, parameter, points, way, (first, size), kept, options):
                 sweep.take(part)
-                done += part.sizes[parameter]
-                if on_batch:
-                    on_batch(done, total)
-    except KeyboardInterrupt:
-        pass
-    ds = _joined(sweeps, parameter, points, follow, system.model)
-    if ds is not None and "direction" in ds.dims:
-        ds = with_hysteresis(ds, system, parameter)
-    if ds is not None and done < total:
-        ds.attrs["incomplete"] = f"interrupted after {done} of {total} points"
-    return Work(ds, done, total)
+                yield work.done + part.sizes[parameter]
+
+    def gather(work: Work) -> xr.Dataset | None:
+        ds = _joined(sweeps, parameter, points, follow, system.model)
+        if ds is not None and "direction" in ds.dims:
+            ds = with_hysteresis(ds, system, parameter)
+        if ds is not None and not work.complete:
+            ds.attrs["incomplete"] = f"interrupted after {work.done} of {work.total} points"
+        return ds
+
+    return Work(points.size * len(ways), parts, gather)
 
 
 def _parts(
-    system: System, parameter: str, points: Array, way: Follow | None, sizes: tuple[int, int], options: dict[str, Any]
-) -> Iterator[xr.Dataset]:
-    now, kept = system, options.pop("states")
+    system: System, parameter: str, points: Array, way: Follow | None, sizes: tuple[int, int], kept: list[str],
+    options: dict[str, Any],
+) -> Iterator[xr.Dataset]:  # fmt: skip
+    now = system
     every = kept if way is None else system.states  # a chain goes on from the whole state
     for place in batches(points.size, first=sizes[0], most=sizes[1]):
         part = points[::-1][place][::-1] if way == "down" else points[place]
@@ -220,45 +211,49 @@ def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
     return joined
 
 
+@takes_options()
 def simulation_in_stretches(
     system: System,
     *,
     periods: int | None = None,
     transient: int = 0,
     every: int = 1,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: Callable[[int], None] | None = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[IntegrationParts],
 ) -> Work:
-    """Simulate stretch by stretch; `KeyboardInterrupt` ends it with what is finished.
+    """Time series as work in stretches: whoever iterates may stop, and keeps what is recorded.
 
     Parameters, and the Dataset, are those of `simulate`.
     """
     series = Series(
-        system, periods=periods, transient=transient, every=every, steps=steps, accuracy=accuracy, method=method,
-        workers=workers, progress=progress,
-    )  # fmt: skip
+        system, periods=periods, transient=transient, every=every, integration=integration, execution=execution
+    )
     refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
-    tell(progress, "expect", series.transient + series.periods)
-    try:
+    tell(execution.progress, "expect", series.transient + series.periods)
+
+    def parts(_: Work) -> Iterator[int]:
         for part in batches(series.transient, first=SHORT, most=series.transient, seconds=STRETCH):
             series.pass_by(part.stop - part.start)
+            yield 0
         unit = series.least  # T after which a sample falls on a whole one
         most = min(series.stretch // unit, max(-(-series.periods // (STRETCHES * unit)), 1))
         for part in batches(series.periods // unit, first=max(SHORT // unit, 1), most=most, seconds=STRETCH):
             series.stretch = (part.stop - part.start) * unit
             series.advance()
-    except KeyboardInterrupt:
+            yield series.done
+
+    def gather(work: Work) -> xr.Dataset | None:
         if not series.passed + series.done:
-            return Work(None, 0, series.periods)
+            return None
         ds = series.dataset()
-        ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T" if series.done else (
-            f"interrupted after {series.passed} of {series.transient} T of the transient: only the state there is known"
-        )  # fmt: skip
-        return Work(ds, series.done, series.periods)
-    return Work(series.dataset(), series.done, series.periods)
+        if not work.complete:
+            ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T" if series.done else (
+                f"interrupted after {series.passed} of {series.transient} T of the transient: only the state there is known"
+            )  # fmt: skip
+        return ds
+
+    return Work(series.periods, parts, gather)
 
 
 def expected_periods(

@@ -2,6 +2,7 @@
 
 import json
 from fractions import Fraction
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -12,14 +13,16 @@ from whirlmap.analysis.motion.record_length import recorded, settled_periods, sp
 from whirlmap.analysis.spectra.spectrum import power_spectrum
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
-from whirlmap.progress import ProgressOption, shows_progress
+from whirlmap.options.computed import INTEGRATION, Integration
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import IntegrationParts, takes_options
 from whirlmap.results.schema import status_variable, variable, with_attributes
 
 #: Turns of the slowest clock that pass before the record, and that it holds: half of what one spectrum has, for many speeds.
 PASSED, HELD = 100, 8
 
 
-@shows_progress("waterfall")
+@takes_options("waterfall")
 def waterfall(
     system: System,
     parameter: str,
@@ -29,11 +32,9 @@ def waterfall(
     transient: int | None = None,
     periods: int = 256,
     samples: int = 20,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    integration: Integration = INTEGRATION,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[IntegrationParts],
 ) -> xr.Dataset:
     """Power spectrum (Hann window) of a state at every value of a parameter.
 
@@ -49,6 +50,10 @@ def waterfall(
         0.72 of its power, with the rest beside it.
     samples : int
         Samples per T; frequencies reach half of it. The record takes whole multiples of them as steps.
+    integration : Integration, optional
+        Method, and steps or accuracy; or its parts as keywords, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -61,9 +66,8 @@ def waterfall(
         raise RangeError(f"{system.model.name} has no state {state!r}.{nearest(state, system.states)}")
     if np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
-    ensemble, _ = make_ensemble(
-        system, {parameter: points}, steps=steps, accuracy=accuracy, method=method, workers=workers
-    )  # fmt: skip
+    ensemble, _ = make_ensemble(system, {parameter: points}, integration=integration, execution=execution)
+    progress = execution.progress
     ensemble.advance(settled_periods(system, PASSED) if transient is None else transient, progress=progress)
     # the same samples in every point: whole multiples of them, at least as many as the point's own steps
     ensemble = ensemble.subset(np.arange(points.size), steps=samples * -(-ensemble.point_steps // samples))

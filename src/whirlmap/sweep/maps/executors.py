@@ -16,11 +16,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure
+from whirlmap.analysis.labels.measured import Measured
 from whirlmap.errors import OutputError
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.integrate.workers import Workers
 from whirlmap.kernels.running.root_choice import RootChoice, using
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
 from whirlmap.results.files import DISK
 from whirlmap.sweep.maps.refine import refine
 from whirlmap.sweep.parameters.space import Space
@@ -80,6 +84,8 @@ class Job:
         `kernel_hash` of the process that began; a worker with another one refuses.
     roots : RootChoice
         How kernels take roots and reciprocals: the store's choice, whatever a worker's own would be.
+    kept : tuple of str
+        States whose section is kept.
     """
 
     folder: Path
@@ -89,6 +95,7 @@ class Job:
     coarse: int
     kernel: str
     roots: RootChoice
+    kept: tuple[str, ...] = ()
 
     @cached_property
     def store(self) -> Store:
@@ -138,8 +145,12 @@ class Job:
 
     def _label(self, index: tuple[NDArray[np.intp], ...]) -> xr.Dataset:
         columns = self.space.columns(index)
-        measured, _ = self.labelling.measure(self.system, columns)
-        return points_dataset(self.system, columns, measured, kept=self.labelling.kept)
+        measured, _ = self.measure(columns)
+        return points_dataset(self.system, columns, measured, kept=self.kept)
+
+    def measure(self, columns: Mapping[str, NDArray[np.float64]]) -> tuple[Measured, Ensemble]:
+        """Measure points in one thread: each of the workers has a chunk of its own."""
+        return measure(self.system, columns, self.labelling, Execution(workers=1), kept=self.kept)
 
 
 #: What must agree for a cell to be left alone, and below which number each stays: they are packed into one integer.
@@ -166,7 +177,7 @@ def attempt(job: Job, number: int) -> Outcome:
 
 
 def _attempt(job: Job, number: int) -> Outcome:
-    own = kernel_hash(job.system, job.labelling.method)
+    own = kernel_hash(job.system, job.labelling.integration.method)
     if own != job.kernel:
         return Outcome(number, fault=f"this worker's kernels are {own[:12]}, the store's {job.kernel[:12]}: another version"
                        " of whirlmap or its libraries, or another processor or WHIRLMAP_CPU", stop=True)  # fmt: skip

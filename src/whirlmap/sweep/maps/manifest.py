@@ -89,11 +89,11 @@ def manifest_of(job: Job) -> dict[str, Any]:
         **job.space.described(),
         **{f"settling {name}": value for name, value in s.items()},
         "lyapunov": labelling.lyapunov,
-        "steps": labelling.steps,
-        "accuracy": labelling.accuracy,
-        "method": labelling.method,
+        "steps": labelling.integration.steps,
+        "accuracy": labelling.integration.accuracy,
+        "method": labelling.integration.method,
         "refined from": job.coarse,
-        "sections": bool(labelling.kept),
+        "sections": bool(job.kept),
     }
 
 

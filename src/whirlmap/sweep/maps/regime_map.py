@@ -1,44 +1,36 @@
 """Regime maps and random draws: every point of a grid, or of a sample, labelled."""
 
 from collections.abc import Mapping
-from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from whirlmap.analysis.labels.labelling import Labelling
-from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.progress import ProgressOption, shows_progress, tell
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.storage import STORAGE, Storage
+from whirlmap.options.taking import MapParts, takes_options
+from whirlmap.progress import tell
 from whirlmap.sweep.maps.run_sweep import OnChunk, Progress, run_sweep
 from whirlmap.sweep.parameters.random_draws import Tolerance
 from whirlmap.sweep.parameters.space import Space
 
 
-@shows_progress("map", unit="points", rate_unit="points/s")
+@takes_options("map", unit="points", rate_unit="points/s")
 def regime_map(
     system: System,
     vary: Mapping[str, ArrayLike],
     *,
-    store: str | Path | None = None,
-    resume: bool = False,
-    force: bool = False,
-    share: tuple[int, int] | None = None,
-    cluster: Any = None,
     refine: bool = False,
     sections: bool = False,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    chunk: int | None = None,
     on_chunk: OnChunk | None = None,
-    progress: ProgressOption = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    storage: Storage = STORAGE,
+    **_given: Unpack[MapParts],
 ) -> xr.Dataset:
     """Label every point of a grid over one or more parameters.
 
@@ -46,31 +38,20 @@ def regime_map(
     ----------
     vary : mapping of str to array
         Ascending values of each varied parameter; they become the dimensions, in this order.
-    store : path, optional
-        Folder of the Zarr store, which `xarray.open_zarr` opens; its parent exists. Where absent nothing is kept on disk.
-    resume : bool
-        Go on with what the store holds; begin it where it is absent, empty or half-made.
-    force : bool
-        Replace an existing store; with ``resume`` it has no meaning.
-    share : (i, n), optional
-        Work on share i of n of the chunks only, i from 1: the jobs of an array each take one, on one store.
-    cluster : str, dask cluster or client, optional
-        Where the chunks are computed: the address of a Dask scheduler, or an object; threads of this process where absent.
     refine : bool
         Compute a coarse lattice, then only the points near differing labels; the others take the label of their
         surroundings, and ``evaluation`` says so. Wants two parameters.
     sections : bool
         Keep ``section(..., period, state)`` of every point, once per T, as a bifurcation diagram has it.
-    settling, lyapunov, steps, accuracy, method
-        As in `label_points`.
-    workers : int, optional
-        Threads, each of which computes one chunk; all cores where absent.
-    chunk : int, optional
-        Points of a chunk; where absent such that one takes about 3 seconds.
     on_chunk : callable, optional
         Called with `whirlmap.sweep.maps.run_sweep.Progress` after every chunk.
-    progress : callable or True, optional
-        Called with the number of points done since the last call; True shows a bar.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers`` (threads with a
+        chunk each), ``progress`` (told of points), ``cluster``.
+    storage : Storage, optional
+        Where it is kept; or its parts as keywords, ``store``, ``resume``, ``force``, ``share``, ``chunk``.
 
     Returns
     -------
@@ -91,14 +72,11 @@ def regime_map(
     Bits do not depend on workers, chunks, order, shares, the executor, or on where the run was interrupted.
     """
     axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in vary.items()}
-    labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers=1)
-    return run_sweep(
-        system, Space(axes), labelling, store=store, resume=resume, force=force, share=share, cluster=cluster,
-        refine=refine, sections=sections, workers=workers, chunk=chunk, on_chunk=counting(on_chunk, progress),
-    )  # fmt: skip
+    told = counting(on_chunk, execution.progress)
+    return run_sweep(system, Space(axes), labelling, execution, storage, refine=refine, sections=sections, on_chunk=told)
 
 
-@shows_progress("draws", unit="points", rate_unit="points/s")
+@takes_options("draws", unit="points", rate_unit="points/s")
 def tolerance_sweep(
     system: System,
     tolerances: Mapping[str, Tolerance | str],
@@ -106,14 +84,11 @@ def tolerance_sweep(
     *,
     seed: int = 0,
     vary: Mapping[str, ArrayLike] | None = None,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
     on_chunk: OnChunk | None = None,
-    progress: ProgressOption = None,
-    **options: Any,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    storage: Storage = STORAGE,
+    **_given: Unpack[MapParts],
 ) -> xr.Dataset:
     """Label random draws of parameters within their tolerances, alone or at every point of a grid.
 
@@ -127,8 +102,8 @@ def tolerance_sweep(
         Master seed: a draw follows from it, the parameter's name and the number of the draw alone.
     vary : mapping of str to array, optional
         Grid over further parameters; the same draws are taken at each of its points.
-    **options
-        Those of `regime_map`, as ``on_chunk`` and ``progress`` are.
+    on_chunk, labelling, execution, storage
+        As in `regime_map`, also by their parts.
 
     Returns
     -------
@@ -142,13 +117,11 @@ def tolerance_sweep(
     if not found:
         raise RangeError("found no tolerance, expected at least one, as in {'s': 'normal:3%'}")
     axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in (vary or {}).items()}
-    labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers=1)
-    return run_sweep(
-        system, Space(axes, found, draws, seed), labelling, on_chunk=counting(on_chunk, progress), **options
-    )  # fmt: skip
+    told = counting(on_chunk, execution.progress)
+    return run_sweep(system, Space(axes, found, draws, seed), labelling, execution, storage, on_chunk=told)
 
 
-def counting(on_chunk: OnChunk | None, progress: ProgressOption) -> OnChunk | None:
+def counting(on_chunk: OnChunk | None, progress: Any) -> OnChunk | None:
     """Have what takes the standing after every chunk count the points for ``progress`` too."""
     if progress is None:
         return on_chunk

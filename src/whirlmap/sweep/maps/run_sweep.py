@@ -14,13 +14,15 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.motion.ensembles import run_attributes
 from whirlmap.errors import OutputError, RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.running.root_choice import own_choice, using
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.storage import STORAGE, Storage
 from whirlmap.results.files import reason
 from whirlmap.sweep.maps.executors import Job, Outcome, connected, in_dask, in_threads
 from whirlmap.sweep.maps.manifest import claim, manifest_of, refuse_other, stored_roots
@@ -79,68 +81,49 @@ def run_sweep(
     system: System,
     space: Space,
     labelling: Labelling,
+    execution: Execution = EXECUTION,
+    storage: Storage = STORAGE,
     *,
-    store: str | Path | None = None,
-    resume: bool = False,
-    force: bool = False,
-    share: tuple[int, int] | None = None,
-    cluster: Any = None,
     refine: bool = False,
     sections: bool = False,
-    workers: int | None = None,
-    chunk: int | None = None,
     on_chunk: OnChunk | None = None,
 ) -> xr.Dataset:
     """Label the points of a space; the options are those of `regime_map`."""
     space.check(system)
     if refine and (len(space.axes) != 2 or space.tolerances):
         raise RangeError("refine wants exactly two varied parameters, and no random draws")
-    if share is not None and not 1 <= share[0] <= share[1]:
-        raise RangeError(f"share {share[0]}/{share[1]}: expected i/n with i from 1 to n")
-    if chunk is not None and not 1 <= chunk <= 10_000_000:
-        raise RangeError(f"chunk must lie between 1 and 10000000 points, not {chunk}")
-    if share is not None and (store is None or (force and not resume)):
-        raise RangeError("a share works on a store that others share: give the store, and no force")
-    if cluster is not None and workers is not None:
-        raise RangeError("workers are threads of this process, and a cluster has its own: give one of them")
-    if store is None:
-        if cluster is not None or resume:
-            what = "a cluster writes into" if cluster is not None else "resume goes on with"
-            raise RangeError(f"{what} a store: give one")
+    if storage.store is None:
+        if execution.cluster is not None:
+            raise RangeError("a cluster writes into a store: give one")
         with TemporaryDirectory(prefix="whirlmap-") as passing:
-            here = Path(passing) / "map"
+            here = replace(storage, store=Path(passing) / "map")
             return run_sweep(
-                system, space, labelling, store=here, refine=refine, sections=sections, workers=workers, chunk=chunk,
-                on_chunk=on_chunk,
+                system, space, labelling, execution, here, refine=refine, sections=sections, on_chunk=on_chunk
             ).load()  # fmt: skip
     if sections and orders_vary(system.model, space.names):
         raise RangeError(
             f"sections cannot be kept with {' and '.join(space.names)} varied: the common period of the forcing changes, and"
             " with it their length; expected none, or a bifurcation diagram"
         )
-    labelling = replace(labelling, kept=tuple(kept_states(system, None)) if sections else ())
-    folder, own = Path(store).expanduser().absolute(), own_choice()
-    restored = (resume or share is not None) and restore_manifest(folder)
-    roots = (stored_roots(folder) if resume or share is not None else None) or own
-    with connected(cluster) as client, using(roots):  # before anything is made or computed
+    folder, own = Path(storage.store).expanduser().absolute(), own_choice()
+    restored = storage.goes_on and restore_manifest(folder)
+    roots = (stored_roots(folder) if storage.goes_on else None) or own
+    with connected(execution.cluster) as client, using(roots):  # before anything is made or computed
         job = Job(
-            folder, system, space, labelling, coarse=COARSE if refine else 0, kernel=kernel_hash(system, labelling.method),
-            roots=roots,
+            folder, system, space, labelling, coarse=COARSE if refine else 0, roots=roots,
+            kernel=kernel_hash(system, labelling.integration.method),
+            kept=tuple(kept_states(system, None)) if sections else (),
         )  # fmt: skip
         notes = ["the manifest of the store was lost, and put back from its copy"] if restored else []
         if roots != own:
             notes.append(f"roots and reciprocals as the store was begun: {roots}; a new store would have {own}")
-        return _run(
-            job, share, client, notes, resume=resume, force=force, workers=workers or cores(), chunk=chunk, on_chunk=on_chunk
-        )
+        return _run(job, storage, (execution.workers or cores()) if client is None else client, notes, on_chunk)
 
 
-def _run(
-    job: Job, share: tuple[int, int] | None, client: Any, notes: list[str], *, resume: bool, force: bool, workers: int,
-    chunk: int | None, on_chunk: OnChunk | None,
-) -> xr.Dataset:  # fmt: skip
-    folder = job.folder
-    claim(folder, resume=resume or share is not None, force=force and not resume)
+def _run(job: Job, storage: Storage, computing: Any, notes: list[str], on_chunk: OnChunk | None) -> xr.Dataset:
+    """Run a job on a number of threads, or on a Dask client."""
+    folder, share, chunk = job.folder, storage.share, storage.chunk
+    claim(folder, resume=storage.goes_on, force=storage.force and not storage.resume)
     wanted = manifest_of(job)
     if not exists(folder):
         if half_made(folder):
@@ -158,7 +141,7 @@ def _run(
             f"{folder}: has chunks of {job.store.chunks.size} points, and --chunk {chunk} would make them {size}:"
             " leave it out to go on with this store"
         )
-    _work(job, share, client, workers, on_chunk, notes)
+    _work(job, share, computing, on_chunk, notes)
     return job.store.open()
 
 
@@ -168,9 +151,9 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
     index = pilot_points(space, model, PILOT if chunk is None else 1)
     columns, count = space.columns(index), index[0].size
     if chunk is None:
-        job.labelling.measure(job.system, {name: c[:1] for name, c in columns.items()})  # compiling is not counted
+        job.measure({name: c[:1] for name, c in columns.items()})  # compiling is not counted
     begun = time.perf_counter()
-    pilot = job.labelling.measure(job.system, columns)
+    pilot = job.measure(columns)
     each = max((time.perf_counter() - begun) / count, 1e-6)
     size = _chunk_size(job, chunk) if chunk else _chunk_size(job, int(SECONDS / each / (REFINED if job.coarse else 1)), 4)
     _make(job, job.folder, manifest, size, columns, pilot)
@@ -181,7 +164,7 @@ def _restore(job: Job, lost: list[str], manifest: Mapping[str, Any], notes: list
     columns = job.space.columns(pilot_points(job.space, job.system.model, 1))
     beside = job.folder.with_name(f".{job.folder.name}.{uuid4().hex}.partial")
     try:
-        _make(job, beside, manifest, job.store.chunks.size, columns, job.labelling.measure(job.system, columns))
+        _make(job, beside, manifest, job.store.chunks.size, columns, job.measure(columns))
         put_back(job.store, lost, beside)
     except OSError as error:
         raise OutputError(f"{job.folder}: {', '.join(lost)} cannot be put back ({reason(error)})") from error
@@ -195,7 +178,7 @@ def _make(
 ) -> None:
     """Make an empty store after some labelled points."""
     space, (measured, ensemble) = job.space, pilot
-    template = points_dataset(job.system, columns, measured, kept=job.labelling.kept).isel(point=slice(0, 1))
+    template = points_dataset(job.system, columns, measured, kept=job.kept).isel(point=slice(0, 1))
     s = job.labelling.settling
     attributes = run_attributes(
         job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,
@@ -223,9 +206,7 @@ def _chunk_size(job: Job, points: int, least: int = 0) -> tuple[int, ...]:
     return tuple(min(side, n) for n in job.space.shape)
 
 
-def _work(
-    job: Job, share: tuple[int, int] | None, client: Any, workers: int, on_chunk: OnChunk | None, notes: list[str]
-) -> None:
+def _work(job: Job, share: tuple[int, int] | None, computing: Any, on_chunk: OnChunk | None, notes: list[str]) -> None:
     """Compute what is missing."""
     store = job.store
     numbers = list(store.chunks.share(*(share or (1, 1))))
@@ -243,12 +224,13 @@ def _work(
     progress.regimes.update(store.tally(standing.done.tolist(), "regime"))
     progress.verdicts.update(store.tally(standing.done.tolist(), "step_verdict"))
     progress.computed = store.tally(standing.done.tolist(), EVALUATION)[Evaluation.computed]
-    if client is not None and not client.nthreads():
+    threads = isinstance(computing, int)
+    if not threads and not computing.nthreads():
         progress.messages.append("the Dask scheduler has no workers: waiting for the first")
     if on_chunk:
         on_chunk(progress)
     left = spread(np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done)).tolist()
-    outcomes = in_dask(job, left, client) if client is not None else in_threads(job, left, workers)
+    outcomes = in_threads(job, left, computing) if threads else in_dask(job, left, computing)
     try:
         for outcome in outcomes:
             _take(job, outcome, progress)

@@ -4,44 +4,42 @@ The numbers of a point depend on its own parameters and start alone: not on the 
 order, nor on the number of threads.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.labels.labelling import Labelling
+from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import parameter_values, run_attributes
-from whirlmap.analysis.steady.settling import POOL, Settling
+from whirlmap.analysis.steady.settling import POOL
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
-from whirlmap.progress import ProgressOption, shows_progress
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.schema import names_coordinate, variable, with_attributes
 from whirlmap.sweep.points.point_variables import doubts, points_dataset, shared_common_multiple
 
 Array = NDArray[np.float64]
-Progress = Callable[[int], None]
 
 #: Batches that `label_points` works through hold so many pools of lanes: enough that few lanes wait for the last point.
 POOLS = 2
 
 
-@shows_progress("points")
+@takes_options("points")
 def label_points(
     system: System,
     values: Mapping[str, ArrayLike],
     *,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
-    steps: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
     starts: Array | None = None,
     ends: bool = False,
-    progress: ProgressOption = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Label operating points anywhere in parameter space.
 
@@ -49,21 +47,14 @@ def label_points(
     ----------
     values : mapping of str to array, shape (point,)
         The parameters that differ between points, in any order; all columns of the same length.
-    settling : Settling, optional
-        Transient, windows and tolerance.
-    lyapunov : int, optional
-        T over which points that do not return have their largest exponent measured and their section recorded, at most:
-        each point stops when it has a label and the error of its exponent is small enough (`nonperiodic_points.ENOUGH`).
-        Less than 256 leave them undecided, 0 measures nothing. Where absent: as long as labels may need
-        (`labelling.LONGEST`).
-    steps, accuracy, method, workers
-        As in `make_ensemble`.
     starts : array, shape (state, point), optional
         Start states, at phase zero; the model's default start where absent.
     ends : bool
         Whether to keep the states at the ends of the records, at phase zero: starts of others. NaN where a run has ended.
-    progress : callable or True, optional
-        Called with the number of points x periods T done since the last call; True shows a bar.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -96,14 +87,13 @@ def label_points(
     points = parameter_values(system, columns).shape[1]
     if starts is not None and np.shape(starts) != (system.model.dimension, points):
         raise RangeError(f"starts have shape {np.shape(starts)}, expected {(system.model.dimension, points)}")
-    labelling = Labelling(settling or Settling(), lyapunov, steps, accuracy, method, workers)
-    size = POOLS * POOL * LANES * (workers or cores())
+    size = POOLS * POOL * LANES * (execution.workers or cores())
     parts = []
     for first in range(0, points, size):
         batch = slice(first, first + size)
-        measured, ensemble = labelling.measure(
-            system, {name: column[batch] for name, column in columns.items()},
-            starts=None if starts is None else np.asarray(starts, dtype=float)[:, batch], progress=progress,
+        measured, ensemble = measure(
+            system, {name: column[batch] for name, column in columns.items()}, labelling, execution,
+            starts=None if starts is None else np.asarray(starts, dtype=float)[:, batch],
         )  # fmt: skip
         part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
         if ends:

@@ -6,10 +6,9 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble, parameter_values
+from whirlmap.analysis.motion.ensembles import cyclic_states, parameter_values
 from whirlmap.analysis.periodic_orbits.arrivals import arrivals
 from whirlmap.analysis.periodic_orbits.closed_orbit import FAR, SAME_POINT, ClosedOrbit, closed_orbits
-from whirlmap.analysis.steady.settling import Settling
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import order_groups
 from whirlmap.results.regime import Regime
@@ -65,7 +64,7 @@ def _flow(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, runs: 
     ensemble = _ensemble(judge, values, motions, runs, orbits)
     into = arrivals(
         ensemble, known, every=ensemble.strobe, most=PATIENCE,
-        cyclic=cyclic_states(judge.system), allowed=np.eye(runs.size, dtype=bool), progress=judge.options.get("progress"),
+        cyclic=cyclic_states(judge.system), allowed=np.eye(runs.size, dtype=bool), progress=judge.execution.progress,
     )  # fmt: skip
     return np.asarray(into >= 0)
 
@@ -119,12 +118,7 @@ def _on_one(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, one:
 
 def _ensemble(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, at: Places, steps: Places) -> Ensemble:
     """Motions where they were left, with the steps of others, so that both settle on the same orbit to the bit."""
-    o = judge.options
-    ensemble, _ = make_ensemble(
-        judge.system, values, starts=motions["end_state"].values[at].T, steps=motions["steps"].values[steps],
-        method=o.get("method"), workers=o.get("workers"),
-    )  # fmt: skip
-    return ensemble
+    return judge.left(values, motions["end_state"].values[at], motions["steps"].values[steps])
 
 
 def _closed(
@@ -139,8 +133,7 @@ def _closed(
 ) -> list[ClosedOrbit]:
     """Orbits of periodic motions; as they were left where Newton's method is not asked."""
     ensemble = _ensemble(judge, values, motions, at, steps)
-    settling = judge.options.get("settling") or Settling()
     return closed_orbits(
         ensemble, motions["period_common"].values[at].astype(np.int64), every=every or ensemble.strobe,
-        tolerance=settling.tolerance, cyclic=cyclic_states(judge.system), far=FAR if newton else None,
+        tolerance=judge.labelling.settling.tolerance, cyclic=cyclic_states(judge.system), far=FAR if newton else None,
     )  # fmt: skip

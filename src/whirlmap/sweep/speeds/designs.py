@@ -1,7 +1,7 @@
 """Several machines of one model judged at the same speeds: designs, or draws over tolerances."""
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
@@ -9,6 +9,9 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.schema import variable
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.sweep.speeds.run_up_and_down import cold_motions, motions_met, outcome
@@ -17,6 +20,7 @@ from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, amplitude_vari
 Array = NDArray[np.float64]
 
 
+@takes_options()
 def safe_probability(
     system: System,
     draws: Sequence[System],
@@ -25,7 +29,9 @@ def safe_probability(
     *,
     quantity: str | None = None,
     follow: bool = True,
-    **options: Any,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Share of drawn machines that are safe at each speed, with its 95 % interval (Wilson), and of each reason why not.
 
@@ -35,7 +41,7 @@ def safe_probability(
         The machine as it was meant, whose ``s`` counts the speeds.
     draws : sequence of System
         Machines of the same model.
-    speeds, limits, quantity, follow, **options
+    speeds, limits, quantity, follow, labelling, execution
         As in `judge_machines`.
 
     Returns
@@ -45,7 +51,9 @@ def safe_probability(
         by name of the `Verdict`.
     """
     at = np.asarray(speeds, dtype=float)
-    judged = judge_machines(system, draws, at, limits, quantity=quantity, follow=follow, **options)
+    judged = judge_machines(
+        system, draws, at, limits, quantity=quantity, follow=follow, labelling=labelling, execution=execution
+    )
     codes = np.array(list(Verdict))
     counts = (judged["verdict"].values == codes[:, None, None]).sum(axis=1)
     low, high = wilson_interval(counts[Verdict.safe], len(draws))
@@ -62,6 +70,7 @@ def safe_probability(
     )
 
 
+@takes_options()
 def judge_machines(
     system: System,
     machines: Sequence[System],
@@ -70,7 +79,9 @@ def judge_machines(
     *,
     quantity: str | None = None,
     follow: bool = False,
-    **options: Any,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Judge several machines of one model at the same speeds, all of them together.
 
@@ -88,8 +99,10 @@ def judge_machines(
         As in `safe_speeds`.
     follow : bool
         Whether each machine runs up and down through the speeds beside its cold starts.
-    **options
-        Those of `label_points`.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -115,7 +128,7 @@ def judge_machines(
         raise RangeError("the first shaft of a machine stands still at every s: its speeds cannot be compared")
     values = {n: np.repeat([float(m.values[n]) for m in machines], at.size) for n in names if n in differing}
     values[SPEED] = (at / scales[:, None]).ravel()
-    judge, each = Judge(system, quantity, options), np.repeat(allowed, at.size)
+    judge, each = Judge(system, quantity, labelling, execution), np.repeat(allowed, at.size)
     met = motions_met(judge, values, each, at.size) if follow else cold_motions(judge, values, each)
     found, over = outcome(met, each.size), ("machine", SPEED)
     verdict, swing = (found[name].values.reshape(-1, at.size) for name in ("verdict", "amplitude"))

@@ -10,7 +10,7 @@
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import Any
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
@@ -20,13 +20,15 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
-from whirlmap.progress import shows_progress
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.schema import variable
 from whirlmap.sweep.diagrams.in_batches import BATCH
-from whirlmap.sweep.interruptible import OnBatch, Work, batches
+from whirlmap.sweep.interruptible import Work, batches
 from whirlmap.sweep.speeds.designs import judge_machines
 from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
-from whirlmap.sweep.speeds.verdicts import SPEED, Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, clearance, shaft_speed
 from whirlmap.sweep.speeds.windows import widest_window
 
 Array = NDArray[np.float64]
@@ -35,7 +37,7 @@ Array = NDArray[np.float64]
 PARTS = {1: 4, 2: 2}
 
 
-@shows_progress("improve")
+@takes_options("improve")
 def improve(
     make: Callable[..., System],
     vary: Mapping[str, ArrayLike],
@@ -46,7 +48,9 @@ def improve(
     refine: bool = True,
     follow: bool = True,
     quantity: str | None = None,
-    **options: Any,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Compare values of one or two design parameters by what they do to the safe speeds.
 
@@ -69,8 +73,10 @@ def improve(
         Whether the best designs are judged in run-up and run-down too.
     quantity : str, optional
         As in `safe_speeds`.
-    **options
-        Those of `label_points`.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -94,14 +100,13 @@ def improve(
     one is forbidden by its motion. What is narrower than the spacing of the speeds is not seen. Coexisting motions are
     sought in the best designs alone, so that the others may look better than they are, never worse.
     """
-    work = improve_in_batches(
-        make, vary, speeds, limit, units=units, refine=refine, follow=follow, quantity=quantity, **options
-    )
-    if work.dataset is None or not work.complete:
-        raise KeyboardInterrupt
-    return work.dataset
+    return improve_in_batches(
+        make, vary, speeds, limit, units=units, refine=refine, follow=follow, quantity=quantity, labelling=labelling,
+        execution=execution,
+    ).whole()  # fmt: skip
 
 
+@takes_options()
 def improve_in_batches(
     make: Callable[..., System],
     vary: Mapping[str, ArrayLike],
@@ -113,18 +118,17 @@ def improve_in_batches(
     follow: bool = True,
     quantity: str | None = None,
     batch: int | None = None,
-    on_batch: OnBatch | None = None,
-    **options: Any,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> Work:
-    """Compare designs batch by batch; `KeyboardInterrupt` ends it with the designs that are finished.
+    """Compare designs as work in batches: whoever iterates may stop, and keeps the designs that are finished.
 
     Parameters
     ----------
     batch : int, optional
         Designs in a batch; where absent as many as take some seconds (`work.batches`), and `BATCH` blocks of lanes for each
         worker hold at most.
-    on_batch : callable, optional
-        ``on_batch(done, total)`` after each batch, in designs; judged once more in run-up and run-down counts as one.
 
     Other parameters are those of `improve`, and so is the Dataset, which carries ``incomplete`` where something is missing.
     """
@@ -132,54 +136,48 @@ def improve_in_batches(
     axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in vary.items()}
     _refuse_axes(axes)
     refuse_speeds(at, limit)
-    trial = _Trial(make, tuple(axes), units or {}, at, limit, {"quantity": quantity, **options}, make())
-    most = batch or max(BATCH * LANES * (options.get("workers") or cores()) // at.size, 1)
-    count = _Count(on_batch, int(np.prod([v.size for v in axes.values()])) + follow)
+    judge = Judge(make(), quantity, labelling, execution)
+    trial = _Trial(make, tuple(axes), units or {}, at, limit, judge)
+    most = batch or max(BATCH * LANES * (execution.workers or cores()) // at.size, 1)
     designs: list[xr.Dataset] = []  # each with one design
     stage = "the values given"
-    try:
-        for part in trial.in_batches(list(product(*axes.values())), batch or 1, most, count, refined=False):
-            designs += part
+
+    def parts(work: Work) -> Iterator[int]:
+        nonlocal stage
+        for part in trial.in_batches(list(product(*axes.values())), batch or 1, most, refined=False):
+            designs.extend(part)
+            yield work.done + len(part)
         if refine:
             stage = "the values around the best"
             more = _around(_joined(designs), axes)
-            count.total += len(more)
-            for part in trial.in_batches(more, batch or 1, most, count, refined=True):
-                designs += part
+            work.total += len(more)
+            for part in trial.in_batches(more, batch or 1, most, refined=True):
+                designs.extend(part)
+                yield work.done + len(part)
         stage = "the run-up and run-down of the best"
         while follow and (best := [i for i in _best(_joined(designs)) if not designs[i]["followed"].item()]):
-            count.total = count.done + len(best)
+            work.total = work.done + len(best)
             for i in best:
                 designs[i] = trial.followed(designs[i])
-                count(1)
+                yield work.done + 1
         stage = ""
-    except KeyboardInterrupt:
-        pass
-    if not designs:
-        return Work(None, 0, count.total)
-    ds = _joined(designs)
-    ds["front"] = variable("design", _front(ds), "1", "1 where no other design is better in width and amplitude both")
-    rpm = shaft_speed(trial.system) * 30 / np.pi
-    if np.isfinite(rpm):
-        ds = ds.assign_coords(rpm=(SPEED, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
-    ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
-    if stage:
-        ds.attrs["incomplete"] = f"interrupted in {stage}, after {count.done} designs"
-    return Work(ds, count.done, max(count.total, count.done + 1) if stage else count.done)
+        work.total = work.done
 
+    def gather(work: Work) -> xr.Dataset | None:
+        if not designs:
+            return None
+        ds = _joined(designs)
+        ds["front"] = variable("design", _front(ds), "1", "1 where no other design is better in width and amplitude both")
+        rpm = shaft_speed(judge.system) * 30 / np.pi
+        if np.isfinite(rpm):
+            ds = ds.assign_coords(rpm=(SPEED, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
+        ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
+        if stage:
+            work.total = max(work.total, work.done + 1)
+            ds.attrs["incomplete"] = f"interrupted in {stage}, after {work.done} designs"
+        return ds
 
-@dataclass
-class _Count:
-    """Designs judged, and to be judged as far as is known."""
-
-    report: OnBatch | None
-    total: int
-    done: int = 0
-
-    def __call__(self, designs: int) -> None:
-        self.done += designs
-        if self.report:
-            self.report(self.done, self.total)
+    return Work(int(np.prod([v.size for v in axes.values()])) + follow, parts, gather)
 
 
 def _refuse_axes(axes: Mapping[str, Array]) -> None:
@@ -228,18 +226,16 @@ class _Trial:
     units: Mapping[str, str]
     at: Array
     limit: float
-    options: Mapping[str, Any]
-    system: System
+    judge: Judge
 
     def in_batches(
-        self, designs: list[tuple[float, ...]], first: int, most: int, count: "_Count", *, refined: bool
+        self, designs: list[tuple[float, ...]], first: int, most: int, *, refined: bool
     ) -> Iterator[list[xr.Dataset]]:
         """Judge designs from cold starts, batch by batch, each a Dataset of its own."""
         for place in batches(len(designs), first=first, most=most):
             part = designs[place]
             ds = self.run(part, refined=refined, follow=False)
             yield [ds.isel(design=[i]) for i in range(len(part))]
-            count(len(part))
 
     def followed(self, one: xr.Dataset) -> xr.Dataset:
         """Judge a design in run-up and run-down as well."""
@@ -248,9 +244,13 @@ class _Trial:
     def run(self, designs: list[tuple[float, ...]], *, refined: bool, follow: bool) -> xr.Dataset:
         """Judge designs."""
         machines = [self.make(**{n: self._text(n, v) for n, v in zip(self.names, d, strict=True)}) for d in designs]
-        lengths = np.array([clearance(m) for m in machines]) / clearance(self.system)
+        lengths = np.array([clearance(m) for m in machines]) / clearance(self.judge.system)
         lengths = np.where(np.isfinite(lengths), lengths, 1.0)
-        judged = judge_machines(self.system, machines, self.at, self.limit / lengths, follow=follow, **self.options)
+        j = self.judge
+        judged = judge_machines(
+            j.system, machines, self.at, self.limit / lengths, quantity=j.quantity, follow=follow, labelling=j.labelling,
+            execution=j.execution,
+        )  # fmt: skip
         ds = judged.rename(machine="design")
         ds["amplitude"] = ds["amplitude"].copy(data=ds["amplitude"].values * lengths[:, None])
         swing, safe = ds["amplitude"].values, ds["verdict"].values == Verdict.safe

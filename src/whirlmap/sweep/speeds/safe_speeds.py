@@ -7,19 +7,22 @@
 """
 
 import json
-from collections.abc import Callable, Mapping
-from typing import Any
+from collections.abc import Iterator, Mapping
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.steady.settling import POOL, Settling
+from whirlmap.analysis.steady.settling import POOL
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
-from whirlmap.progress import ProgressOption, shows_progress, tell
+from whirlmap.options.computed import LABELLING, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.options.taking import LabellingParts, takes_options
+from whirlmap.progress import tell
 from whirlmap.results.schema import variable
 from whirlmap.sweep.diagrams.in_batches import FIRST
 from whirlmap.sweep.interruptible import Work, batches
@@ -29,7 +32,6 @@ from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, shaft_speed
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
 
 Array = NDArray[np.float64]
-Progress = Callable[[int], None]
 
 #: Variables of the outcome that are kept.
 KEPT = (
@@ -38,7 +40,7 @@ KEPT = (
 )  # fmt: skip
 
 
-@shows_progress("speeds")
+@takes_options("speeds")
 def safe_speeds(
     system: System,
     speeds: ArrayLike,
@@ -46,12 +48,9 @@ def safe_speeds(
     *,
     quantity: str | None = None,
     follow: bool = True,
-    settling: Settling | None = None,
-    lyapunov: int | None = None,
-    accuracy: float | None = None,
-    method: str | None = None,
-    workers: int | None = None,
-    progress: ProgressOption = None,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> xr.Dataset:
     """Judge the speeds of a machine.
 
@@ -65,8 +64,10 @@ def safe_speeds(
         State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
     follow : bool
         Whether to run up and down through the speeds as well, which shows coexisting motions; about three times the work.
-    progress : callable or True, optional
-        Called with the number of points x periods T done since the last call; True shows a bar.
+    labelling : Labelling, optional
+        How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
+    execution : Execution, optional
+        How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
@@ -86,19 +87,24 @@ def safe_speeds(
     RangeError
         The model has no ``s``; speeds that do not ascend or are not positive; a limit that is not positive.
     """
-    work = safe_speeds_in_parts(
-        system, speeds, limit, quantity=quantity, follow=follow, settling=settling, lyapunov=lyapunov, accuracy=accuracy,
-        method=method, workers=workers, progress=progress,
-    )  # fmt: skip
-    if work.dataset is None or not work.complete:
-        raise KeyboardInterrupt
-    return work.dataset
+    return safe_speeds_in_parts(
+        system, speeds, limit, quantity=quantity, follow=follow, labelling=labelling, execution=execution
+    ).whole()  # fmt: skip
 
 
+@takes_options()
 def safe_speeds_in_parts(
-    system: System, speeds: ArrayLike, limit: float, *, quantity: str | None = None, follow: bool = True, **options: Any
+    system: System,
+    speeds: ArrayLike,
+    limit: float,
+    *,
+    quantity: str | None = None,
+    follow: bool = True,
+    labelling: Labelling = LABELLING,
+    execution: Execution = EXECUTION,
+    **_given: Unpack[LabellingParts],
 ) -> Work:
-    """Judge the speeds of a machine part by part; `KeyboardInterrupt` ends it with what is finished.
+    """Judge the speeds of a machine in parts: whoever iterates may stop, and keeps what is finished.
 
     The cold starts are finished in batches of speeds, those from the lowest on; then each round of run-up and run-down; then
     the edges of the windows. ``done`` and ``total`` of the work count the speeds, and one for each of the other two parts.
@@ -108,44 +114,53 @@ def safe_speeds_in_parts(
     if SPEED not in system.parameters:
         raise RangeError(f"{system.model.name} has no parameter 's': safe speeds are those of a machine with one")
     refuse_speeds(at, limit)
-    judge = Judge(system, quantity, options)
-    block = LANES * (options.get("workers") or cores())
-    parts: list[xr.Dataset] = []
+    judge, progress = Judge(system, quantity, labelling, execution), execution.progress
+    block, limits = LANES * (execution.workers or cores()), np.full(at.size, float(limit))
+    cold: list[xr.Dataset] = []
     met: xr.Dataset | None = None
     edges: dict[int, Edge] | None = None
-    followed = False
-    asked, total, missing = at.size, at.size + 1 + follow, "the edges of the windows"
-    try:
+    followed, missing = False, "the edges of the windows"
+
+    def parts(_: Work) -> Iterator[int]:
+        nonlocal met, edges, followed, missing
         for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
-            parts.append(cold_motions(judge, {SPEED: at[part]}, np.full(at[part].size, float(limit))))
-        met, progress = cold_at(parts, system.model), options.get("progress")
+            cold.append(cold_motions(judge, {SPEED: at[part]}, limits[part]))
+            yield part.stop
+        met = cold_at(cold, system.model)
         safe = met["verdict"].values == Verdict.safe
         at_edges = int((safe[1:] != safe[:-1]).sum()) * edge_points(follow=follow)
         tell(progress, "more_points", at_edges + (2 * at.size if follow else 0))
         if follow:
             missing = "run-up and run-down"
-            cold = met
-            for met in rounds_met(judge, {SPEED: at}, np.full(at.size, float(limit)), at.size, cold):  # noqa: B007 (the last one counts)
+            for met in rounds_met(judge, {SPEED: at}, limits, at.size, met):  # noqa: B007, B020 (the last one counts)
                 tell(progress, "more_points", at_edges)
+                yield at.size
             followed = True
             missing = "the edges of the windows"
+            yield at.size + 1
         edges = refined_edges(judge, at, met, limit, follow=follow)
         missing = ""
-    except KeyboardInterrupt:
-        if met is None:
-            at = at[: sum(part.sizes["point"] for part in parts)]
-            if at.size < 2:
-                return Work(None, 0, total)
-            met = cold_at(parts, system.model)
-    if edges is None:  # windows end with their last safe speed
-        edges = refined_edges(judge, at, met, limit, follow=False, rounds=0)
-    ds = _dataset(system, judge, at, met, edges, limit, follow=followed)
-    done = total
-    if missing:
-        done = at.size if at.size < asked else total - 1 - (missing == "run-up and run-down")
-        where = f"after {at.size} of {asked} speeds" if at.size < asked else f"before {missing} were finished"
-        ds.attrs["incomplete"] = f"interrupted {where}"
-    return Work(ds, done, total)
+        yield at.size + 1 + follow
+
+    def gather(work: Work) -> xr.Dataset | None:
+        found = met
+        speeds = at if met is not None else at[: sum(part.sizes["point"] for part in cold)]
+        if found is None:
+            if speeds.size < 2:
+                work.done = 0
+                return None
+            found = cold_at(cold, system.model)
+        ends = edges
+        if ends is None:  # windows end with their last safe speed
+            ends = refined_edges(judge, speeds, found, limit, follow=False, rounds=0)
+        ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed)
+        if missing:
+            fewer = speeds.size < at.size
+            where = f"after {speeds.size} of {at.size} speeds" if fewer else f"before {missing} were finished"
+            ds.attrs["incomplete"] = f"interrupted {where}"
+        return ds
+
+    return Work(at.size + 1 + follow, parts, gather)
 
 
 def _dataset(

@@ -1,7 +1,7 @@
 """Whether a machine may run at a speed: its motion is periodic and within a limit, and its teeth stay in contact."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from enum import IntEnum
 from typing import Any
 
@@ -13,8 +13,11 @@ from whirlmap.analysis.motion.ensembles import make_ensemble, parameter_values
 from whirlmap.analysis.motion.tooth_contact import tooth_contact
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.system import System
+from whirlmap.options.computed import LABELLING, Integration, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import flags
@@ -57,13 +60,14 @@ class Judge:
         What all points share; columns of values replace its own.
     quantity : str, optional
         State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
-    options : mapping
-        Those of `label_points`.
+    labelling : Labelling
+    execution : Execution
     """
 
     system: System
     quantity: str | None = None
-    options: Mapping[str, Any] = field(default_factory=dict)
+    labelling: Labelling = LABELLING
+    execution: Execution = EXECUTION
 
     @property
     def rows(self) -> list[str]:
@@ -94,7 +98,9 @@ class Judge:
         xr.Dataset
             That of `label_points` with ``end_state``, and ``amplitude``, ``tooth_contact`` and ``verdict``.
         """
-        ds = label_points(self.system, values, starts=starts, ends=True, **self.options)
+        ds = label_points(
+            self.system, values, starts=starts, ends=True, labelling=self.labelling, execution=self.execution
+        )
         swing = ds["peak_to_peak"].sel(quantity=self.rows).max("quantity", skipna=False).values
         touching = self._tooth_contact(values, ds)
         ds["amplitude"] = amplitude_variable("point", swing, self.rows)
@@ -112,13 +118,15 @@ class Judge:
             these = group.members[returns[group.members] > 0]
             if not these.size:
                 continue
-            ensemble, _ = make_ensemble(
-                self.system, {name: column[these] for name, column in values.items()},
-                starts=ds["end_state"].values[these].T, steps=ds["steps"].values[these],
-                method=self.options.get("method"), workers=self.options.get("workers"),
-            )  # fmt: skip
-            out[these] = tooth_contact(ensemble, returns[these] * group.common_multiple, self.options.get("progress"))
+            some = {name: column[these] for name, column in values.items()}
+            ensemble = self.left(some, ds["end_state"].values[these], ds["steps"].values[these])
+            out[these] = tooth_contact(ensemble, returns[these] * group.common_multiple, self.execution.progress)
         return out
+
+    def left(self, values: Mapping[str, Array], ends: Array, steps: NDArray[np.int64]) -> Ensemble:
+        """Motions where they were left, states of shape (point, state), with their steps or those of others."""
+        integration = Integration(self.labelling.integration.method, steps)
+        return make_ensemble(self.system, values, starts=ends.T, integration=integration, execution=self.execution)[0]
 
 
 def verdicts(regime: ArrayLike, amplitude: ArrayLike, limit: ArrayLike, touching: ArrayLike = np.nan) -> NDArray[np.int8]:

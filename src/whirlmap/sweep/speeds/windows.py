@@ -49,7 +49,7 @@ def refined_edges(
     ends, why = at[places], verdict[places[1]]
     known = [_at(met, side) for side in places]
     shares, every = np.arange(1, PARTS + 1) / (PARTS + 1), np.arange(cells.size)
-    tell(judge.options.get("progress"), "more_points", cells.size * edge_points(follow=follow, rounds=rounds))
+    tell(judge.execution.progress, "more_points", cells.size * edge_points(follow=follow, rounds=rounds))
     for _ in range(rounds if cells.size else 0):
         whole = ends[0][:, None] + (ends[1] - ends[0])[:, None] * np.concatenate([[0], shares, [1]])
         whole[:, -1] = ends[1]

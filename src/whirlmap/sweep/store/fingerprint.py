@@ -12,7 +12,8 @@ from whirlmap.results.provenance import package_version
 
 #: Parts of the package whose source decides what is computed of a point.
 DECIDING = (
-    "equations", "films", "kernels", "integrate", "analysis", "results", "sweep/points", "sweep/maps/refine.py",
+    "equations", "films", "kernels", "integrate", "analysis", "results", "options/computed.py", "sweep/points",
+    "sweep/maps/refine.py",
 )  # fmt: skip
 
 #: Packages whose versions do; llvmlite's and LLVM's are part of the platform. Numba compiles loops of the labels.
