@@ -33,7 +33,7 @@ EXAMPLES = (
 )
 
 
-@options.computing(*(name for name in options.LABELS if name != "tolerance"))
+@options.computing(*options.LABELS)
 def improve(
     case: options.CaseName,
     vary: Annotated[
