@@ -48,10 +48,10 @@ def scipy_ratios(count):
     """Time of SciPy's methods over that of the lanes at the lanes' median error after 8T, and that error."""
     import numpy as np
 
-    from whirlmap.bench.contest import Contender, scipy_run, whirlmap_run
-    from whirlmap.bench.problems import gear_pair
-    from whirlmap.bench.ratios import time_at
-    from whirlmap.bench.run import SUBSTITUTE
+    from contest.problems import gear_pair
+    from contest.ratios import time_at
+    from contest.run import SUBSTITUTE
+    from contest.turns import Contender, scipy_run, whirlmap_run
 
     problem, many = gear_pair(0.0, 16), gear_pair(0.0, count)
     exact = scipy_run(problem, "DOP853", SUBSTITUTE)()[1]

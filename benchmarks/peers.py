@@ -7,8 +7,8 @@ from contextlib import chdir
 import numpy as np
 from sympy import Symbol, cos, sin, sympify
 
-from whirlmap.bench.problems import Problem
-from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
+from contest.problems import Problem
+from contest.scalar_code import evaluate_inputs, numba_rhs, scalar_code
 from whirlmap.kernels.lowering.lower import Hoisted, hoist, split_harmonics
 
 

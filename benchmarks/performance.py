@@ -18,12 +18,8 @@ from pathlib import Path
 import numpy as np
 
 import whirlmap
-from peers import jitcode_runs, pynamicalsys_runs
-from performance_report import write
-from whirlmap.analysis.motion.ensembles import make_ensemble
-from whirlmap.analysis.steady.settling import Settling, settle
-from whirlmap.bench import contest, problems
-from whirlmap.bench.run import (
+from contest import problems, turns
+from contest.run import (
     ACCURACIES,
     BY_ACCURACY,
     QUICK,
@@ -36,6 +32,10 @@ from whirlmap.bench.run import (
     taylor_contenders,
     whirlmap_contenders,
 )
+from peers import jitcode_runs, pynamicalsys_runs
+from performance_report import write
+from whirlmap.analysis.motion.ensembles import make_ensemble
+from whirlmap.analysis.steady.settling import Settling, settle
 from whirlmap.errors import ModelError
 from whirlmap.integrate.accuracy import LADDER, choose_steps
 from whirlmap.integrate.ensemble import cores
@@ -71,7 +71,7 @@ def work_precision(quick):
             contenders += [*scipy_contenders(problem, plan), *c_contenders(problem, plan), *_others(problem, plan, missing)]
         except ModelError as error:
             missing[f"one point at a time, {problem.name}"] = str(error)
-        contest.take_turns(contenders, plan.rounds, say)
+        turns.take_turns(contenders, plan.rounds, say)
         low = problem.eccentricity[0]
         rows += [{"problem": problem.name, **c.row(exact), "centre": _centre(c, exact)} for c in contenders]
         say(f"{problem.name}: {int(problem.through_centre.sum())} orbits through the centre, nearest {low.min():.3g} c")
@@ -97,7 +97,7 @@ def _others(problem, plan, missing):
             missing[name] = f"not installed: {error}"
             continue
         for method, setting, run in found:
-            yield contest.Contender(f"{name} {method}", problem, setting, 1, run, plan.scipy_repeats)
+            yield turns.Contender(f"{name} {method}", problem, setting, 1, run, plan.scipy_repeats)
 
 
 def _seconds(problem, method, steps, workers=1, repeats=5):
@@ -208,7 +208,7 @@ def _share(task):
     problem = problems.gear_pair(0.0, 600, periods)
     part = np.arange(share, 600, shares)
     mine = problems.Problem(problem.name, problem.system, problem.values[:, part], problem.x0[:, part], periods)
-    run = contest.scipy_run(mine, method, tolerance)
+    run = turns.scipy_run(mine, method, tolerance)
     begin = time.perf_counter()
     run()
     return time.perf_counter() - begin
@@ -245,14 +245,14 @@ def _rows_near(error):
     out = {}
     for accuracy in ACCURACIES:
         steps = choose_steps(problem.ensemble(BY_ACCURACY, LADDER[0]), accuracy).steps
-        c = contest.Contender("whirlmap", problem, accuracy, 8, contest.whirlmap_run(problem, BY_ACCURACY, steps))
+        c = turns.Contender("whirlmap", problem, accuracy, 8, turns.whirlmap_run(problem, BY_ACCURACY, steps))
         c.turn()
         if c.row(exact)["median_error"] < error:
             out["whirlmap"] = ("whirlmap", accuracy)
             break
     for method in ("DOP853", "LSODA"):
         for tolerance in 10.0 ** -np.arange(5.5, 12, 0.5):
-            c = contest.Contender("scipy", problem, tolerance, 1, contest.scipy_run(problem, method, tolerance))
+            c = turns.Contender("scipy", problem, tolerance, 1, turns.scipy_run(problem, method, tolerance))
             c.turn()
             if c.row(exact)["median_error"] < error:
                 out[method] = (method, float(tolerance))

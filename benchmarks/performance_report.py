@@ -2,7 +2,7 @@
 
 from pathlib import Path
 
-from whirlmap.bench.report import figure, markdown, ratio_rows, work_precision
+from contest.report import figure, markdown, ratio_rows, work_precision
 from whirlmap.plot.common.save import save
 
 HEAD = """# Performance

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import sympy as sp
 
-from whirlmap.bench.scalar_code import code
+from contest.scalar_code import code
 from whirlmap.equations import Model, Parameter, State, cbrt, cos, pi, sign, sin, sqrt, t, when
 from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System

@@ -1,13 +1,20 @@
-"""``whirlmap bench``: speed against accuracy, beside other integrators on this machine."""
+"""``whirlmap bench``: speed against accuracy, beside other integrators on this machine; `benchmarks/contest` measures."""
 
+import sys
+from importlib import import_module
 from pathlib import Path
+from types import ModuleType
 from typing import Annotated
 
 import typer
 
-from whirlmap.cli.common import options, report
-from whirlmap.cli.common.messages import say
+from whirlmap.cli.common import options
 from whirlmap.cli.common.outputs import Looks
+from whirlmap.errors import InputError
+from whirlmap.results.files import check_writable
+
+#: Where the comparison is in a checkout.
+CHECKOUT = Path(__file__).parents[4] / "benchmarks"
 
 EXAMPLES = (
     "whirlmap bench --quick",
@@ -38,29 +45,20 @@ def bench(
     A ratio above 1 means that whirlmap is faster. Errors are those after 8T, median over 512 speeds (64 for SciPy),
     against heyoka at a tolerance of 1e-15; time is processor time, the shortest of several turns that all take in one run,
     compilation apart.
-    heyoka comes with `pip install 'whirlmap[benchmarks]'`; without it the others are still compared.
+    heyoka comes with `pip install 'whirlmap[benchmarks]'`; without it the others are still compared. The comparison is no
+    part of an installed whirlmap: it runs in a checkout of the repository.
     """
     looks = Looks.read(size, dpi, title, picture="" if picture else "--picture FILE")
     if picture is not None:
-        from whirlmap.results.files import check_writable
-
         check_writable(picture, force=force)
-    from whirlmap.bench.run import QUICK, Plan, benchmark
+    _short().compare(quick=quick, picture=picture, looks=looks, json=json, quiet=quiet)
 
-    result = benchmark(QUICK if quick else Plan(), (lambda _: None) if quiet else say)
-    if picture is not None:
-        from whirlmap.bench.report import figure
-        from whirlmap.plot.common.save import save
 
-        save(looks.figure(lambda: figure(result)), picture, dpi=looks.dpi)
-    if json:
-        report.print_json(result)
-        return
-    from whirlmap.bench.report import ratio_rows
-
-    columns = ("peer", "problem", "median error", "ratio")
-    report.show(report.table("Time of others over whirlmap's", columns, ratio_rows(result), numbers=(2, 3)))
-    for name, reason in result["missing"].items():
-        typer.echo(f"{name}: {reason}")
-    if picture is not None:
-        report.print_written([picture])
+def _short() -> ModuleType:
+    """What compares, out of the checkout that this file lies in."""
+    if not (CHECKOUT / "contest").is_dir():
+        raise InputError("bench: the comparison is not installed with whirlmap, expected a checkout of its repository: run"
+                         " `make bench` there")  # fmt: skip
+    if str(CHECKOUT) not in sys.path:
+        sys.path.insert(0, str(CHECKOUT))
+    return import_module("contest.short")

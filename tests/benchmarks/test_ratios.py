@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from whirlmap.bench.ratios import best_time, front, ratio, time_at
+from contest.ratios import best_time, front, ratio, time_at
 
 
 def power_law(order, factor, n=9):

@@ -7,11 +7,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.bench.c_reference import CRun, compiler
-from whirlmap.bench.contest import Contender, scipy_run, take_turns, whirlmap_run
-from whirlmap.bench.problems import Problem, gear_pair
-from whirlmap.bench.ratios import Point, ratio
-from whirlmap.bench.taylor import FIT_OVER_TOLERANCE, TaylorRun, Waves, heyoka, taylor_system
+from contest.c_reference import CRun, compiler
+from contest.problems import Problem, gear_pair
+from contest.ratios import Point, ratio
+from contest.taylor import FIT_OVER_TOLERANCE, TaylorRun, Waves, heyoka, taylor_system
+from contest.turns import Contender, scipy_run, take_turns, whirlmap_run
 from whirlmap.errors import InputError
 from whirlmap.integrate.accuracy import LADDER, choose_steps
 from whirlmap.kernels.methods import METHODS

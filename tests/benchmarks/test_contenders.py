@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from whirlmap.bench.c_reference import CRun, compiler
-from whirlmap.bench.contest import Contender, scipy_run, take_turns, whirlmap_run
-from whirlmap.bench.film_fit import film_fit, mobilities
-from whirlmap.bench.problems import Problem, duffing, gear_pair
-from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
+from contest.c_reference import CRun, compiler
+from contest.film_fit import film_fit, mobilities
+from contest.problems import Problem, duffing, gear_pair
+from contest.scalar_code import evaluate_inputs, numba_rhs, scalar_code
+from contest.turns import Contender, scipy_run, take_turns, whirlmap_run
 from whirlmap.errors import InputError, ModelError, RangeError
 from whirlmap.films.porous_short import film_integrals
 from whirlmap.kernels.running.reference import reference_rates
@@ -32,7 +32,7 @@ def states_nearby(problem: Problem):
 def test_rates_of_heyoka_equal_the_reference(which, waves, request):
     """The porous film is a fit there: its own error of 3e-14 counts on top of rounding, times a load of order ten."""
     pytest.importorskip("heyoka")
-    from whirlmap.bench.taylor import rates, taylor_system
+    from contest.taylor import rates, taylor_system
 
     problem = request.getfixturevalue(which)
     x = states_nearby(problem)
@@ -43,7 +43,7 @@ def test_rates_of_heyoka_equal_the_reference(which, waves, request):
 
 def test_a_coarse_film_fit_shows_in_the_rates(porous):
     pytest.importorskip("heyoka")
-    from whirlmap.bench.taylor import rates, taylor_system
+    from contest.taylor import rates, taylor_system
 
     x = states_nearby(porous)
     exact = reference_rates(porous.model)(0.7, x, porous.values)

@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.bench.problems import Problem
-from whirlmap.bench.scalar_code import ScalarCode, evaluate_inputs, scalar_code
+from contest.problems import Problem
+from contest.scalar_code import ScalarCode, evaluate_inputs, scalar_code
 from whirlmap.errors import InputError
 from whirlmap.kernels.methods import RK4
 from whirlmap.kernels.running.lanes import Waves

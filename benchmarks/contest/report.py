@@ -6,8 +6,8 @@ from typing import Any
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullFormatter
 
-from whirlmap.bench.ratios import front
-from whirlmap.bench.run import PSI, SCIPY_ERROR
+from contest.ratios import front
+from contest.run import PSI, SCIPY_ERROR
 
 #: Colours and markers of those who are drawn; whirlmap's methods take shades of one colour, in their order.
 PEERS = {"heyoka": "tab:orange", "scipy": "tab:green", "c_reference": "tab:purple", "jitcode": "tab:red",

@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.bench.problems import Problem
+from contest.problems import Problem
 
 Array = NDArray[np.float64]
 
@@ -102,7 +102,7 @@ def scipy_run(problem: Problem, method: str, tolerance: float) -> Run:
     """SciPy's `solve_ivp` on a Numba right-hand side, one point after the other; rtol = atol = tolerance."""
     from scipy.integrate import solve_ivp
 
-    from whirlmap.bench.scalar_code import evaluate_inputs, numba_rhs, scalar_code
+    from contest.scalar_code import evaluate_inputs, numba_rhs, scalar_code
 
     rhs = numba_rhs(problem.model)
     inputs = evaluate_inputs(scalar_code(problem.model).hoisted, problem.values)

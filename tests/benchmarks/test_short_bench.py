@@ -7,8 +7,8 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
-from whirlmap.bench import run
-from whirlmap.bench.report import figure, markdown, ratio_rows
+from contest import run
+from contest.report import figure, markdown, ratio_rows
 from whirlmap.cli.main import app
 
 ROW = {"who", "psi", "batch", "tol_or_steps", "median_error", "worst_error", "us_per_lane_and_T"}
@@ -106,3 +106,10 @@ def test_without_heyoka_the_others_are_compared_and_the_extra_is_named(little, m
     assert set(result["heyoka"]["psi=0"].values()) == {None}
     assert result["scipy"]["DOP853"] is not None
     assert {row["psi"] for row in result["raw"]} == {0.0}
+
+
+def test_an_installed_program_asks_for_a_checkout(monkeypatch, tmp_path):
+    monkeypatch.setattr("whirlmap.cli.commands.bench.CHECKOUT", tmp_path)
+    done = bench("bench --quick")
+    assert done.exit_code == 2
+    assert "make bench" in done.stderr and "Traceback" not in done.output

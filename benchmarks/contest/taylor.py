@@ -15,9 +15,9 @@ import numpy as np
 from numpy.typing import NDArray
 from sympy import Expr, Symbol, sympify
 
-from whirlmap.bench.film_fit import FilmFit, film_fit
-from whirlmap.bench.problems import Problem
-from whirlmap.bench.scalar_code import evaluate_inputs
+from contest.film_fit import FilmFit, film_fit
+from contest.problems import Problem
+from contest.scalar_code import evaluate_inputs
 from whirlmap.equations.model import Model
 from whirlmap.errors import InputError, ModelError
 from whirlmap.kernels.lowering.lower import Hoisted, hoist, split_harmonics
