@@ -19,8 +19,10 @@ from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
 from whirlmap.cases.reasons import History, Mark
 from whirlmap.equations import hints
+from whirlmap.equations.family import Family
 from whirlmap.equations.groups import Route, value_of
-from whirlmap.equations.model import Family, Model, Output
+from whirlmap.equations.model import Model
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, ModelError
 from whirlmap.results.listing import Listed, Listing, Rows

@@ -15,7 +15,7 @@ from sys import float_info
 
 from sympy import Expr, Rational, Symbol, sympify
 
-from whirlmap.equations.model import Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 
 Switches = Mapping[str, str]

@@ -1,81 +1,17 @@
 """A model: an immutable value that says what a system is, and nothing about how it is computed."""
 
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import islice, product
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 from sympy import Expr, Symbol, sympify
 
-from whirlmap.equations import hints
-from whirlmap.equations.declaration import parts, refuse_contradictions
+from whirlmap.equations import declaration
+from whirlmap.equations.parts import Film, Output, Section, Stop, Switching
 from whirlmap.equations.pieces import Table
-from whirlmap.equations.quantities import Parameter, State
+from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError, nearest
 from whirlmap.results.listing import Listed, Listing, Rows
-
-if TYPE_CHECKING:
-    from whirlmap.equations.groups import Groups
-
-
-@dataclass(frozen=True)
-class Section:
-    """Where an unforced model is cut: the surface ``surface = 0``, crossed in one direction, once per turn."""
-
-    surface: Expr
-    direction: Literal["rising", "falling"]
-
-
-@dataclass(frozen=True)
-class Output:
-    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`)."""
-
-    expression: Expr
-    unit: str
-    meaning: str
-    measure: str = ""
-
-
-@dataclass(frozen=True)
-class Stop:
-    """An end of the run: the first time at which ``gap`` has fallen to zero.
-
-    ``reachable`` is false where physics forbids the event for these parameters (a plain film at its wall): a step that
-    gets there anyway was too long, and is redone with shorter ones.
-    """
-
-    gap: Expr
-    meaning: str
-    reachable: Expr = field(default_factory=lambda: sympify(1))
-
-
-@dataclass(frozen=True)
-class Switching:
-    """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
-
-    ``surface`` (of states, parameters and time) is positive on one side. It is declared so that its crossings can be listed
-    and counted by name (`whirlmap.switchings`); ``jumps`` says to the reader that the rates jump there and do not merely
-    have a kink. Steps find every such surface in the equations themselves, declared or not.
-    """
-
-    surface: Expr
-    meaning: str
-    jumps: bool = False
-
-
-@dataclass(frozen=True)
-class Film:
-    """A fluid film of the short-bearing law between a journal that spins and its bearing, for its linear coefficients.
-
-    ``u`` is the journal relative to the bearing over the clearance, ``psi`` the permeability, ``spin`` the journal's speed
-    over the clock's, positive from x to y, and ``strength`` is A times the clock's speed, over the model's unit of force.
-    """
-
-    u: tuple[State, State]
-    psi: Expr | int
-    spin: Expr | int
-    strength: Expr
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -164,8 +100,14 @@ class Model(Listed):
     sources: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse a declaration that contradicts itself, naming the symbol."""
-        refuse_contradictions(self)
+        """Refuse a declaration that contradicts itself, or that nothing could compute, naming the symbol."""
+        declaration.refuse_names(self.name, self.states, self.parameters, self.outputs)
+        declaration.refuse_equations(self.name, self.states, self.equations)
+        declaration.refuse_expressions(self.name, self.expressions(), self.states, self.parameters, self.tables)
+        if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
+            raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
+        read = self.read()
+        declaration.refuse_unread(self.name, [p.name for p in self.parameters if p not in read])
 
     @property
     def forced(self) -> bool:
@@ -202,17 +144,32 @@ class Model(Listed):
             ],
         )
 
+    def expressions(self) -> dict[str, list[Any]]:
+        """Every expression of this model, by the part of the declaration where it stands."""
+        of_films = [e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength)]
+        return {
+            "the equations": list(self.equations.values()),
+            "the harmonics": list(self.harmonics),
+            "the defaults": list(self.defaults.values()),
+            "the outputs": [o.expression for o in self.outputs.values()],
+            "the stops": [e for s in self.stops.values() for e in (s.gap, s.reachable)],
+            "the switchings": [q.surface for q in self.switchings.values()],
+            "the films": of_films,
+            "the teeth": [] if self.teeth is None else [self.teeth],
+            "the clocks": list(self.clocks.values()),
+            "the equilibrium": list(self.equilibrium.values()),
+            "the section": [self.section.surface] if self.section else [],
+            "the typical time": [self.typical_time],
+        }
+
     def read(self) -> frozenset[Parameter]:
         """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
-        for expressions in parts(self).values():
+        for expressions in self.expressions().values():
             for expression in expressions:
                 used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
 
-
-#: Choices of switches that `Family.symbols` declares at most.
-TRIED = 64
 
 Named = TypeVar("Named", State, Parameter)
 
@@ -223,86 +180,3 @@ def _by_name(known: tuple[Named, ...], name: str, model: str, kind: str) -> Name
             return quantity
     names = [q.name for q in known]
     raise ModelError(f"model {model!r} has no {kind} {name!r}.{nearest(name, names)}\n  {kind}s: {', '.join(names)}")
-
-
-@dataclass(frozen=True, repr=False)
-class Family(Listed):
-    """Models that differ by declared switches, so that their difference can be read in one place.
-
-    Attributes
-    ----------
-    name : str
-        Name of the model in case files.
-    declare : callable
-        ``declare(**switches) -> Model``.
-    switches : mapping of str to tuple of str
-        Choices for each switch, the default first; a callable default depends on the switches before it.
-    meanings : mapping of str to str
-        What each switch chooses.
-    groups : Groups, optional
-        Dimensional inputs, and the parameters that follow from them.
-    vocabulary : tuple of Parameter
-        Parameters that only some of the models have. Needed where the switches have more choices together than are
-        worth declaring (`TRIED`); found by declaring all of them otherwise.
-    absent : mapping of str to str
-        Beginnings of words for what users look for and the model does not have, and a sentence that says so.
-    """
-
-    name: str
-    declare: Callable[..., Model]
-    switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    meanings: Mapping[str, str] = field(default_factory=dict)
-    default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda _: {}
-    groups: "Groups | None" = None
-    vocabulary: tuple[Parameter, ...] = ()
-    absent: Mapping[str, str] = field(default_factory=dict)
-    _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
-
-    def model(self, **chosen: str) -> Model:
-        """Declare the model for these switches; those that are not given take their defaults.
-
-        Raises
-        ------
-        ModelError
-            Where a switch or a choice is unknown.
-        """
-        for name, value in chosen.items():
-            if name not in self.switches:
-                raise ModelError(f"model {self.name!r} has no switch {name!r}.{self.hint(name, self.switches, value)}")
-            if value not in self.switches[name]:
-                allowed = " | ".join(self.switches[name])
-                raise ModelError(
-                    f"switch {name!r} of {self.name!r} cannot be {value!r}; it is one of {allowed}."
-                    f"{hints.of_choice(self, name, value)}"
-                )
-        settled = {name: choices[0] for name, choices in self.switches.items()}
-        settled |= self.default(settled | chosen)
-        settled |= chosen
-        key = tuple(sorted(settled.items()))
-        if key not in self._made:  # equal switches are the same object, so that kernels are found again
-            self._made[key] = self.declare(**settled)
-        return self._made[key]
-
-    def listing(self) -> Listing:
-        """Its switches, for a terminal and a notebook."""
-        rows = [(name, " | ".join(choices), self.meanings.get(name, "")) for name, choices in self.switches.items()]
-        return Listing(f"Family {self.name}", (), [Rows("Switches", ("name", "choices, default first", "meaning"), rows)])
-
-    def hint(self, name: str, known: Iterable[str], value: object = "") -> str:
-        """Say that the model lacks what an unknown name or its value asks for, else suggest the nearest known name."""
-        asked = re.findall(r"[a-z]+", f"{name} {value}".casefold().replace("_", " "))
-        for word in asked:
-            for begins, sentence in self.absent.items():
-                if word.startswith(begins) if len(begins) > 1 else word == begins and "_" not in name:
-                    return f" {sentence[:1].upper()}{sentence[1:]}."
-        return nearest(name, known)
-
-    def symbols(self) -> frozenset[str]:
-        """Names of the parameters of all its models, whatever the switches."""
-        found = {p.name for p in (*self.model().parameters, *self.vocabulary)}
-        for choices in islice(product(*self.switches.values()), 0 if self.vocabulary else TRIED):
-            try:
-                found |= {p.name for p in self.model(**dict(zip(self.switches, choices, strict=True))).parameters}
-            except ModelError:  # a combination that the family itself refuses
-                continue
-        return frozenset(found)

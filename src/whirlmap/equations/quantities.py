@@ -4,6 +4,7 @@ A quantity is a SymPy symbol that also carries its unit, its meaning and its lim
 the paper and still says everything that `show`, a Dataset and an error message need.
 """
 
+import re
 from math import isfinite
 from typing import Any
 
@@ -60,6 +61,10 @@ class Quantity(Symbol):
         """Refuse ``x(t - tau)``: a symbol is no function of time."""
         shown = f"{self.name}({', '.join(map(str, arguments))})"
         raise ModelError(f"{shown}: {DELAYS.format(name=self.name)}")
+
+    def says(self, word: str) -> bool:
+        """Whether its meaning holds a word."""
+        return bool(re.search(rf"\b{re.escape(word)}\b", self.meaning.casefold()))
 
     def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
         """Arguments that rebuild the quantity (copying and pickling), limits and all."""

@@ -10,8 +10,9 @@ from sympy import sympify
 
 from whirlmap.cases import Case, Settled, read, settle
 from whirlmap.cases.case import start_values
+from whirlmap.equations.family import Family
 from whirlmap.equations.identity import Known, expression_digest
-from whirlmap.equations.model import Family, Model
+from whirlmap.equations.model import Model
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.system import System, exact_order
 from whirlmap.references import key_of, references

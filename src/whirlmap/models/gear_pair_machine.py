@@ -12,7 +12,7 @@ from fractions import Fraction
 from sympy import Abs, Expr, Rational, cos, pi, sign, sqrt
 
 from whirlmap.equations.groups import Bearing, Groups, Route
-from whirlmap.equations.model import Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
 from whirlmap.models import mesh, rub, torsion

@@ -9,7 +9,7 @@ from dataclasses import replace
 from sympy import Expr, pi, sqrt
 
 from whirlmap.equations.groups import Bearing, Groups, Route
-from whirlmap.equations.model import Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import jeffcott as rotor
 from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, rho, speed_max, viscosity_routes

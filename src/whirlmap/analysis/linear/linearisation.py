@@ -7,7 +7,8 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.analysis.motion.ensembles import first_sizes
-from whirlmap.equations.model import Film, Model
+from whirlmap.equations.model import Model
+from whirlmap.equations.parts import Film
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import variants
 from whirlmap.integrate.equilibrium import start_states

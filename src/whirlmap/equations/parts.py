@@ -1,0 +1,67 @@
+"""What a model declares beside its states and parameters: outputs, ends of a run, surfaces, films, a section."""
+
+from dataclasses import dataclass, field
+from typing import Literal
+
+from sympy import Expr, sympify
+
+from whirlmap.equations.quantities import State
+
+
+@dataclass(frozen=True)
+class Section:
+    """Where an unforced model is cut: the surface ``surface = 0``, crossed in one direction, once per turn."""
+
+    surface: Expr
+    direction: Literal["rising", "falling"]
+
+
+@dataclass(frozen=True)
+class Output:
+    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`)."""
+
+    expression: Expr
+    unit: str
+    meaning: str
+    measure: str = ""
+
+
+@dataclass(frozen=True)
+class Stop:
+    """An end of the run: the first time at which ``gap`` has fallen to zero.
+
+    ``reachable`` is false where physics forbids the event for these parameters (a plain film at its wall): a step that
+    gets there anyway was too long, and is redone with shorter ones.
+    """
+
+    gap: Expr
+    meaning: str
+    reachable: Expr = field(default_factory=lambda: sympify(1))
+
+
+@dataclass(frozen=True)
+class Switching:
+    """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
+
+    ``surface`` (of states, parameters and time) is positive on one side. It is declared so that its crossings can be listed
+    and counted by name (`whirlmap.switchings`); ``jumps`` says to the reader that the rates jump there and do not merely
+    have a kink. Steps find every such surface in the equations themselves, declared or not.
+    """
+
+    surface: Expr
+    meaning: str
+    jumps: bool = False
+
+
+@dataclass(frozen=True)
+class Film:
+    """A fluid film of the short-bearing law between a journal that spins and its bearing, for its linear coefficients.
+
+    ``u`` is the journal relative to the bearing over the clearance, ``psi`` the permeability, ``spin`` the journal's speed
+    over the clock's, positive from x to y, and ``strength`` is A times the clock's speed, over the model's unit of force.
+    """
+
+    u: tuple[State, State]
+    psi: Expr | int
+    spin: Expr | int
+    strength: Expr
