@@ -29,6 +29,7 @@ from sympy import tanh as tanh
 from whirlmap.equations.family import Family as Family
 from whirlmap.equations.model import Model as Model
 from whirlmap.equations.parts import Film as Film
+from whirlmap.equations.parts import Journal as Journal
 from whirlmap.equations.parts import Output as Output
 from whirlmap.equations.parts import Section as Section
 from whirlmap.equations.parts import Stop as Stop

@@ -7,9 +7,13 @@ from typing import Any
 from sympy import Symbol, sympify
 
 from whirlmap.equations import allowed, names
+from whirlmap.equations.parts import OF_BEARING, Output
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError
+
+#: Parts of a declaration that hold roles of parameters.
+ROLES = ("the speed", "the unbalances", "the spins")
 
 
 def refuse_names(model: str, states: Sequence[State], parameters: Sequence[Parameter], outputs: Iterable[str]) -> None:
@@ -28,6 +32,27 @@ def refuse_names(model: str, states: Sequence[State], parameters: Sequence[Param
     for name in outputs:
         if name in (s.name for s in states):
             raise ModelError(f"model {model!r}: the output {name!r} has the name of a state; expected another name")
+
+
+def refuse_outputs(model: str, outputs: Mapping[str, Output]) -> None:
+    """Refuse a role that no output can have, one without its bearing, and one that two outputs have of a bearing."""
+    seen: dict[tuple[str, str], str] = {}
+    for name, output in outputs.items():
+        if not output.role and not output.bearing:
+            continue
+        if output.role not in OF_BEARING:
+            raise ModelError(
+                f"model {model!r}: the output {name!r} has the role {output.role!r}, expected one of"
+                f" {' | '.join(OF_BEARING)}, and the bearing that it is of"
+            )
+        if not output.bearing:
+            raise ModelError(f"model {model!r}: the output {name!r} is the {output.role} of no bearing: add bearing=\"...\"")
+        other = seen.setdefault((output.role, output.bearing), name)
+        if other != name:
+            raise ModelError(
+                f"model {model!r}: the outputs {other!r} and {name!r} are both the {output.role} of bearing"
+                f" {output.bearing!r}, expected one"
+            )
 
 
 def refuse_equations(model: str, states: Sequence[State], equations: Collection[State]) -> None:
@@ -58,7 +83,7 @@ def refuse_expressions(
     states, parameters = set(states), set(parameters)
     places = {Symbol(table.name) for table in tables}
     with_time = {"the equations", "the switchings", "the teeth"}
-    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time", "the journals"}
+    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time", *ROLES}
     for where, some in expressions.items():
         if found := allowed.fault(some):
             raise ModelError(f"model {model!r}: {where} cannot be used: {found}")

@@ -7,7 +7,7 @@ from typing import Any, Literal, TypeVar
 from sympy import Expr, Symbol, sympify
 
 from whirlmap.equations import declaration
-from whirlmap.equations.parts import Film, Output, Section, Stop, Switching
+from whirlmap.equations.parts import Film, Journal, OfBearing, Output, Section, Stop, Switching
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError, nearest
@@ -68,7 +68,16 @@ class Model(Listed):
     swing : tuple of State
         The displacements that a diagram of this model shows first.
     bodies : mapping of str to tuple of State
-        Coordinates of each part that moves, for the names and shapes of modes: two of a centre, or one of a torsion.
+        Coordinates of each part that moves, for the names and shapes of modes and their sense of whirl: x and y of a centre,
+        or one of a torsion.
+    speed : Parameter, optional
+        The speed, which all frequencies of the machine are proportional to: what `speeds` judges and `campbell` counts by.
+    journals : mapping of str to Journal
+        Journals by their bearing, for orbits in their clearance.
+    unbalances : mapping of str to Parameter
+        Eccentricities of centres of mass over the clearance, by the rotor's name.
+    assumptions : str
+        Which assumptions `whirlmap.assumptions` judges beside those of bearings.
     sources : tuple of str
         Keys of `references.bib`.
     """
@@ -97,12 +106,17 @@ class Model(Listed):
     clocks: Mapping[str, Expr] = field(default_factory=dict)
     swing: tuple[State, ...] = ()
     bodies: Mapping[str, tuple[State, ...]] = field(default_factory=dict)
+    speed: Parameter | None = None
+    journals: Mapping[str, Journal] = field(default_factory=dict)
+    unbalances: Mapping[str, Parameter] = field(default_factory=dict)
+    assumptions: str = ""
     sources: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         """Refuse a declaration that contradicts itself, or that nothing could compute, naming the symbol."""
         declaration.refuse_names(self.name, self.states, self.parameters, self.outputs)
         declaration.refuse_equations(self.name, self.states, self.equations)
+        declaration.refuse_outputs(self.name, self.outputs)
         declaration.refuse_expressions(self.name, self.expressions(), self.states, self.parameters, self.tables)
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
@@ -131,6 +145,7 @@ class Model(Listed):
         """Its equations and parameters, for a terminal and a notebook."""
         facts = [f"switches: {', '.join(f'{name} = {choice}' for name, choice in self.switches.items())}"]
         facts += [f"forced at {', '.join(map(str, self.harmonics))}" if self.forced else "unforced"]
+        facts += [f"not declared: {what}" for what in self.not_declared()]
         equations = [(s.name, s.unit, s.meaning, str(self.equations[s])) for s in self.states]
         parameters = [(p.name, p.unit, p.meaning) for p in self.parameters]
         outputs = [(name, o.unit, o.meaning) for name, o in self.outputs.items()]
@@ -143,6 +158,39 @@ class Model(Listed):
                 Rows("Outputs", ("name", "unit", "meaning"), outputs, details=True),
             ],
         )
+
+    def outputs_of(self, role: OfBearing) -> dict[str, str]:
+        """Names of the outputs that have a role, by the bearing of each."""
+        return {output.bearing: name for name, output in self.outputs.items() if output.role == role}
+
+    @property
+    def velocities(self) -> dict[str, str]:
+        """The state that is the rate of another, by the name of that other: names of positions and of their velocities."""
+        rates = [(s.name, self.equations[s]) for s in self.states]
+        return {name: rate.name for name, rate in rates if isinstance(rate, State)}
+
+    def roles(self) -> dict[str, Any]:
+        """Names by their roles, as plain data: what a result says to those who draw it."""
+        quantities = (*self.states, *self.parameters)
+        found = {
+            "speed": self.speed.name if self.speed else "",
+            "journals": {bearing: [q.name for q in j.u] for bearing, j in self.journals.items()},
+            "eccentricities": self.outputs_of("eccentricity"),
+            "velocities": self.velocities,
+            "symbols": {q.name: q.latex for q in quantities if q.latex},
+        }
+        return {role: names for role, names in found.items() if names}
+
+    def not_declared(self) -> list[str]:
+        """Say which roles this model does not declare, and what is not to be had without each."""
+        return [sentence for declared, sentence in (
+            (self.speed, "speed, so that there are no safe speeds"),
+            (self.bodies, "bodies, so that modes have no names and no sense of whirl"),
+            (self.journals, "journals, so that no orbit is drawn in its clearance"),
+            (self.outputs_of("eccentricity"),
+             'an output with role="eccentricity", so that films have no thickness, and no assumption is judged'),
+            (self.outputs_of("load"), 'an output with role="load", so that bearings have no largest load'),
+        ) if not declared]  # fmt: skip
 
     def expressions(self) -> dict[str, list[Any]]:
         """Every expression of this model, by the part of the declaration where it stands."""
@@ -157,6 +205,11 @@ class Model(Listed):
             "the films": of_films,
             "the teeth": [] if self.teeth is None else [self.teeth],
             "the clocks": list(self.clocks.values()),
+            "the speed": [] if self.speed is None else [self.speed],
+            "the unbalances": list(self.unbalances.values()),
+            "the spins": [j.spin for j in self.journals.values()],
+            "the coordinates": [*self.swing, *(q for body in self.bodies.values() for q in body),
+                                *(q for j in self.journals.values() for q in j.u)],
             "the equilibrium": list(self.equilibrium.values()),
             "the section": [self.section.surface] if self.section else [],
             "the typical time": [self.typical_time],
@@ -165,8 +218,8 @@ class Model(Listed):
     def read(self) -> frozenset[Parameter]:
         """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
-        for expressions in self.expressions().values():
-            for expression in expressions:
+        for where, expressions in self.expressions().items():
+            for expression in () if where in declaration.ROLES else expressions:
                 used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
 

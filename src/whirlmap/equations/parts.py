@@ -1,11 +1,16 @@
 """What a model declares beside its states and parameters: outputs, ends of a run, surfaces, films, a section."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Literal, get_args
 
 from sympy import Expr, sympify
 
 from whirlmap.equations.quantities import State
+
+#: What an output of a model is of its bearing, and what a dimensional result of a case is of the machine: see `Output`.
+OfBearing = Literal["eccentricity", "load"]
+OfMachine = Literal["unit_speed", "shaft_speed", "natural_frequency", "ring"]
+OF_BEARING: tuple[str, ...] = get_args(OfBearing)
 
 
 @dataclass(frozen=True)
@@ -18,12 +23,20 @@ class Section:
 
 @dataclass(frozen=True)
 class Output:
-    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`)."""
+    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`).
+
+    ``role`` says what it is of the ``bearing`` that it names: the ``eccentricity`` of its journal, in clearances, or the
+    ``load``, the force of its film. A dimensional result of `Groups` may be the ``unit_speed`` (of the clock, where the
+    speed parameter is 1), the ``shaft_speed`` (of the first shaft), a ``natural_frequency`` (with the films left out) or
+    the ``ring`` (pi H/L) of a porous bearing.
+    """
 
     expression: Expr
     unit: str
     meaning: str
     measure: str = ""
+    role: OfBearing | OfMachine | Literal[""] = ""
+    bearing: str = ""
 
 
 @dataclass(frozen=True)
@@ -51,6 +64,17 @@ class Switching:
     surface: Expr
     meaning: str
     jumps: bool = False
+
+
+@dataclass(frozen=True)
+class Journal:
+    """A journal in its bearing: ``u``, its centre relative to the bearing, over the clearance, and its ``spin``.
+
+    ``spin`` is the journal's speed over the clock's, positive from x to y; 0 for a damper.
+    """
+
+    u: tuple[State, State]
+    spin: Expr | int
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ class Quantity(Symbol):
     meaning : str
         A few words for people.
     latex : str, optional
-        How plots and docs print it; the name where absent.
+        How pictures write it; where absent, they write its name as a symbol.
     measure : str, optional
         What a dimensionless quantity is a number of, so that a case with dimensions can be shown in engineering units:
         ``length``, ``velocity``, ``force`` or ``rotation``, whose sizes follow from `Groups.units`.
@@ -54,7 +54,7 @@ class Quantity(Symbol):
     ) -> "Quantity":
         """Create the symbol without SymPy's cache of symbols: equal names in two models must not share units."""
         made = Symbol.__xnew__(cls, name, real=True)
-        made.unit, made.meaning, made.latex, made.measure = unit, meaning, latex or name, measure
+        made.unit, made.meaning, made.latex, made.measure = unit, meaning, latex, measure
         return made
 
     def __call__(self, *arguments: Any) -> Any:

@@ -26,7 +26,7 @@ from whirlmap.sweep.diagrams.in_batches import BATCH
 from whirlmap.sweep.interruptible import OnBatch, Work, batches
 from whirlmap.sweep.speeds.designs import judge_machines
 from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
-from whirlmap.sweep.speeds.verdicts import SPEED, Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds.verdicts import Verdict, clearance, shaft_speed
 from whirlmap.sweep.speeds.windows import widest_window
 
 Array = NDArray[np.float64]
@@ -130,9 +130,10 @@ def improve_in_batches(
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in vary.items()}
-    _refuse_axes(axes)
+    system = make()
+    _refuse_axes(axes, system)
     refuse_speeds(at, limit)
-    trial = _Trial(make, tuple(axes), units or {}, at, limit, {"quantity": quantity, **options}, make())
+    trial = _Trial(make, tuple(axes), units or {}, at, limit, {"quantity": quantity, **options}, system)
     most = batch or max(BATCH * LANES * (options.get("workers") or cores()) // at.size, 1)
     count = _Count(on_batch, int(np.prod([v.size for v in axes.values()])) + follow)
     designs: list[xr.Dataset] = []  # each with one design
@@ -159,9 +160,9 @@ def improve_in_batches(
         return Work(None, 0, count.total)
     ds = _joined(designs)
     ds["front"] = variable("design", _front(ds), "1", "1 where no other design is better in width and amplitude both")
-    rpm = shaft_speed(trial.system) * 30 / np.pi
+    rpm = shaft_speed(system) * 30 / np.pi
     if np.isfinite(rpm):
-        ds = ds.assign_coords(rpm=(SPEED, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
+        ds = ds.assign_coords(rpm=(system.speed, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
     ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
     if stage:
         ds.attrs["incomplete"] = f"interrupted in {stage}, after {count.done} designs"
@@ -182,11 +183,11 @@ class _Count:
             self.report(self.done, self.total)
 
 
-def _refuse_axes(axes: Mapping[str, Array]) -> None:
+def _refuse_axes(axes: Mapping[str, Array], system: System) -> None:
     if not 1 <= len(axes) <= 2:
         raise RangeError(f"found {len(axes)} design parameters, expected one or two")
     for name, values in axes.items():
-        if name in (SPEED, "speed"):
+        if name in (system.speed, system.speed_input):
             raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")
         if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
             raise RangeError(f"values of {name!r} must be finite and ascend, and be two or more")
