@@ -111,11 +111,11 @@ def test_power_counts_at_the_speed_it_is_given_for(tmp_path):
 
 def test_how_a_machine_is_run_is_there_for_speeds():
     for name, low, high, limit in ((TURBO, 3000, 9000, 25e-6), (RIG, 600, 6000, 60e-6), (AERO, 2000, 15000, 100e-6)):
-        inputs = load(name).details.inputs
+        inputs = load(name).machine.inputs
         assert inputs["speed_min"].value == pytest.approx(low * pi / 30, rel=1e-14)
         assert inputs["speed_max"].value == pytest.approx(high * pi / 30, rel=1e-14)
         assert inputs["limit"].value == pytest.approx(limit, rel=1e-14)
-    assert load(TURBO, limit="30 um").details.inputs["limit"].value == pytest.approx(30e-6)
+    assert load(TURBO, limit="30 um").machine.inputs["limit"].value == pytest.approx(30e-6)
 
 
 @pytest.mark.parametrize("name", [TURBO, RIG, AERO])
@@ -146,9 +146,9 @@ def test_the_rigs_groups_are_those_of_its_numbers():
 def test_a_damper_is_the_film_of_newtons_law_with_a_cage():
     """Force balance of a ring that does not turn, in SI: film (C = pi mu R L^3/(2 c^3) at the centre), cage, shaft."""
     system = load(AERO)
-    q = {n: i.value for n, i in system.details.inputs.items()}
+    q = {n: i.value for n, i in system.machine.inputs.items()}
     c, w = q["c"], q["speed"]
-    damping = system.details.quantities["film_damping"][0]
+    damping = system.machine.quantities["film_damping"][0]
     assert damping == pytest.approx(pi * q["mu"] * 0.06 * 0.03**3 / (2 * c**3), rel=1e-12)
     for u, x in (((1e-9, 0.0), (3e-6, 1e-6)), ((0.0, 2e-9), (-1e-6, 4e-6))):
         rates = system.reference_rhs(0.0, [u[0] / c, u[1] / c, x[0] / c, x[1] / c, 0.0, 0.0])

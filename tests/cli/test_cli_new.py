@@ -41,7 +41,7 @@ def test_a_template_has_a_speed_in_rpm_and_the_switches_in_force(like, tmp_path)
     assert not [line for line in lines if line.startswith("s = ")]
     assert [line for line in lines if line.startswith("speed = ") and 'unit = "rpm"' in line]
     assert not [line for line in lines if 'unit = "rad/s"' in line]
-    stock = whirlmap.load(like).details
+    stock = whirlmap.load(like).machine
     for name, value in stock.switches.items():
         assert [line for line in lines if line.removeprefix("# ").startswith(f'{name} = "{value}"')], name
     assert not [line for line in lines if "value = 0," in line and line.startswith("#")]  # what is not in force is not shown
@@ -86,7 +86,7 @@ def test_a_template_is_the_same_machine_without_its_comment_marks(name, tmp_path
     (tmp_path / "mine.toml").write_text(text)
     (system, count), mine = uncommented(text, tmp_path), whirlmap.load(tmp_path / "mine.toml")
     assert count >= 1 and system.values == mine.values and system.model is mine.model
-    assert system.details.switches == mine.details.switches
+    assert system.machine.switches == mine.machine.switches
     stock = whirlmap.load(name)
     assert {k: v for k, v in mine.values.items() if k != "s"} == {k: v for k, v in stock.values.items() if k != "s"}
 

@@ -47,7 +47,7 @@ def apart(rpm):
 
 
 def numbers(system):
-    return {name: given.value for name, given in system.details.inputs.items()}
+    return {name: given.value for name, given in system.machine.inputs.items()}
 
 
 def of_rig(system):

@@ -68,6 +68,7 @@ def rotor(periodic: dict[str, xr.Dataset]) -> dict[str, xr.Dataset]:
     eps = np.hypot(*(0.2 * series["x"].values.T))
     output = ("output", ["eps"], {"long_name": "output"})
     series = series.drop_dims("output").assign(x=0.2 * series["x"]).assign_coords(output=output)
+    series.attrs["roles"] = '{"journals": {"1": ["ux", "uy"]}}'
     series["outputs"] = ("time", "output"), eps[:, None], {"units": "1", "long_name": "output"}
     return {"series": series, "section": points.assign(section=0.2 * points["section"])}
 

@@ -15,7 +15,7 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 
 from whirlmap.equations import Model, Parameter, State, cos, t, when
-from whirlmap.equations.model import Output, Stop
+from whirlmap.equations.parts import Output, Stop
 from whirlmap.equations.pieces import Table
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System

@@ -46,7 +46,7 @@ def test_a_model_and_what_a_case_says_print_themselves():
     model = whirlmap.load(LARGE).model
     assert "vxp    1     pinion velocity" in printed(model, 1000, 6000)
     assert "-alpha*x - beta*x**3 - delta*v + gamma*cos(omega*t)" in printed(whirlmap.load("duffing").model, 200, 1000)
-    details = whirlmap.load(LARGE).details
+    details = whirlmap.load(LARGE).machine
     assert "K_p   4E+6 N/m" in printed(details, 1000, 5000)
     assert "K_p   4E+6 N/m" in printed(details.case, 1000, 5000)
     assert "arc         fixed | positive" in printed(family("gear_pair"), 200, 2000)

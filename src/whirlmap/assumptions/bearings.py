@@ -41,13 +41,12 @@ def clearance(facts: Facts) -> Iterator[Strain]:
 def at_rest(facts: Facts) -> Iterator[Strain]:
     """Eccentricities of the static equilibrium, where there is one."""
     found = facts.eccentricities()
-    for output, value in found.items():
-        number = output.removeprefix("eps")
+    for journal in facts.journals:
+        value = found.get(journal.output, 0.0)
         if value > DEEP:
-            journal = f"Journal {number[1:]}" if number else "The journal"
             yield Strain(
-                f"rest_eccentricity{number}", value, DEEP,
-                f"{journal} rests at an eccentricity of {value:.3g}: above {DEEP} roughness, misalignment, elastic"
+                f"rest_eccentricity{journal.name}", value, DEEP,
+                f"{journal.words} rests at an eccentricity of {value:.3g}: above {DEEP} roughness, misalignment, elastic"
                 " bearings and warm oil, which the model leaves out, decide.",
             )  # fmt: skip
 
@@ -65,8 +64,8 @@ def flow(facts: Facts) -> Iterator[Strain]:
             number = bearing.name[1:]
             yield Strain(
                 f"film_reynolds{bearing.name}", value, limit,
-                f"{f'Film {number}' if number else 'The film'} has a Reynolds number of {value:.3g} {said} at s ="
-                f" {facts.s:.4g}: from {limit:.3g} on the flow has vortices, and the film resists more than the model's"
+                f"{f'Film {number}' if number else 'The film'} has a Reynolds number of {value:.3g} {said} at"
+                f" {facts.at}: from {limit:.3g} on the flow has vortices, and the film resists more than the model's"
                 " laminar one.",
             )  # fmt: skip
     fastest = facts.fastest * clock
@@ -75,6 +74,6 @@ def flow(facts: Facts) -> Iterator[Strain]:
         yield Strain(
             "film_inertia", value, FILM_INERTIA,
             f"rho omega c^2/mu is {value:.3g} {said} at the fastest harmonic, {fastest:.4g} rad/s at"
-            f" s = {facts.s:.4g}: above about {FILM_INERTIA:g} the oil's inertia, which the film law leaves out,"
+            f" {facts.at}: above about {FILM_INERTIA:g} the oil's inertia, which the film law leaves out,"
             " is felt in the motion at that frequency.",
         )  # fmt: skip

@@ -5,16 +5,14 @@ from collections.abc import Iterator
 from whirlmap.assumptions.strain import Facts, Strain
 from whirlmap.units import convert
 
-#: Unbalance eccentricities over the clearance, and whose they are.
-UNBALANCES = {"b": "rotor", "b_p": "pinion", "b_g": "gear"}
 #: Speeds are compared with the ends of a range that were read from text.
 ROUNDING = 1e-9
 
 
 def unbalance(facts: Facts) -> Iterator[Strain]:
     """A centre of mass that lies further out than the journal can move."""
-    for name, rotor in UNBALANCES.items():
-        value = facts.values.get(name, 0.0)
+    for rotor, parameter in facts.system.model.unbalances.items():
+        name, value = parameter.name, facts.values[parameter.name]
         if value >= 1.0:
             yield Strain(
                 f"unbalance_{name}", value, 1.0,
@@ -28,7 +26,7 @@ def speed_range(facts: Facts) -> Iterator[Strain]:
     per_s = facts.shaft_speed
     if per_s is None:
         return
-    for name, end, s in (("speed_min", "lowest", facts.values["s"]), ("speed_max", "highest", facts.s)):
+    for name, end, s in (("speed_min", "lowest", facts.values[facts.system.speed]), ("speed_max", "highest", facts.s)):
         value, limit = per_s * s, facts.inputs.get(name)
         if limit is None:
             continue

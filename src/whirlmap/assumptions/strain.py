@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 from sympy import sympify
 
-from whirlmap.cases import Settled
+from whirlmap.equations.parts import OfMachine
 from whirlmap.integrate.equilibrium import rest_state
 from whirlmap.integrate.system import System, frequencies
 
@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     import xarray as xr
-
-#: Quantities that are the speed of the first shaft, which a case's range of speeds is of.
-SHAFT = ("pinion_speed", "shaft_speed")
 
 Results = Union["xr.Dataset", Mapping[Any, "xr.Dataset"], "Iterable[xr.Dataset]", None]
 
@@ -67,6 +64,15 @@ class BearingNumbers:
 
 
 @dataclass(frozen=True)
+class JournalName:
+    """Name of the output that is a journal's eccentricity, what strains of it end in, and what a sentence calls it."""
+
+    output: str
+    name: str
+    words: str
+
+
+@dataclass(frozen=True)
 class Facts:
     """Numbers of one system, and of the results that were computed with it.
 
@@ -76,7 +82,7 @@ class Facts:
     values, switches, inputs, quantities : mapping
         Parameters; choices; dimensional inputs and results in SI, where the case has them.
     s : float
-        The largest speed ratio that was run.
+        The largest speed ratio that was run; 1 of a model that declares no speed.
     """
 
     system: System
@@ -89,31 +95,34 @@ class Facts:
     @classmethod
     def of(cls, system: System, runs: "list[xr.Dataset]") -> "Facts":
         """Read a system, and the largest speed of its results."""
-        settled = system.details if isinstance(system.details, Settled) else None
+        settled, name = system.machine, system.speed
         values = {name: float(value) for name, value in system.values.items()}
-        speeds = [float(run["s"].max()) for run in runs if "s" in run.coords]
+        speeds = [float(run[name].max()) for run in runs if name in run.coords]
         return cls(
             system=system,
             values=values,
             switches=dict(system.model.switches),
             inputs={name: given.value for name, given in settled.inputs.items()} if settled else {},
             quantities={name: value for name, (value, _) in settled.quantities.items()} if settled else {},
-            s=max([values["s"], *speeds]),
+            s=max([values.get(name, 1.0), *speeds]),
         )
 
     @property
     def clock(self) -> float | None:
         """Speed of the clock in rad/s."""
-        return self.s * self.quantities["omega_0"] if "omega_0" in self.quantities else None
+        unit = next(iter(self.results("unit_speed").values()), None)
+        return None if unit is None else self.s * unit
+
+    def results(self, role: OfMachine) -> Mapping[str, float]:
+        """Dimensional results of the case that have a role, by the bearing of each."""
+        return self.system.machine.results(role) if self.system.machine else {}
 
     @property
     def shaft_speed(self) -> float | None:
         """Speed of the first shaft in rad/s at s = 1."""
-        settled = self.system.details
-        for name in SHAFT:
-            if name in self.quantities:
-                return self.quantities[name] / float(settled.values["s"])
-        return None
+        settled, name = self.system.machine, self.system.speed
+        speeds = [value / float(settled.values[name]) for value in self.results("shaft_speed").values()] if settled else []
+        return speeds[0] if speeds and name else None
 
     @property
     def fastest(self) -> float:
@@ -123,9 +132,7 @@ class Facts:
     @cached_property
     def bearings(self) -> tuple[BearingNumbers, ...]:
         """Bearings whose dimensions the case gives."""
-        settled = self.system.details
-        groups = settled.case.family.groups if isinstance(settled, Settled) else None
-        declared = groups.bearings(self.switches) if groups else {}
+        declared = self.system.machine.bearings if self.system.machine else {}
         found = []
         for name, b in declared.items():
             if not {q.name for q in (b.R, b.L, b.c, b.mu)} <= self.inputs.keys():
@@ -147,7 +154,13 @@ class Facts:
     @cached_property
     def rest_at_speed(self) -> Mapping[str, float] | None:
         """The same at the largest speed that was run."""
-        return self.rest if self.s == self.values["s"] else rest_state(self.system.replace(s=self.s))
+        name = self.system.speed
+        return self.rest if self.s == self.values.get(name, 1.0) else rest_state(self.system.at_speed(self.s))
+
+    @property
+    def at(self) -> str:
+        """The largest speed that was run, as sentences say it: ``s = 1.5``."""
+        return f"{self.system.speed or 's'} = {self.s:.4g}"
 
     def output(self, name: str, rest: Mapping[str, float]) -> float:
         """Evaluate an output of the model at rest."""
@@ -159,5 +172,12 @@ class Facts:
     def eccentricities(self) -> dict[str, float]:
         """Eccentricity of every journal at rest, by the name of its output."""
         rest = self.rest
-        names = [n for n in self.system.model.outputs if n == "eps" or n.startswith("eps_")]
-        return {n: self.output(n, rest) for n in names} if rest is not None else {}
+        return {one.output: self.output(one.output, rest) for one in self.journals} if rest is not None else {}
+
+    @property
+    def journals(self) -> list[JournalName]:
+        """Journals whose eccentricity the model declares."""
+        found = self.system.model.outputs_of("eccentricity")
+        if len(found) == 1:
+            return [JournalName(output, "", "The journal") for output in found.values()]
+        return [JournalName(output, f"_{bearing}", f"Journal {bearing}") for bearing, output in found.items()]

@@ -18,8 +18,8 @@ from whirlmap.integrate.system import System
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Models whose assumptions are known here.
-JUDGED = ("gear_pair", "jeffcott")
+#: What `Model.assumptions` names: assumptions beside those of bearings.
+BESIDE = {"": lambda _: (), "gear_pair": gear_pair.strains}
 #: What a command does not repeat: said in other words, or of a result.
 NOT_REPEATED = ("static_equilibrium", "not_evaluated")
 
@@ -30,7 +30,8 @@ def strained(system: System, diagrams: Results = None) -> list[Strain]:
     Parameters
     ----------
     system : System
-        A gear pair of any edition, or a Jeffcott rotor. Dimensions are those of its case; speed and permeability its own.
+        Of a model that declares the eccentricity of its journals, such as a gear pair of any edition or a Jeffcott rotor.
+        Dimensions are those of its case; speed and permeability its own.
     diagrams : xr.Dataset, mapping to it or iterable of it, optional
         Results of `whirlmap.bifurcation_diagram` or `whirlmap.diagnose`. The largest eccentricity is read from
         ``maximum(..., quantity)``, the largest speed from ``s``, static equilibria from ``start_found``.
@@ -45,8 +46,11 @@ def strained(system: System, diagrams: Results = None) -> list[Strain]:
     CaseError
         For any other model.
     """
-    if system.model.name not in JUDGED:
-        raise CaseError(f"assumptions are known of the models {' and '.join(JUDGED)}, not of {system.model.name!r}")
+    if not judged(system):
+        raise CaseError(
+            f"assumptions are those of journals in films, and {system.model.name!r} declares none: expected an output with"
+            ' role="eccentricity", as gear_pair and jeffcott have'
+        )
     runs = _runs(diagrams)
     facts = Facts.of(system, runs)
     found = [
@@ -58,11 +62,16 @@ def strained(system: System, diagrams: Results = None) -> list[Strain]:
         *oil_heat.strains(facts),
         *operation.unbalance(facts),
         *operation.speed_range(facts),
-        *(gear_pair.strains(facts) if system.model.name == "gear_pair" else ()),
+        *BESIDE[system.model.assumptions](facts),
         *_equilibrium(facts, runs),
     ]
     unknown = _unknown(facts, runs)
     return [*found, unknown] if unknown else found
+
+
+def judged(system: System) -> bool:
+    """Whether assumptions of a system's model are known: it has journals."""
+    return bool(system.model.outputs_of("eccentricity"))
 
 
 def repeated(systems: Iterable[System]) -> list[str]:
@@ -72,7 +81,7 @@ def repeated(systems: Iterable[System]) -> list[str]:
     """
     found: dict[str, Strain] = {}
     for system in systems:
-        for strain in strained(system) if system.model.name in JUDGED else ():
+        for strain in strained(system) if judged(system) else ():
             known = found.get(strain.name)
             if known is None or abs(strain.value - strain.limit) > abs(known.value - known.limit):
                 found[strain.name] = strain
@@ -91,14 +100,12 @@ def _runs(diagrams: Results) -> "list[xr.Dataset]":
 
 def _eccentricity(facts: Facts, runs: "list[xr.Dataset]") -> Iterator[Strain]:
     """Eccentricities of results."""
-    for output in _journals(facts):
-        number = output.removeprefix("eps")
-        value, place = _largest(runs, output)
+    for journal in facts.journals:
+        value, place = _largest(runs, journal.output)
         if value > bearings.DEEP:
-            journal = f"Journal {number[1:]}" if number else "The journal"
             yield Strain(
-                f"eccentricity{number}", value, bearings.DEEP,
-                f"{journal} reaches an eccentricity of {value:.3g}{place}: above {bearings.DEEP} roughness,"
+                f"eccentricity{journal.name}", value, bearings.DEEP,
+                f"{journal.words} reaches an eccentricity of {value:.3g}{place}: above {bearings.DEEP} roughness,"
                 " misalignment, elastic bearings and warm oil, which the model leaves out, decide.",
             )  # fmt: skip
 
@@ -145,7 +152,7 @@ def _equilibrium(facts: Facts, runs: "list[xr.Dataset]") -> Iterator[Strain]:
 
 
 def _unknown(facts: Facts, runs: "list[xr.Dataset]") -> Strain | None:
-    known, plain, journals = facts.quantities, facts.values.get("psi", 0.0) == 0.0, _journals(facts)
+    plain, journals = facts.values.get("psi", 0.0) == 0.0, facts.journals
     parts = []
     dimensions = len(facts.bearings) >= len(journals)
     lacking = [
@@ -153,17 +160,12 @@ def _unknown(facts: Facts, runs: "list[xr.Dataset]") -> Strain | None:
         for words, there in (
             ("length over diameter", dimensions),
             ("the film's Reynolds number and inertia", dimensions and facts.clock is not None),
-            ("the thickness of the porous ring", plain or {"ring_1", "ring_2"} <= known.keys()),
+            ("the thickness of the porous ring", plain or len(facts.results("ring")) >= len(journals)),
         )
         if not there
     ]
     if lacking:
         parts.append(f"The case does not give the dimensions for {', '.join(lacking)}.")
-    if not all(isfinite(_largest(runs, output)[0]) for output in journals):
+    if not all(isfinite(_largest(runs, journal.output)[0]) for journal in journals):
         parts.append("No result with the largest eccentricity was given.")
     return Strain("not_evaluated", nan, nan, " ".join(parts)) if parts else None
-
-
-def _journals(facts: Facts) -> list[str]:
-    """Names of the outputs that are eccentricities."""
-    return [name for name in facts.system.model.outputs if name == "eps" or name.startswith("eps_")]

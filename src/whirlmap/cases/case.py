@@ -28,8 +28,7 @@ from typing import Any
 
 from whirlmap.cases import entries, origin
 from whirlmap.cases.entries import Given, place
-from whirlmap.equations import hints
-from whirlmap.equations.model import Family
+from whirlmap.equations.family import Family
 from whirlmap.errors import CaseError, nearest
 from whirlmap.results.listing import Listed, Listing, Rows
 from whirlmap.units import read as read_number
@@ -211,7 +210,7 @@ def _body(
             if value not in family.switches[key]:
                 raise CaseError(
                     f"{place(file, raw, key)}: {key}: found {value!r}, expected one of"
-                    f" {' | '.join(family.switches[key])}.{hints.of_choice(family, key, value)}"
+                    f" {' | '.join(family.switches[key])}.{family.hint_of_choice(key, value)}"
                 )
             switches[key] = value
             continue

@@ -6,7 +6,8 @@ from pathlib import Path
 from types import ModuleType
 from typing import Any
 
-from whirlmap.equations.model import Family, Model
+from whirlmap.equations.family import Family
+from whirlmap.equations.model import Model
 from whirlmap.errors import CaseError, WhirlmapError, nearest
 
 

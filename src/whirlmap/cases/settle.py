@@ -19,8 +19,10 @@ from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
 from whirlmap.cases.reasons import History, Mark
 from whirlmap.equations import hints
-from whirlmap.equations.groups import Route, value_of
-from whirlmap.equations.model import Family, Model, Output
+from whirlmap.equations.family import Family
+from whirlmap.equations.groups import Bearing, Groups, Route, value_of
+from whirlmap.equations.model import Model
+from whirlmap.equations.parts import OfMachine, Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, ModelError
 from whirlmap.results.listing import Listed, Listing, Rows
@@ -70,6 +72,20 @@ class Settled(Listed):
     given: Mapping[str, float]
     quantities: Mapping[str, tuple[float, Output]]
     marks: Mapping[str, Mark] = field(default_factory=dict)
+
+    @property
+    def groups(self) -> Groups | None:
+        """How the model's parameters follow from inputs, where its family says so."""
+        return self.case.family.groups
+
+    @property
+    def bearings(self) -> Mapping[str, Bearing]:
+        """Bearings as the family declares them, by name."""
+        return self.groups.bearings(self.switches) if self.groups else {}
+
+    def results(self, role: OfMachine) -> dict[str, float]:
+        """Dimensional results that have a role, by the bearing of each."""
+        return {output.bearing: value for value, output in self.quantities.values() if output.role == role}
 
     def listing(self) -> Listing:
         """Its dimensional inputs, for a terminal and a notebook."""

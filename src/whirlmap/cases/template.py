@@ -31,7 +31,7 @@ def template(case: Case) -> str:
     settled = settle(case)
     inputs = {q.name: q for q in groups.inputs}
     given = {name: one for name, one in case.given.items() if name not in inputs or name in settled.inputs}
-    given = _at_a_speed(given, settled) if "speed" in inputs else given
+    given = _at_a_speed(given, settled)
     shared = {name: shared for shared, names in groups.shared.items() for name in names}
     lines = [
         f"# A machine after {case.name}. Replace the numbers by yours, and say for each where it comes from:",
@@ -53,21 +53,24 @@ def template(case: Case) -> str:
 
 
 def _at_a_speed(given: Mapping[str, Given], settled: Settled) -> dict[str, Given]:
-    """Say the speed of a machine in rpm, to four digits, in place of the number s that a case may give instead."""
-    groups = settled.case.family.groups
-    if groups is None or "s" not in given or "speed" in settled.inputs:
+    """Say the speed of a machine in rpm, to four digits, in place of the ratio that a case may give instead."""
+    groups, ratio = settled.groups, settled.model.speed
+    if groups is None or groups.speed is None or ratio is None:
         return dict(given)
-    known = {name: one.value for name, one in settled.inputs.items()} | {"speed": 1.0}
-    if groups.missing("s", settled.switches, frozenset(known)):
+    s, name = ratio.name, groups.speed.name
+    if s not in given or name in settled.inputs:
+        return dict(given)
+    known = {name: one.value for name, one in settled.inputs.items()} | {name: 1.0}
+    if groups.missing(s, settled.switches, frozenset(known)):
         raise CaseError(
             f"{settled.case.name}: found numbers without dimensions, from which no speed in rpm follows; expected a machine"
             " to begin with, such as machines/turbo-gearbox or machines/jeffcott-rig"
         )
-    of_one, _ = groups.evaluate("s", settled.switches, known)
-    rpm = float(f"{convert(float(settled.values['s']) / float(of_one), 'rad/s', 'rpm'):.4g}")
-    why = f"assumed: s = {given['s'].written} of {settled.case.name}"
-    speed = Given("speed", int(rpm) if rpm == int(rpm) else rpm, "rpm", why)
-    return {name: one for name, one in given.items() if name != "s"} | {"speed": speed}
+    of_one, _ = groups.evaluate(s, settled.switches, known)
+    rpm = float(f"{convert(float(settled.values[s]) / float(of_one), 'rad/s', 'rpm'):.4g}")
+    why = f"assumed: {s} = {given[s].written} of {settled.case.name}"
+    speed = Given(name, int(rpm) if rpm == int(rpm) else rpm, "rpm", why)
+    return {key: one for key, one in given.items() if key != s} | {name: speed}
 
 
 def _switches(case: Case) -> Iterable[str]:

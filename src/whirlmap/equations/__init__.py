@@ -26,13 +26,14 @@ from sympy import sqrt as sqrt
 from sympy import tan as tan
 from sympy import tanh as tanh
 
-from whirlmap.equations.model import Family as Family
-from whirlmap.equations.model import Film as Film
+from whirlmap.equations.family import Family as Family
 from whirlmap.equations.model import Model as Model
-from whirlmap.equations.model import Output as Output
-from whirlmap.equations.model import Section as Section
-from whirlmap.equations.model import Stop as Stop
-from whirlmap.equations.model import Switching as Switching
+from whirlmap.equations.parts import Film as Film
+from whirlmap.equations.parts import Journal as Journal
+from whirlmap.equations.parts import Output as Output
+from whirlmap.equations.parts import Section as Section
+from whirlmap.equations.parts import Stop as Stop
+from whirlmap.equations.parts import Switching as Switching
 from whirlmap.equations.pieces import Table as Table
 from whirlmap.equations.pieces import magnitude as magnitude
 from whirlmap.equations.pieces import tabulated as tabulated

@@ -1,100 +1,106 @@
 """What a declaration must not say: contradictions, names that are taken, symbols and functions that nothing can compute."""
 
-from __future__ import annotations
-
 import re
-from typing import TYPE_CHECKING, Any
+from collections.abc import Collection, Iterable, Mapping, Sequence
+from typing import Any
 
 from sympy import Symbol, sympify
 
 from whirlmap.equations import allowed, names
-from whirlmap.equations.quantities import t
+from whirlmap.equations.parts import OF_BEARING, Output
+from whirlmap.equations.pieces import Table
+from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError
 
-if TYPE_CHECKING:
-    from whirlmap.equations.model import Model
+#: Parts of a declaration that hold roles of parameters.
+ROLES = ("the speed", "the unbalances", "the spins")
 
 
-def parts(model: Model) -> dict[str, list[Any]]:
-    """Every expression of a model, by the part of the declaration where it stands."""
-    of_films = [e for film in model.films.values() for e in (*film.u, film.psi, film.spin, film.strength)]
-    return {
-        "the equations": list(model.equations.values()),
-        "the harmonics": list(model.harmonics),
-        "the defaults": list(model.defaults.values()),
-        "the outputs": [o.expression for o in model.outputs.values()],
-        "the stops": [e for s in model.stops.values() for e in (s.gap, s.reachable)],
-        "the switchings": [q.surface for q in model.switchings.values()],
-        "the films": of_films,
-        "the teeth": [] if model.teeth is None else [model.teeth],
-        "the clocks": list(model.clocks.values()),
-        "the equilibrium": list(model.equilibrium.values()),
-        "the section": [model.section.surface] if model.section else [],
-        "the typical time": [model.typical_time],
-    }
-
-
-def refuse_contradictions(model: Model) -> None:
-    """Refuse a declaration that contradicts itself, or that nothing could compute.
-
-    Raises
-    ------
-    ModelError
-        Naming the model, the symbol or the term, and the way out.
-    """
-    _refuse_names(model)
-    if set(model.equations) != set(model.states):
-        missing = [s.name for s in model.states if s not in model.equations]
-        extra = [s.name for s in model.equations if s not in model.states]
-        raise ModelError(
-            f"model {model.name!r} needs one equation for each state:"
-            f" without equation {missing or 'none'}, not a state {extra or 'none'}"
-        )
-    states, parameters = set(model.states), set(model.parameters)
-    tables = {Symbol(table.name) for table in model.tables}
-    with_time = {"the equations", "the switchings", "the teeth"}
-    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time"}
-    for where, expressions in parts(model).items():
-        if found := allowed.fault(expressions):
-            raise ModelError(f"model {model.name!r}: {where} cannot be used: {found}")
-        known = parameters | (set() if where in of_parameters else states) | ({t} if where in with_time else set())
-        _refuse_unknown(model, where, expressions, known | (tables if where == "the equations" else set()))
-    if not model.forced and any(sympify(e).has(t) for e in model.equations.values()):
-        raise ModelError(f"model {model.name!r} uses time but declares no harmonics: add harmonics=(...)")
-    _refuse_unread(model)
-
-
-def _refuse_names(model: Model) -> None:
-    listed = [q.name for q in (*model.states, *model.parameters)]
+def refuse_names(model: str, states: Sequence[State], parameters: Sequence[Parameter], outputs: Iterable[str]) -> None:
+    """Refuse a name that is given twice, or that something else has."""
+    listed = [q.name for q in (*states, *parameters)]
     twice = sorted({name for name in listed if listed.count(name) > 1})
     if twice:
-        raise ModelError(f"model {model.name!r} declares {', '.join(twice)} more than once")
-    for kind, quantities in (("state", model.states), ("parameter", model.parameters)):
+        raise ModelError(f"model {model!r} declares {', '.join(twice)} more than once")
+    for kind, quantities in (("state", states), ("parameter", parameters)):
         for q in quantities:
             if found := names.fault(q.name):
                 raise ModelError(
-                    f"model {model.name!r}: the {kind} {q.name!r} {found}; expected another name, such as"
+                    f"model {model!r}: the {kind} {q.name!r} {found}; expected another name, such as"
                     f" {re.sub(r'[^0-9A-Za-z_]', '_', q.name) + '_0'!r}"
                 )
-    for name in model.outputs:
-        if name in (s.name for s in model.states):
-            raise ModelError(f"model {model.name!r}: the output {name!r} has the name of a state; expected another name")
+    for name in outputs:
+        if name in (s.name for s in states):
+            raise ModelError(f"model {model!r}: the output {name!r} has the name of a state; expected another name")
 
 
-def _refuse_unknown(model: Model, where: str, expressions: list[Any], known: set[Symbol]) -> None:
-    for expression in expressions:
-        for symbol in sorted(sympify(expression).free_symbols - known, key=str):
+def refuse_outputs(model: str, outputs: Mapping[str, Output]) -> None:
+    """Refuse a role that no output can have, one without its bearing, and one that two outputs have of a bearing."""
+    seen: dict[tuple[str, str], str] = {}
+    for name, output in outputs.items():
+        if not output.role and not output.bearing:
+            continue
+        if output.role not in OF_BEARING:
             raise ModelError(
-                f"model {model.name!r}: {where} use {symbol.name!r}, which is neither a state nor one of its"
-                " parameters: add it to parameters=(...)"
+                f"model {model!r}: the output {name!r} has the role {output.role!r}, expected one of"
+                f" {' | '.join(OF_BEARING)}, and the bearing that it is of"
+            )
+        if not output.bearing:
+            raise ModelError(f"model {model!r}: the output {name!r} is the {output.role} of no bearing: add bearing=\"...\"")
+        other = seen.setdefault((output.role, output.bearing), name)
+        if other != name:
+            raise ModelError(
+                f"model {model!r}: the outputs {other!r} and {name!r} are both the {output.role} of bearing"
+                f" {output.bearing!r}, expected one"
             )
 
 
-def _refuse_unread(model: Model) -> None:
+def refuse_equations(model: str, states: Sequence[State], equations: Collection[State]) -> None:
+    """Refuse states without an equation, and equations of what is no state."""
+    if set(equations) != set(states):
+        missing = [s.name for s in states if s not in equations]
+        extra = [s.name for s in equations if s not in states]
+        raise ModelError(
+            f"model {model!r} needs one equation for each state:"
+            f" without equation {missing or 'none'}, not a state {extra or 'none'}"
+        )
+
+
+def refuse_expressions(
+    model: str,
+    expressions: Mapping[str, Sequence[Any]],
+    states: Iterable[Symbol],
+    parameters: Iterable[Symbol],
+    tables: Iterable[Table],
+) -> None:
+    """Refuse what cannot be computed, and symbols that are not the model's.
+
+    Parameters
+    ----------
+    expressions : mapping of str to sequence
+        Those of `Model.expressions`, by the part of the declaration where they stand.
+    """
+    states, parameters = set(states), set(parameters)
+    places = {Symbol(table.name) for table in tables}
+    with_time = {"the equations", "the switchings", "the teeth"}
+    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time", *ROLES}
+    for where, some in expressions.items():
+        if found := allowed.fault(some):
+            raise ModelError(f"model {model!r}: {where} cannot be used: {found}")
+        known = parameters | (set() if where in of_parameters else states) | ({t} if where in with_time else set())
+        known |= places if where == "the equations" else set()
+        for expression in some:
+            for symbol in sorted(sympify(expression).free_symbols - known, key=str):
+                raise ModelError(
+                    f"model {model!r}: {where} use {symbol.name!r}, which is neither a state nor one of its"
+                    " parameters: add it to parameters=(...)"
+                )
+
+
+def refuse_unread(model: str, unread: Sequence[str]) -> None:
     """A parameter that nothing reads could neither be given (it would have no effect) nor left out (it has no value)."""
-    unread = [p.name for p in model.parameters if p not in model.read()]
     if unread:
         raise ModelError(
-            f"model {model.name!r} declares {', '.join(unread)}, but reads {'it' if len(unread) == 1 else 'them'} nowhere:"
+            f"model {model!r} declares {', '.join(unread)}, but reads {'it' if len(unread) == 1 else 'them'} nowhere:"
             " a value would have no effect; remove from parameters=(...), or use in an equation or an output"
         )

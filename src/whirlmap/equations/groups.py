@@ -15,7 +15,7 @@ from sys import float_info
 
 from sympy import Expr, Rational, Symbol, sympify
 
-from whirlmap.equations.model import Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 
 Switches = Mapping[str, str]
@@ -105,6 +105,8 @@ class Groups:
         Names that stand for several inputs of the same value: ``R`` for ``R_1`` and ``R_2``.
     sections : mapping of str to tuple of str
         Tables of a case file, ``[bearings]``, and the inputs that may stand in each; parameters may stand in any.
+    speed : Parameter, optional
+        The input that is the model's speed in other words: ``speed=1500 rpm``.
     operation : tuple of str
         Inputs that say how the machine is run; they need not change any parameter.
     checks : tuple of callables
@@ -119,6 +121,7 @@ class Groups:
     routes: tuple[Route, ...] = ()
     shared: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
     sections: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+    speed: Parameter | None = None
     operation: tuple[str, ...] = ()
     checks: tuple[Callable[[Mapping[str, Fraction]], str], ...] = ()
 

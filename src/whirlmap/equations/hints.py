@@ -1,21 +1,13 @@
-"""What is meant by a name or a choice that a model does not have: by what it is, by its meaning, or by its spelling."""
-
-from __future__ import annotations
+"""What is meant by a name that a model does not have: by what it is, by its meaning, or by its spelling."""
 
 import re
-from typing import TYPE_CHECKING
+from collections.abc import Iterable
 
+from whirlmap.equations.family import SHOWN, Family
+from whirlmap.equations.model import Model
+from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import closest
 from whirlmap.units import example, is_unit_of
-
-if TYPE_CHECKING:
-    from collections.abc import Iterable
-
-    from whirlmap.equations.model import Family, Model
-    from whirlmap.equations.quantities import Parameter
-
-#: Quantities that one hint names.
-SHOWN = 4
 
 
 def of_symbol(family: Family, model: Model, name: str, quantities: Iterable[Parameter], value: object = "") -> str:
@@ -32,24 +24,10 @@ def of_symbol(family: Family, model: Model, name: str, quantities: Iterable[Para
     near = closest(name, [*known, *family.switches])
     if near is None or near.casefold() != name.casefold():
         words = re.findall(r"[a-z]{4,}", name.casefold().replace("_", " "))
-        meant = [q for q in known.values() if any(_says(q, word) for word in words)][:SHOWN]
+        meant = [q for q in known.values() if any(q.says(word) for word in words)][:SHOWN]
         if len(meant) > 1:
             return f" Did you mean one of {', '.join(f'{q.name!r} ({q.meaning})' for q in meant)}?"
         near = meant[0].name if meant else near
     if near is None:
         return ""
     return f" Did you mean {near!r}?{f' ({known[near].meaning})' if near in known else ''}"
-
-
-def of_choice(family: Family, switch: str, value: object) -> str:
-    """Say which choice of a switch is near to one that it does not have, or which inputs take the number it was given."""
-    if not re.match(r"\s*[-+.]?\d", str(value)) or family.groups is None:
-        return family.hint(str(value), family.switches[switch])
-    words = re.findall(r"[a-z]{4,}", family.meanings.get(switch, ""))  # of the mesh: its stiffness before the shafts'
-    meant = [q for q in family.groups.inputs if _says(q, switch)]
-    meant = sorted(meant, key=lambda q: -sum(_says(q, word) for word in words))[:SHOWN]
-    return " It is a switch, and takes no number" + "".join(f"; {q.name}: {q.meaning}" for q in meant) + "."
-
-
-def _says(quantity: Parameter, word: str) -> bool:
-    return bool(re.search(rf"\b{re.escape(word)}\b", quantity.meaning.casefold()))

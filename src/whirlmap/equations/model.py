@@ -1,81 +1,17 @@
 """A model: an immutable value that says what a system is, and nothing about how it is computed."""
 
-import re
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from itertools import islice, product
-from typing import TYPE_CHECKING, Literal, TypeVar
+from typing import Any, Literal, TypeVar
 
 from sympy import Expr, Symbol, sympify
 
-from whirlmap.equations import hints
-from whirlmap.equations.declaration import parts, refuse_contradictions
+from whirlmap.equations import declaration
+from whirlmap.equations.parts import Film, Journal, OfBearing, Output, Section, Stop, Switching
 from whirlmap.equations.pieces import Table
-from whirlmap.equations.quantities import Parameter, State
+from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError, nearest
 from whirlmap.results.listing import Listed, Listing, Rows
-
-if TYPE_CHECKING:
-    from whirlmap.equations.groups import Groups
-
-
-@dataclass(frozen=True)
-class Section:
-    """Where an unforced model is cut: the surface ``surface = 0``, crossed in one direction, once per turn."""
-
-    surface: Expr
-    direction: Literal["rising", "falling"]
-
-
-@dataclass(frozen=True)
-class Output:
-    """A quantity computed from states and parameters, with unit, meaning and measure (see `Quantity`)."""
-
-    expression: Expr
-    unit: str
-    meaning: str
-    measure: str = ""
-
-
-@dataclass(frozen=True)
-class Stop:
-    """An end of the run: the first time at which ``gap`` has fallen to zero.
-
-    ``reachable`` is false where physics forbids the event for these parameters (a plain film at its wall): a step that
-    gets there anyway was too long, and is redone with shorter ones.
-    """
-
-    gap: Expr
-    meaning: str
-    reachable: Expr = field(default_factory=lambda: sympify(1))
-
-
-@dataclass(frozen=True)
-class Switching:
-    """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
-
-    ``surface`` (of states, parameters and time) is positive on one side. It is declared so that its crossings can be listed
-    and counted by name (`whirlmap.switchings`); ``jumps`` says to the reader that the rates jump there and do not merely
-    have a kink. Steps find every such surface in the equations themselves, declared or not.
-    """
-
-    surface: Expr
-    meaning: str
-    jumps: bool = False
-
-
-@dataclass(frozen=True)
-class Film:
-    """A fluid film of the short-bearing law between a journal that spins and its bearing, for its linear coefficients.
-
-    ``u`` is the journal relative to the bearing over the clearance, ``psi`` the permeability, ``spin`` the journal's speed
-    over the clock's, positive from x to y, and ``strength`` is A times the clock's speed, over the model's unit of force.
-    """
-
-    u: tuple[State, State]
-    psi: Expr | int
-    spin: Expr | int
-    strength: Expr
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -132,7 +68,16 @@ class Model(Listed):
     swing : tuple of State
         The displacements that a diagram of this model shows first.
     bodies : mapping of str to tuple of State
-        Coordinates of each part that moves, for the names and shapes of modes: two of a centre, or one of a torsion.
+        Coordinates of each part that moves, for the names and shapes of modes and their sense of whirl: x and y of a centre,
+        or one of a torsion.
+    speed : Parameter, optional
+        The speed, which all frequencies of the machine are proportional to: what `speeds` judges and `campbell` counts by.
+    journals : mapping of str to Journal
+        Journals by their bearing, for orbits in their clearance.
+    unbalances : mapping of str to Parameter
+        Eccentricities of centres of mass over the clearance, by the rotor's name.
+    assumptions : str
+        Which assumptions `whirlmap.assumptions` judges beside those of bearings.
     sources : tuple of str
         Keys of `references.bib`.
     """
@@ -161,11 +106,22 @@ class Model(Listed):
     clocks: Mapping[str, Expr] = field(default_factory=dict)
     swing: tuple[State, ...] = ()
     bodies: Mapping[str, tuple[State, ...]] = field(default_factory=dict)
+    speed: Parameter | None = None
+    journals: Mapping[str, Journal] = field(default_factory=dict)
+    unbalances: Mapping[str, Parameter] = field(default_factory=dict)
+    assumptions: str = ""
     sources: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
-        """Refuse a declaration that contradicts itself, naming the symbol."""
-        refuse_contradictions(self)
+        """Refuse a declaration that contradicts itself, or that nothing could compute, naming the symbol."""
+        declaration.refuse_names(self.name, self.states, self.parameters, self.outputs)
+        declaration.refuse_equations(self.name, self.states, self.equations)
+        declaration.refuse_outputs(self.name, self.outputs)
+        declaration.refuse_expressions(self.name, self.expressions(), self.states, self.parameters, self.tables)
+        if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
+            raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
+        read = self.read()
+        declaration.refuse_unread(self.name, [p.name for p in self.parameters if p not in read])
 
     @property
     def forced(self) -> bool:
@@ -189,6 +145,7 @@ class Model(Listed):
         """Its equations and parameters, for a terminal and a notebook."""
         facts = [f"switches: {', '.join(f'{name} = {choice}' for name, choice in self.switches.items())}"]
         facts += [f"forced at {', '.join(map(str, self.harmonics))}" if self.forced else "unforced"]
+        facts += [f"not declared: {what}" for what in self.not_declared()]
         equations = [(s.name, s.unit, s.meaning, str(self.equations[s])) for s in self.states]
         parameters = [(p.name, p.unit, p.meaning) for p in self.parameters]
         outputs = [(name, o.unit, o.meaning) for name, o in self.outputs.items()]
@@ -202,17 +159,70 @@ class Model(Listed):
             ],
         )
 
+    def outputs_of(self, role: OfBearing) -> dict[str, str]:
+        """Names of the outputs that have a role, by the bearing of each."""
+        return {output.bearing: name for name, output in self.outputs.items() if output.role == role}
+
+    @property
+    def velocities(self) -> dict[str, str]:
+        """The state that is the rate of another, by the name of that other: names of positions and of their velocities."""
+        rates = [(s.name, self.equations[s]) for s in self.states]
+        return {name: rate.name for name, rate in rates if isinstance(rate, State)}
+
+    def roles(self) -> dict[str, Any]:
+        """Names by their roles, as plain data: what a result says to those who draw it."""
+        quantities = (*self.states, *self.parameters)
+        found = {
+            "speed": self.speed.name if self.speed else "",
+            "journals": {bearing: [q.name for q in j.u] for bearing, j in self.journals.items()},
+            "eccentricities": self.outputs_of("eccentricity"),
+            "velocities": self.velocities,
+            "symbols": {q.name: q.latex for q in quantities if q.latex},
+        }
+        return {role: names for role, names in found.items() if names}
+
+    def not_declared(self) -> list[str]:
+        """Say which roles this model does not declare, and what is not to be had without each."""
+        return [sentence for declared, sentence in (
+            (self.speed, "speed, so that there are no safe speeds"),
+            (self.bodies, "bodies, so that modes have no names and no sense of whirl"),
+            (self.journals, "journals, so that no orbit is drawn in its clearance"),
+            (self.outputs_of("eccentricity"),
+             'an output with role="eccentricity", so that films have no thickness, and no assumption is judged'),
+            (self.outputs_of("load"), 'an output with role="load", so that bearings have no largest load'),
+        ) if not declared]  # fmt: skip
+
+    def expressions(self) -> dict[str, list[Any]]:
+        """Every expression of this model, by the part of the declaration where it stands."""
+        of_films = [e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength)]
+        return {
+            "the equations": list(self.equations.values()),
+            "the harmonics": list(self.harmonics),
+            "the defaults": list(self.defaults.values()),
+            "the outputs": [o.expression for o in self.outputs.values()],
+            "the stops": [e for s in self.stops.values() for e in (s.gap, s.reachable)],
+            "the switchings": [q.surface for q in self.switchings.values()],
+            "the films": of_films,
+            "the teeth": [] if self.teeth is None else [self.teeth],
+            "the clocks": list(self.clocks.values()),
+            "the speed": [] if self.speed is None else [self.speed],
+            "the unbalances": list(self.unbalances.values()),
+            "the spins": [j.spin for j in self.journals.values()],
+            "the coordinates": [*self.swing, *(q for body in self.bodies.values() for q in body),
+                                *(q for j in self.journals.values() for q in j.u)],
+            "the equilibrium": list(self.equilibrium.values()),
+            "the section": [self.section.surface] if self.section else [],
+            "the typical time": [self.typical_time],
+        }
+
     def read(self) -> frozenset[Parameter]:
         """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
-        for expressions in parts(self).values():
-            for expression in expressions:
+        for where, expressions in self.expressions().items():
+            for expression in () if where in declaration.ROLES else expressions:
                 used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
 
-
-#: Choices of switches that `Family.symbols` declares at most.
-TRIED = 64
 
 Named = TypeVar("Named", State, Parameter)
 
@@ -223,86 +233,3 @@ def _by_name(known: tuple[Named, ...], name: str, model: str, kind: str) -> Name
             return quantity
     names = [q.name for q in known]
     raise ModelError(f"model {model!r} has no {kind} {name!r}.{nearest(name, names)}\n  {kind}s: {', '.join(names)}")
-
-
-@dataclass(frozen=True, repr=False)
-class Family(Listed):
-    """Models that differ by declared switches, so that their difference can be read in one place.
-
-    Attributes
-    ----------
-    name : str
-        Name of the model in case files.
-    declare : callable
-        ``declare(**switches) -> Model``.
-    switches : mapping of str to tuple of str
-        Choices for each switch, the default first; a callable default depends on the switches before it.
-    meanings : mapping of str to str
-        What each switch chooses.
-    groups : Groups, optional
-        Dimensional inputs, and the parameters that follow from them.
-    vocabulary : tuple of Parameter
-        Parameters that only some of the models have. Needed where the switches have more choices together than are
-        worth declaring (`TRIED`); found by declaring all of them otherwise.
-    absent : mapping of str to str
-        Beginnings of words for what users look for and the model does not have, and a sentence that says so.
-    """
-
-    name: str
-    declare: Callable[..., Model]
-    switches: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
-    meanings: Mapping[str, str] = field(default_factory=dict)
-    default: Callable[[Mapping[str, str]], Mapping[str, str]] = lambda _: {}
-    groups: "Groups | None" = None
-    vocabulary: tuple[Parameter, ...] = ()
-    absent: Mapping[str, str] = field(default_factory=dict)
-    _made: dict[tuple[tuple[str, str], ...], Model] = field(default_factory=dict, repr=False, compare=False)
-
-    def model(self, **chosen: str) -> Model:
-        """Declare the model for these switches; those that are not given take their defaults.
-
-        Raises
-        ------
-        ModelError
-            Where a switch or a choice is unknown.
-        """
-        for name, value in chosen.items():
-            if name not in self.switches:
-                raise ModelError(f"model {self.name!r} has no switch {name!r}.{self.hint(name, self.switches, value)}")
-            if value not in self.switches[name]:
-                allowed = " | ".join(self.switches[name])
-                raise ModelError(
-                    f"switch {name!r} of {self.name!r} cannot be {value!r}; it is one of {allowed}."
-                    f"{hints.of_choice(self, name, value)}"
-                )
-        settled = {name: choices[0] for name, choices in self.switches.items()}
-        settled |= self.default(settled | chosen)
-        settled |= chosen
-        key = tuple(sorted(settled.items()))
-        if key not in self._made:  # equal switches are the same object, so that kernels are found again
-            self._made[key] = self.declare(**settled)
-        return self._made[key]
-
-    def listing(self) -> Listing:
-        """Its switches, for a terminal and a notebook."""
-        rows = [(name, " | ".join(choices), self.meanings.get(name, "")) for name, choices in self.switches.items()]
-        return Listing(f"Family {self.name}", (), [Rows("Switches", ("name", "choices, default first", "meaning"), rows)])
-
-    def hint(self, name: str, known: Iterable[str], value: object = "") -> str:
-        """Say that the model lacks what an unknown name or its value asks for, else suggest the nearest known name."""
-        asked = re.findall(r"[a-z]+", f"{name} {value}".casefold().replace("_", " "))
-        for word in asked:
-            for begins, sentence in self.absent.items():
-                if word.startswith(begins) if len(begins) > 1 else word == begins and "_" not in name:
-                    return f" {sentence[:1].upper()}{sentence[1:]}."
-        return nearest(name, known)
-
-    def symbols(self) -> frozenset[str]:
-        """Names of the parameters of all its models, whatever the switches."""
-        found = {p.name for p in (*self.model().parameters, *self.vocabulary)}
-        for choices in islice(product(*self.switches.values()), 0 if self.vocabulary else TRIED):
-            try:
-                found |= {p.name for p in self.model(**dict(zip(self.switches, choices, strict=True))).parameters}
-            except ModelError:  # a combination that the family itself refuses
-                continue
-        return frozenset(found)

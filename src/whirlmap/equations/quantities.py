@@ -4,6 +4,7 @@ A quantity is a SymPy symbol that also carries its unit, its meaning and its lim
 the paper and still says everything that `show`, a Dataset and an error message need.
 """
 
+import re
 from math import isfinite
 from typing import Any
 
@@ -35,7 +36,7 @@ class Quantity(Symbol):
     meaning : str
         A few words for people.
     latex : str, optional
-        How plots and docs print it; the name where absent.
+        How pictures write it; where absent, they write its name as a symbol.
     measure : str, optional
         What a dimensionless quantity is a number of, so that a case with dimensions can be shown in engineering units:
         ``length``, ``velocity``, ``force`` or ``rotation``, whose sizes follow from `Groups.units`.
@@ -53,13 +54,17 @@ class Quantity(Symbol):
     ) -> "Quantity":
         """Create the symbol without SymPy's cache of symbols: equal names in two models must not share units."""
         made = Symbol.__xnew__(cls, name, real=True)
-        made.unit, made.meaning, made.latex, made.measure = unit, meaning, latex or name, measure
+        made.unit, made.meaning, made.latex, made.measure = unit, meaning, latex, measure
         return made
 
     def __call__(self, *arguments: Any) -> Any:
         """Refuse ``x(t - tau)``: a symbol is no function of time."""
         shown = f"{self.name}({', '.join(map(str, arguments))})"
         raise ModelError(f"{shown}: {DELAYS.format(name=self.name)}")
+
+    def says(self, word: str) -> bool:
+        """Whether its meaning holds a word."""
+        return bool(re.search(rf"\b{re.escape(word)}\b", self.meaning.casefold()))
 
     def __getnewargs_ex__(self) -> tuple[tuple[str, str, str], dict[str, Any]]:
         """Arguments that rebuild the quantity (copying and pickling), limits and all."""

@@ -9,7 +9,6 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Symbol, lambdify
 
-from whirlmap.cases import Settled
 from whirlmap.equations.groups import value_of
 from whirlmap.integrate.system import System
 from whirlmap.units import convert
@@ -67,10 +66,11 @@ class Dimensions:
             speed = self.worth("speed", **varied)
             return speed if measure == "rate" else 1 / speed
         if measure in ("frequency", "growth"):
-            return self.worth("speed", **varied) / np.asarray(varied.get("s", float(self.system.values.get("s", 1.0))))
-        settled = self.system.details
-        groups = settled.case.family.groups if isinstance(settled, Settled) else None
-        if groups is None or measure not in groups.units:
+            own = float(self.system.values.get(self.system.speed, 1.0))
+            return self.worth("speed", **varied) / np.asarray(varied.get(self.system.speed, own))
+        settled = self.system.machine
+        groups = settled.groups if settled else None
+        if settled is None or groups is None or measure not in groups.units:
             return nan
         expression, symbols = groups.units[measure], groups.units[measure].free_symbols
         # The groups of some cases are all given, so that their clearance says nothing; their speeds are still worth showing.

@@ -95,7 +95,7 @@ class _Converter:
             found = self._measure(measure, dims)
         if found.unit == PURE.unit:
             return variable
-        words = {"long_name": "speed of the first shaft"} if name == "s" else {}
+        words = {"long_name": "speed of the first shaft"} if name == self.system.speed else {}
         return dims, values * found.size, {**attrs, **words, "units": found.unit}
 
     def _each(self, dims: tuple[str, ...], values: NDArray[Any], attrs: dict[str, Any], along: str) -> Variable:
@@ -110,7 +110,7 @@ class _Converter:
         return dims, out, {**attrs, "unit_of_each": " ".join(said)}
 
     def _quantity(self, name: str, dims: tuple[str, ...]) -> Unit:
-        if name == "s":
+        if name == self.system.speed:
             return self.units.quantity(name)  # speeds are proportional to it, whatever it is
         return self._spread(dims, lambda values: self.units.quantity(name, **values))
 

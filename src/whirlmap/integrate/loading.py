@@ -8,10 +8,11 @@ from typing import Any
 
 from sympy import sympify
 
-from whirlmap.cases import Case, Settled, read, settle
+from whirlmap.cases import Case, read, settle
 from whirlmap.cases.case import start_values
+from whirlmap.equations.family import Family
 from whirlmap.equations.identity import Known, expression_digest
-from whirlmap.equations.model import Family, Model
+from whirlmap.equations.model import Model
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.system import System, exact_order
 from whirlmap.references import key_of, references
@@ -38,7 +39,7 @@ def load(
     Returns
     -------
     System
-        ``notes`` say where each value comes from; ``details`` is the `Settled` case with its inputs.
+        ``notes`` say where each value comes from; ``machine`` is the `Settled` case with its inputs.
 
     Raises
     ------
@@ -64,7 +65,7 @@ def load(
         start={**found.start, **start_values(start or {})},
         case=found.name,
         notes=dict(settled.notes),
-        details=settled,
+        machine=settled,
     )
     _refuse_ended(system)
     return system
@@ -102,12 +103,12 @@ def _order(value: Any, name: str) -> Any:
 
 def pieces(system: System) -> Pieces:
     """Describe a system as plain data, for `whirlmap.results.provenance.provenance`."""
-    model, settled = system.model, system.details
+    model, settled = system.model, system.machine
     parameters: dict[str, dict[str, Any]] = {
         p.name: _entry(system.values[p.name], p.unit, system.notes.get(p.name, "")) for p in model.parameters
     }
     case_hash = ""
-    if isinstance(settled, Settled):
+    if settled:
         case_hash = settled.case.digest
         for name, given in settled.inputs.items():
             parameters[name] = _entry(given.value, given.parameter.unit, given.note)
@@ -121,6 +122,7 @@ def pieces(system: System) -> Pieces:
         parameters=parameters,
         switches=dict(model.switches),
         start=dict(system.start),
+        roles=model.roles(),
         citations=tuple(dict.fromkeys([*model.sources, *(key for key in cited if key in references())])),
     )
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Rational, sympify
 
+from whirlmap.cases import Settled
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
@@ -94,7 +95,7 @@ class System(Listed):
         Name of the case that the values come from, for provenance.
     notes : mapping of str to str
         Where each value comes from.
-    details : Settled, optional
+    machine : Settled, optional
         The case as it was read, with its dimensional inputs; None for a system made of a model and numbers.
     """
 
@@ -103,7 +104,7 @@ class System(Listed):
     start: Mapping[str, float] = field(default_factory=dict)
     case: str = ""
     notes: Mapping[str, str] = field(default_factory=dict)
-    details: Any = None
+    machine: Settled | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that the model cannot take, naming the symbol."""
@@ -137,6 +138,17 @@ class System(Listed):
         return tuple(p.name for p in self.model.parameters)
 
     @property
+    def speed(self) -> str:
+        """Name of the parameter that is the speed; empty where the model declares none."""
+        return self.model.speed.name if self.model.speed else ""
+
+    @property
+    def speed_input(self) -> str:
+        """Name of the dimensional input that is the speed in other words; empty where the case has none."""
+        groups = self.machine.groups if self.machine else None
+        return groups.speed.name if groups and groups.speed else ""
+
+    @property
     def vector(self) -> Array:
         """Values of the parameters in declared order, shape (parameter,)."""
         return np.array([float(self.values[name]) for name in self.parameters])
@@ -152,6 +164,11 @@ class System(Listed):
         made = {name: _exact(self.model.parameter(name), value) for name, value in changes.items()}
         begin = self.start if start is None else {**self.start, **start}
         return replace(self, values={**self.values, **made}, start=begin)
+
+    def at_speed(self, value: float) -> "System":
+        """Return the system with another value of its speed parameter."""
+        changes: dict[str, Any] = {self.speed: value}
+        return self.replace(**changes)
 
     @cached_property
     def orders(self) -> tuple[Fraction, ...]:
@@ -192,7 +209,14 @@ class System(Listed):
 
     def listing(self) -> Listing:
         """Its numbers, for a terminal and a notebook."""
-        return system_listing(self)
+        try:
+            together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
+            times = f"period T = {self.period:.6g}, {together}"
+        except RangeError as error:  # all frequencies are zero: such a system can be had, and is to be seen too
+            times = str(error)
+        times = times if self.model.forced else f"unforced, typical time {self.period:.6g}"
+        inputs = self.machine.listing().tables if self.machine else ()
+        return system_listing(self.case, self.model, self.values, self.notes, self.start, times, inputs)
 
     def rhs(self, time: float, x: ArrayLike) -> Array:
         """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result."""

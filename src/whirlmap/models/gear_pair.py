@@ -25,7 +25,8 @@ from collections.abc import Mapping
 
 from sympy import Expr
 
-from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, Switching, cos, sign, sin, sqrt, states, t
+from whirlmap.equations import Family, Model, Parameter, cos, sign, sin, sqrt, states, t
+from whirlmap.equations.parts import Film, Journal, Output, Stop, Switching
 from whirlmap.errors import ModelError
 from whirlmap.films.law import FilmLaw, film_law, permeability_fault
 from whirlmap.models import mesh, rub, torsion
@@ -297,10 +298,14 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         harmonics=(r_p, r_g, r_m),
         defaults={xi_5: xi_m / nu_g} if literal else {chi_p: 0, chi_g: 0, **teeth.defaults},
         outputs={
-            "eps_1": Output(sqrt(u1x**2 + u1y**2), "1", "eccentricity of journal 1"),
-            "eps_2": Output(sqrt(u2x**2 + u2y**2), "1", "eccentricity of journal 2"),
-            "load_1": Output(film_load(1, switches), "1", "force of the film of one bearing 1, over K_p c", "force"),
-            "load_2": Output(film_load(2, switches), "1", "force of the film of one bearing 2, over K_p c", "force"),
+            "eps_1": Output(sqrt(u1x**2 + u1y**2), "1", "eccentricity of journal 1", role="eccentricity", bearing="1"),
+            "eps_2": Output(sqrt(u2x**2 + u2y**2), "1", "eccentricity of journal 2", role="eccentricity", bearing="2"),
+            **{
+                f"load_{i}": Output(
+                    film_load(i, switches), "1", f"force of the film of one bearing {i}, over K_p c", "force", "load", str(i)
+                )
+                for i in (1, 2)
+            },
         },
         stops={
             "contact_1": Stop(1 - u1x**2 - u1y**2, f"journal 1: {wall}", reachable),
@@ -327,6 +332,10 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         clocks={"mesh": r_m, "pinion": r_p, "gear": r_g},
         swing=(yp, yg, y1, y2),
         bodies={**BODIES, **(torsion.BODIES if turning else {})},
+        speed=s,
+        journals=JOURNALS,
+        unbalances={"pinion": b_p, "gear": b_g},
+        assumptions="gear_pair",
         sources=(
             "changjian-psfd", "capone1991", "morgan1957",
             *(("kahraman1990",) if line else ()), *(("chu1998",) if rubs else ()),
@@ -347,6 +356,7 @@ def switchings(switches: Mapping[str, str]) -> dict[str, Switching]:
     return found
 
 
+JOURNALS = {"1": Journal((u1x, u1y), j_p), "2": Journal((u2x, u2y), j_g)}
 #: Films of one bearing each.
 FILMS = {
     "1": Film((u1x, u1y), psi, j_p, Gamma_1 * s / 2),  # A = mu R L^3/(2 c^2) in each of the two bearings of a shaft

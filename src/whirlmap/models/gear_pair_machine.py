@@ -12,7 +12,7 @@ from fractions import Fraction
 from sympy import Abs, Expr, Rational, cos, pi, sign, sqrt
 
 from whirlmap.equations.groups import Bearing, Groups, Route
-from whirlmap.equations.model import Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import gear_pair as pair
 from whirlmap.models import mesh, rub, torsion
@@ -197,10 +197,10 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
         "base_radius_p": Output(R_bp, "m", "base radius of the pinion"),
     }
     return {
-        "omega_0": Output(omega_0, "rad/s", "natural frequency sqrt(K_p/m_p)"),
+        "omega_0": Output(omega_0, "rad/s", "natural frequency sqrt(K_p/m_p)", role="unit_speed"),
         "force_unit": Output(K_p * c, "N", "unit of forces, K_p c"),
         "clock_speed": Output(clock, "rad/s", "speed of the clock, which s counts"),
-        "pinion_speed": Output(pair.r_p * clock, "rad/s", "speed of the pinion's shaft"),
+        "pinion_speed": Output(pair.r_p * clock, "rad/s", "speed of the pinion's shaft", role="shaft_speed"),
         "gear_speed": Output(
             pair.r_g * clock, "rad/s", "speed of the gear's shaft; negative: against the pinion"
         ),
@@ -211,8 +211,12 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
         "slenderness_2": Output(
             L_2 / (2 * R_2), "1", "length over diameter of bearing 2; short is below 0.25"
         ),
-        "ring_1": Output(pi * H / L_1, "1", "pi H/L_1; psi is too large by about a third of its square"),
-        "ring_2": Output(pi * H / L_2, "1", "pi H/L_2; psi is too large by about a third of its square"),
+        "ring_1": Output(
+            pi * H / L_1, "1", "pi H/L_1; psi is too large by about a third of its square", role="ring", bearing="1"
+        ),
+        "ring_2": Output(
+            pi * H / L_2, "1", "pi H/L_2; psi is too large by about a third of its square", role="ring", bearing="2"
+        ),
         **(loaded if switches["mesh"] == "line" else {}),
     }
 
@@ -233,6 +237,7 @@ GEAR_PAIR_MACHINE = replace(
         shared={name: tuple(q.name for q in both) for name, both in SHARED.items()},
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()}
         | {"bearings": (*(q.name for q in SECTIONS["bearings"]), "R", "L")},
+        speed=speed,
         operation=tuple(q.name for q in OPERATION),
         checks=(range_fault, torque_fault),
     ),

@@ -15,7 +15,7 @@ pressure.
 
 from sympy import Expr
 
-from whirlmap.equations import Family, Film, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
+from whirlmap.equations import Family, Film, Journal, Model, Output, Parameter, Stop, cos, sin, sqrt, states, t
 from whirlmap.errors import ModelError
 from whirlmap.films.law import film_law, plain_fixed_force
 from whirlmap.models.absent import NOT_IN_ROTOR_MODELS
@@ -37,8 +37,8 @@ FILM = Film((ux, uy), psi=0, spin=1, strength=Gamma * s)  # of one bearing; both
 def outputs(F_x: Expr, F_y: Expr) -> dict[str, Output]:
     """What is recorded beside the states; F is the force of one film over W."""
     return {
-        "eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal"),
-        "load": Output(sqrt(F_x**2 + F_y**2), "1", "force of the film of one bearing, over W", "force"),
+        "eps": Output(sqrt(ux**2 + uy**2), "1", "eccentricity of the journal", role="eccentricity", bearing="all"),
+        "load": Output(sqrt(F_x**2 + F_y**2), "1", "force of the film of one bearing, over W", "force", "load", "all"),
     }
 
 
@@ -65,6 +65,9 @@ def rigid() -> Model:
         clocks={"shaft": 1},
         swing=(uy,),
         bodies={"rotor": (ux, uy)},
+        speed=s,
+        journals={"1": Journal((ux, uy), 1)},
+        unbalances={"rotor": b},
         sources=("capone1991", "childs1993"),
     )
 
@@ -102,6 +105,9 @@ def flexible(arc: str, bearing: str) -> Model:
         clocks={"shaft": 1},
         swing=(y, uy),
         bodies={"rotor": (x, y), "journals": (ux, uy)},
+        speed=s,
+        journals={"1": Journal((ux, uy), spin)},
+        unbalances={"rotor": b},
         sources=("capone1991", "childs1993"),
     )
 

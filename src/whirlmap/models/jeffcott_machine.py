@@ -9,7 +9,7 @@ from dataclasses import replace
 from sympy import Expr, pi, sqrt
 
 from whirlmap.equations.groups import Bearing, Groups, Route
-from whirlmap.equations.model import Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.models import jeffcott as rotor
 from whirlmap.models.operation import LUBRICANT, OPERATION, range_fault, rho, speed_max, viscosity_routes
@@ -64,9 +64,9 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     """Dimensional results: where the rotor runs, and how far the model's assumptions carry."""
     clock, damper = rotor.s * sqrt(g / c), switches["bearing"] == "damper"
     made = {
-        "omega_0": Output(sqrt(g / c), "rad/s", "speed at which s = 1, sqrt(g/c)"),
+        "omega_0": Output(sqrt(g / c), "rad/s", "speed at which s = 1, sqrt(g/c)", role="unit_speed"),
         "force_unit": Output(W, "N", "weight on one bearing W, the unit of forces"),
-        "shaft_speed": Output(clock, "rad/s", "speed of the shaft"),
+        "shaft_speed": Output(clock, "rad/s", "speed of the shaft", role="shaft_speed"),
         "omega_n": Output(sqrt(2 * K / M), "rad/s", "natural frequency of the rotor on rigid bearings"),
         "slenderness": Output(L / (2 * R), "1", "length over diameter of the bearings; short is below 0.25"),
         "film_inertia": Output(rho * clock * c**2 / mu, "1", "inertia over viscosity in the film, rho omega c^2/mu"),
@@ -77,7 +77,10 @@ def quantities(switches: Mapping[str, str]) -> dict[str, Output]:
     }  # fmt: skip
     if damper:
         made |= {
-            "omega_cage": Output(sqrt(2 * K_c / M), "rad/s", "natural frequency of the rigid rotor on its squirrel cages"),
+            "omega_cage": Output(
+                sqrt(2 * K_c / M), "rad/s", "natural frequency of the rigid rotor on its squirrel cages",
+                role="natural_frequency",
+            ),
             "sag": Output(W / K_c, "m", "sag of the squirrel cages under the weight"),
             "film_damping": Output(pi * mu * R * L**3 / (2 * c**3), "N*s/m", "damping of one film at the centre"),
         }
@@ -95,6 +98,7 @@ JEFFCOTT_MACHINE = replace(
         units={"force": W, "length": c, "speed": rotor.s * sqrt(g / c), "rotation": sqrt(g / c)},
         routes=ROUTES,
         sections={name: tuple(q.name for q in inside) for name, inside in SECTIONS.items()},
+        speed=speed,
         operation=tuple(q.name for q in OPERATION),
         checks=(range_fault,),
     ),

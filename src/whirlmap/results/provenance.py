@@ -35,6 +35,8 @@ class Pieces:
     switches : mapping of str to str
     start : mapping of str to float
         Start values that replace the model's own.
+    roles : mapping
+        `Model.roles`: names of quantities by what they are.
     citations : sequence of str
         Keys of the bibliography.
     """
@@ -46,6 +48,7 @@ class Pieces:
     parameters: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
     switches: Mapping[str, str] = field(default_factory=dict)
     start: Mapping[str, float] = field(default_factory=dict)
+    roles: Mapping[str, Any] = field(default_factory=dict)
     citations: Sequence[str] = ()
 
 
@@ -92,6 +95,7 @@ def provenance(
         "parameters": as_json(pieces.parameters),
         "switches": as_json(pieces.switches),
         "start": as_json(pieces.start),
+        "roles": as_json(pieces.roles),
         "method": method,
         "steps_per_period": steps_per_period,
         "seed": seed,

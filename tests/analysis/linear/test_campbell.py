@@ -11,7 +11,7 @@ from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squar
 from whirlmap.integrate.system import System
 
 
-def on_springs(gyro=0.3, ratio=1.0, xi=0.0):
+def on_springs(gyro=0.3, ratio=1.0, xi=0.0, **roles):
     """A centre on springs of stiffness 1 and ratio^2, with a gyroscopic coupling g s; time in radians of the clock."""
     x, y, vx, vy = states("x y", "1", "centre") + states("vx vy", "1", "velocity")
     s, g, b = Parameter("s", "1", "speed", above=0), Parameter("g", "1", "coupling"), Parameter("b", "1", "unbalance")
@@ -23,6 +23,7 @@ def on_springs(gyro=0.3, ratio=1.0, xi=0.0):
             vy: -(ratio**2) * y / s**2 + g * vx - 2 * xi / s * vy + b * sin(t),
         },
         harmonics=(1,), clocks={"shaft": 1}, start="equilibrium", swing=(x, y),
+        **({"bodies": {"disc": (x, y)}, "speed": s} | roles),
     )  # fmt: skip
     return System(model, {"s": 1.0, "g": gyro, "b": 0.1})
 

@@ -32,7 +32,7 @@ def block(system, J, rows, columns):
 def test_coefficients_are_those_of_the_whole_machine_in_newtons(case, changes):
     """Massless journals: C u' = -K u + (K_shaft/2) (rotor - bearing - u), so the Jacobian's rows give C and K."""
     system = whirlmap.load(case, **changes)
-    q = {n: given.value for n, given in system.details.inputs.items()}
+    q = {n: given.value for n, given in system.machine.inputs.items()}
     clock = float(system.values["s"]) * np.sqrt(q["K_p"] / q["m_p"])
     J = whirlmap.linear_analysis(system).jacobian
     found = film_coefficients(system)
@@ -60,7 +60,7 @@ def test_films_carry_what_their_shafts_pull():
 def test_the_rigid_rotor_has_them_on_its_own_mass():
     """The rigid rotor's Jacobian is -K/(m omega^2), -C/(m omega) with m = M/2 at each bearing."""
     system = whirlmap.load("machines/jeffcott-rig", rotor="rigid", arc="fixed")
-    M, g, c = (system.details.inputs[name].value for name in ("M", "g", "c"))
+    M, g, c = (system.machine.inputs[name].value for name in ("M", "g", "c"))
     omega = system.values["s"] * np.sqrt(g / c)
     J, film = whirlmap.linear_analysis(system).jacobian, film_coefficients(system)["1"]
     np.testing.assert_allclose(film.W_c * film.K, -J[2:, :2] * M / 2 * omega**2, rtol=1e-6)
@@ -80,7 +80,7 @@ def test_axes_are_turned_from_the_load_to_horizontal_and_up():
     system = whirlmap.load("machines/jeffcott-rig")
     named = ross_bearing(system)
     u = whirlmap.linear_analysis(system).equilibrium[:2]
-    given = system.details.inputs
+    given = system.machine.inputs
     film, scale = linear_film(np.hypot(*u), 0.0), given["M"].value * given["g"].value / 2 / given["c"].value
     expected = {"kyy": film.K[0, 0], "kyx": -film.K[0, 1], "kxy": -film.K[1, 0], "kxx": film.K[1, 1]}
     for key, value in expected.items():

@@ -34,10 +34,18 @@ def test_modes_of_a_gearbox_are_those_of_its_rotors_and_of_torsion():
     assert (ds["shape"].max("body") == 1).all()
 
 
-def test_a_model_without_declared_bodies_is_named_by_its_centres():
+def test_modes_are_named_by_the_bodies_that_the_model_declares():
     ds = campbell(on_springs(0.3), "s", np.linspace(0.5, 2.0, 5))
-    assert sorted(ds["mode_name"].values.tolist()) == ["x y backward", "x y forward"]
-    assert set(campbell(on_springs(0.0, ratio=1.5), "s", [0.5, 1.0])["mode_name"].values.tolist()) == {"x y in a line"}
+    assert sorted(ds["mode_name"].values.tolist()) == ["disc backward", "disc forward"]
+    assert set(campbell(on_springs(0.0, ratio=1.5), "s", [0.5, 1.0])["mode_name"].values.tolist()) == {"disc in a line"}
+
+
+def test_modes_of_a_model_without_bodies_have_no_name_and_no_whirl_and_it_says_so():
+    system = on_springs(0.3, bodies={})
+    ds = campbell(system, "s", np.linspace(0.5, 2.0, 5))
+    assert set(ds["mode_name"].values.tolist()) == {""} and not ds["whirl"].values.any()
+    assert "bodies, so that modes have no names and no sense of whirl" in system.model.not_declared()
+    assert "not declared: bodies" in str(system.model)
 
 
 def test_the_critical_speed_of_the_rig_in_rpm_and_hz(rig):

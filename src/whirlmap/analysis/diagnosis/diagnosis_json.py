@@ -27,7 +27,8 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
     names = [str(q) for q in np.asarray(ds["quantity"])]
     swing, rms, largest = (map(number, np.asarray(ds[name])) for name in ("peak_to_peak", "rms", "maximum"))
     amplitude = {q: {"peak_to_peak": a, "rms": b} for q, a, b in zip(names, swing, rms, strict=True)}
-    eccentricity = {q: e for q, e in zip(names, largest, strict=True) if q.startswith("eps")}
+    journals = json.loads(ds.attrs.get("roles", "{}")).get("eccentricities", {}).values()
+    eccentricity = {q: e for q, e in zip(names, largest, strict=True) if q in journals}
     dimension = votes.get("dimension", {})
     label = Regime(int(ds["regime"]))
     periodic = label == Regime.periodic

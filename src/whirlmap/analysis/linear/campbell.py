@@ -33,7 +33,7 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     -------
     xr.Dataset
         ``frequency(mode, name)``, ``growth(mode, name)``: imaginary (not negative) and real part of the eigenvalues over the
-        model's reference frequency (per radian of the clock, times s; of a model without s per radian of the clock).
+        model's reference frequency (per radian of the clock, times the speed where the model declares one).
         ``damping_ratio``: -growth over the size of the eigenvalue. ``whirl``: 1 forward (in the clock's sense, from x to y),
         -1 backward, 0 no orbit. ``line(clock, name)``: once per turn of each clock. ``status(name)``: unresolved where no
         equilibrium was found, NaN in the rest. ``critical(crossing)``: values at which a line meets a frequency, with
@@ -68,7 +68,7 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     if not found.any():
         raise RangeError(f"{system.model.name}: no static equilibrium was found at any value of {name}")
     at = np.flatnonzero(found)
-    speed = table[system.parameters.index("s")] if "s" in system.parameters else np.ones(points.size)
+    speed = table[system.parameters.index(system.speed)] if system.speed else np.ones(points.size)
     eigenvalues, vectors = _followed(*np.linalg.eig(jacobian[at]))
     kept = _without_conjugates(eigenvalues)
     full = np.full((len(kept), points.size), np.nan)

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.analysis.motion.ensembles import first_sizes
-from whirlmap.equations.model import Film, Model
+from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import variants
 from whirlmap.integrate.equilibrium import start_states
@@ -71,7 +71,7 @@ def linear_analysis(system: System) -> LinearAnalysis:
     """
     x, jacobian, found = linearised(system.plain_model(), system.vector[:, None])
     if not found[0]:
-        still = [name for name, film in system.model.films.items() if _standing(system, film)]
+        still = standing(system)
         why = "; a film whose journal does not turn carries nothing at rest, and has no derivative there" if still else ""
         raise RangeError(f"{system.model.name}: no static equilibrium was found at these values{why}")
     eigenvalues, vectors = np.linalg.eig(jacobian[0])
@@ -81,9 +81,10 @@ def linear_analysis(system: System) -> LinearAnalysis:
     )
 
 
-def _standing(system: System, film: Film) -> bool:
-    """Whether the journal of a film does not turn."""
-    return float(sympify(film.spin).subs({p: float(system.values[p.name]) for p in system.model.parameters})) == 0.0
+def standing(system: System) -> list[str]:
+    """Names of the bearings whose journal does not turn."""
+    values = {p: float(system.values[p.name]) for p in system.model.parameters}
+    return [name for name, journal in system.model.journals.items() if float(sympify(journal.spin).subs(values)) == 0.0]
 
 
 def linearised(

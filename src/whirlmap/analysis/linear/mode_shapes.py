@@ -5,7 +5,6 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Symbol
 
 from whirlmap.integrate.system import System
 
@@ -16,18 +15,15 @@ FLAT = 1e-6
 
 
 def centres(system: System) -> list[tuple[int, int]]:
-    """Places of the two coordinates of every centre that has mass: those whose rates are velocities."""
-    names, rates = system.states, {s.name: rate for s, rate in system.model.equations.items()}
-    heavy = [n for n in names if isinstance(rates[n], Symbol) and rates[n].name in names]
-    pairs = [(n, n.replace("x", "y")) for n in heavy if "x" in n]
-    return [(names.index(a), names.index(b)) for a, b in pairs if b in heavy]
+    """Places of the two coordinates of every body's centre that has mass: those whose rates are velocities."""
+    names, heavy = system.states, system.model.velocities
+    pairs = [tuple(q.name for q in body) for body in system.model.bodies.values() if len(body) == 2]
+    return [(names.index(x), names.index(y)) for x, y in pairs if x in heavy and y in heavy]
 
 
 def bodies(system: System) -> dict[str, list[int]]:
-    """Places of the coordinates of every body, by name: those that the model declares, else centres with mass."""
-    names = system.states
-    declared = {body: [names.index(q.name) for q in coordinates] for body, coordinates in system.model.bodies.items()}
-    return declared or {f"{names[i]} {names[j]}": [i, j] for i, j in centres(system)}
+    """Places of the coordinates of every body that the model declares, by name."""
+    return {body: [system.states.index(q.name) for q in found] for body, found in system.model.bodies.items()}
 
 
 def whirl_of(

@@ -85,9 +85,9 @@ def bifurcation(
     swept, unit = read_range(vary)
     if follow is not None:
         choice("--follow", follow, WAYS)
-    refuse_twice(set(options.assignments(changes, "--set")), swept)
     destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
+    refuse_twice(system, set(options.assignments(changes, "--set")), swept)
     swept = in_parameters(system, swept, unit)
     states = _states(system, plot)
     from whirlmap.integrate.dimensions import Dimensions

@@ -50,9 +50,9 @@ def campbell(
     over that one. A case with dimensions is shown in rpm and Hz.
     """
     swept, unit = read_range(vary)
-    refuse_twice(set(options.assignments(changes, "--set")), swept)
     destination = claim(out, "campbell", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, None)
+    refuse_twice(system, set(options.assignments(changes, "--set")), swept)
     swept = in_parameters(system, swept, unit)
     from whirlmap.analysis.linear.campbell import campbell as compute
     from whirlmap.analysis.linear.linearisation import NotLinearError

@@ -112,7 +112,7 @@ def improve(
     scales = Dimensions(system, own=dimensionless)
     files = destination.write(ds, lambda made: _picture(scales, made))
     report.say_doubts(ds.attrs)
-    facts, own = summary(scales, ds), float(system.values["s"])
+    facts, own = summary(scales, ds), float(system.values[system.speed])
     facts["assumptions"] = report.say_strains(_ends(make, ranges, units, (low / own, high / own)))
     if json:
         report.print_json({**facts, "files": files})
@@ -141,9 +141,11 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
     from whirlmap.equations import hints
     from whirlmap.units import such_as
 
-    settled = system.details
-    inputs = {q.name: q for q in settled.case.family.groups.inputs} if settled.case.family.groups else {}
-    shared = settled.case.family.groups.shared if inputs else {}
+    settled = system.machine
+    assert settled is not None  # a case was opened
+    groups = settled.groups
+    inputs = {q.name: q for q in groups.inputs} if groups else {}
+    shared = groups.shared if groups else {}
     for name in names:
         if name not in inputs and name not in shared and name not in system.parameters:
             said = hints.of_symbol(settled.case.family, system.model, name, [*system.model.parameters, *inputs.values()])
@@ -151,7 +153,7 @@ def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], uni
                 f"--vary: {system.case} has no {name!r}.{said}\n  parameters: {' '.join(system.parameters)}"
                 + (f"\n  dimensional inputs: {' '.join(settled.inputs)}" if settled.inputs else "")
             )
-        if inputs and name in settled.case.family.groups.operation:
+        if groups and name in groups.operation:
             raise InputError(f"--vary: {name} says how the machine is run, the same for all designs: see --range, --limit")
         declared = inputs.get(name) or inputs.get(shared.get(name, ("",))[0]) or system.model.parameter(name)
         if declared.order:
@@ -170,7 +172,7 @@ def _ends(
     for values in product(*((r.start, r.stop) for r in ranges.values())):
         changed = {n: f"{v!r} {units.get(n, '')}".strip() for n, v in zip(ranges, values, strict=True)}
         design = make(**changed)
-        yield from (design.replace(s=share * float(design.values["s"])) for share in speeds)
+        yield from (design.at_speed(share * float(design.values[design.speed])) for share in speeds)
 
 
 def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
@@ -195,7 +197,7 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     limit = float(ds.attrs["limit"])
     return {
         "case": system.case, "varied": names, "units": {n: ds[n].attrs["units"] for n in names}, "limit": limit,
-        "limit_um": limit * um if um else None, "s": ds["s"].values, "designs": rows,
+        "limit_um": limit * um if um else None, "speed": system.speed, "s": ds[system.speed].values, "designs": rows,
         "widest": int(ds.attrs["widest"]), "calmest": int(ds.attrs["calmest"]), "incomplete": ds.attrs.get("incomplete"),
     }  # fmt: skip
 
@@ -219,7 +221,7 @@ def _print(facts: dict[str, Any]) -> None:
         notes = [w for w, key in (("widest window", "widest"), ("lowest amplitude", "calmest")) if facts[key] == i]
         share = f"{100 * d['safe_share']:.0f} %"
         rows.append((*(f"{d[n]:.5g}" for n in names), place, width, share, swing, judged, ", ".join(notes)))
-    speed, length = ("rpm", "um") if "rpm" in designs[0] else ("s", "clearances")
+    speed, length = ("rpm", "um") if "rpm" in designs[0] else (facts["speed"], "clearances")
     columns = (*heads, f"widest window [{speed}]", "width", "safe", f"worst amplitude [{length}]", "judged", "")
     report.show(report.table("Designs", columns, rows, numbers=(*range(len(names)), len(names) + 1, len(names) + 2)))
     best = designs[facts["widest"]]

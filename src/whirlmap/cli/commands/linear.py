@@ -151,11 +151,11 @@ def _modes(units: "Dimensions", found: "LinearAnalysis") -> list[dict[str, Any]]
 def instead(system: "System") -> str:
     """Say which commands answer where there is no linear system."""
     case = system.case
-    known = "omega_cage" in getattr(system.details, "quantities", {})
+    known = system.machine and system.machine.results("natural_frequency")
     free = f"Natural frequencies without the film and with its rings held: `whirlmap show {case}`. "
     return (
         f"{free if known else ''}How it moves: `whirlmap diagnose {case}`; how far along the speed:"
-        f" `whirlmap speeds {case}` or `whirlmap bifurcation {case} --vary s=...`"
+        f" `whirlmap speeds {case}` or `whirlmap bifurcation {case} --vary {system.speed or 'NAME'}=...`"
     )
 
 

@@ -312,7 +312,7 @@ def _space(
     ranges: dict[str, Range] = {}
     for text in vary or ():
         swept, unit = read_range(text)
-        refuse_twice(set(changed), swept)
+        refuse_twice(system, set(changed), swept)
         swept = in_parameters(system, swept, unit)
         if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")

@@ -12,6 +12,7 @@ from whirlmap.cli.common import series_options as signals
 from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
+    from whirlmap.cases import Settled
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
@@ -77,7 +78,8 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     from whirlmap.integrate.equilibrium import start_states
     from whirlmap.references import references
 
-    model, settled, units = system.model, system.details, Dimensions(system)
+    model, settled, units = system.model, system.machine, Dimensions(system)
+    assert settled is not None  # a case was opened
     x, found = start_states(model, system.vector[:, None])
     begin = {s.name: system.start.get(s.name, float(v)) for s, v in zip(model.states, x[:, 0], strict=True)}
     used = {p.name for p in model.read()}
@@ -118,6 +120,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         },
         "start": "static equilibrium" if model.start == "equilibrium" else "the model's own",
         "start_found": bool(found[0]),
+        "not_declared": model.not_declared(),
         "forced": model.forced,
         "period": system.period,
         "common_multiple": system.common_multiple if system.repeats else None,
@@ -133,7 +136,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     return facts
 
 
-def _mark(settled: Any, name: str) -> dict[str, Any]:
+def _mark(settled: "Settled", name: str) -> dict[str, Any]:
     """What a number was before it was changed by hand, and which numbers its reason was written for."""
     mark = settled.marks.get(name)
     return {"instead_of": mark.instead_of or None, "written_for": dict(mark.written_for)} if mark else {}
@@ -157,7 +160,7 @@ def _clocks(system: "System") -> dict[str, Any]:
 
     numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
     rates = {name: float(sympify(rate).subs(numbers)) for name, rate in system.model.clocks.items()}
-    s = float(system.values["s"]) if "s" in system.values else None
+    s = float(system.values[system.speed]) if system.speed else None
     hertz = Dimensions(system).of("speed")
     return {
         n: {"frequency": w, "s": None if s is None else s * abs(w), "Hz": w * hertz.size if hertz.unit == "Hz" else None}
@@ -179,12 +182,12 @@ def _rpm(value: float, unit: str) -> float | None:
 
 def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
     """List what a reader should know before trusting a result."""
+    from whirlmap.analysis.linear.linearisation import standing
     from whirlmap.assumptions.strained import repeated
 
     made = []
     if not facts["start_found"]:
-        still = [p for p in ("j_p", "j_g") if float(system.values.get(p, 1.0)) == 0.0]
-        why = "; a film that carries nothing at rest has no derivative there" if still else ""
+        why = "; a film that carries nothing at rest has no derivative there" if standing(system) else ""
         made.append(f"no static equilibrium was found: a run begins beside the clearance centre instead{why}")
     if facts["common_multiple"] is None:
         made.append(
@@ -198,9 +201,9 @@ def _oil(system: "System", facts: dict[str, Any]) -> str:
     """Add the heat balance of every film to the dimensional results; return why there is none, where one is expected."""
     from whirlmap.assumptions.oil_heat import oil_heat, why_none
     from whirlmap.assumptions.strain import Facts
-    from whirlmap.assumptions.strained import JUDGED
+    from whirlmap.assumptions.strained import judged
 
-    if system.model.name not in JUDGED:
+    if not judged(system):
         return ""
     numbers = Facts.of(system, [])
     for name, heat in oil_heat(numbers).items():
@@ -264,6 +267,8 @@ def _print(facts: dict[str, Any]) -> None:
     if facts["oil_not_judged"]:
         typer.echo(f"temperature of the oil: not judged, for {facts['oil_not_judged']}")
     _print_periods(facts)
+    for text in facts["not_declared"]:
+        typer.echo(f"not declared: {text}")
     for name, text in facts["stops"].items():
         typer.echo(f"a run ends with {name}: {text}")
     for state, rate in facts.get("equations", {}).items():

@@ -135,7 +135,7 @@ def speeds(
     files = destination.write(ds, lambda made: speed_report.picture(units, made))
     report.say_doubts(ds.attrs)
     facts = speed_report.summary(units, ds)
-    facts["assumptions"] = report.say_assumptions(system, {"s": (low, high)})
+    facts["assumptions"] = report.say_assumptions(system, {system.speed: (low, high)})
     if json:
         report.print_json({**facts, "files": files})
     else:

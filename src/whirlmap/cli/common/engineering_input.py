@@ -14,8 +14,16 @@ if TYPE_CHECKING:
 
 def given(system: "System", name: str) -> float | None:
     """An input of the case in SI units, or None."""
-    found = (getattr(system.details, "inputs", None) or {}).get(name)
+    found = system.machine.inputs.get(name) if system.machine else None
     return None if found is None else float(found.value)
+
+
+def clearance_of(system: "System") -> float | None:
+    """The model's length in m, or None for a case that does not say it."""
+    from whirlmap.sweep.speeds.verdicts import clearance
+
+    found = clearance(system)
+    return found if math.isfinite(found) else None
 
 
 def _read(text: str, unit: str, option: str) -> float:
@@ -29,7 +37,7 @@ def _read(text: str, unit: str, option: str) -> float:
 
 def limit_of(system: "System", text: str | None) -> float:
     """The limit in the model's length."""
-    clearance = given(system, "c")
+    clearance = clearance_of(system)
     if text is None:
         limit = given(system, "limit")
         if limit is None or clearance is None:
@@ -52,7 +60,7 @@ def limit_of(system: "System", text: str | None) -> float:
 
 
 def range_of(system: "System", text: str | None) -> tuple[float, float]:
-    """The range in values of s."""
+    """The range in values of the model's speed parameter."""
     from whirlmap.sweep.speeds.safe_speeds import shaft_speed
 
     scale = shaft_speed(system)
@@ -71,15 +79,15 @@ def range_of(system: "System", text: str | None) -> tuple[float, float]:
         except ValueError:
             if not scale == scale:
                 raise InputError(
-                    f"--range: found {part!r}, but {system.case} has no dimensions; expected values of s"
+                    f"--range: found {part!r}, but {system.case} has no dimensions; expected values of {system.speed}"
                 ) from None
             ends.append(_read(part, "rad/s", "--range") / scale)
         else:
             if scale == scale and ends[-1] > MOST_S:
                 rpm = ends[-1] * scale * 30 / math.pi
                 raise InputError(
-                    f'--range: found {text!r} without units, which are values of s up to {rpm:.3g} rpm, expected speeds with'
-                    ' their unit, as in "500 rpm:6000 rpm"'
+                    f"--range: found {text!r} without units, which are values of {system.speed} up to {rpm:.3g} rpm,"
+                    ' expected speeds with their unit, as in "500 rpm:6000 rpm"'
                 )
     if not 0 < ends[0] < ends[1]:
         raise RangeError(f"--range: found {text!r}, expected two positive speeds, the lower one first")
@@ -108,14 +116,14 @@ def drawn_machines(
 
     from whirlmap.integrate.loading import load
 
-    inputs = getattr(system.details, "inputs", None) or {}
+    inputs = system.machine.inputs if system.machine else {}
     for name in tolerances:
         if name not in inputs and name not in system.parameters:
             raise InputError(
                 f"--tolerance: {system.case} is not given {name!r}.{nearest(name, [*inputs, *system.parameters])}"
                 f"\n  inputs: {' '.join(inputs)}\n  parameters: {' '.join(system.parameters)}"
             )
-    random, clearance = np.random.default_rng(seed), given(system, "c")
+    random, clearance = np.random.default_rng(seed), clearance_of(system)
     machines, limits = [], []
     for _ in range(count):
         changed: dict[str, Any] = dict(changes)
@@ -127,6 +135,6 @@ def drawn_machines(
                 changed[name] = float(system.values[name]) * factor
         machine = load(case, start=dict(system.start), **changed)
         machines.append(machine)
-        own = given(machine, "c")
+        own = clearance_of(machine)
         limits.append(limit * clearance / own if clearance and own else limit)
     return machines, limits

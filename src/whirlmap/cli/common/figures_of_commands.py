@@ -24,11 +24,8 @@ def swing_of(system: "System") -> list[str]:
 
 def partner_of(system: "System", state: str) -> str:
     """State against which another is drawn: the one that its rate equals, else the next one."""
-    for s, rate in system.model.equations.items():
-        if s.name == state and getattr(rate, "name", None) in system.states:
-            return str(rate.name)
     names = system.states
-    return names[(names.index(state) + 1) % len(names)]
+    return system.model.velocities.get(state, names[(names.index(state) + 1) % len(names)])
 
 
 def simulation(system: "System", ds: "xr.Dataset") -> "Figure":
@@ -84,13 +81,13 @@ def operating_point(system: "System") -> str:
     """The case with the values that say which motion it is: all of a small model, else the speed and what the user set."""
     from math import pi
 
-    settled, names = system.details, system.parameters
+    settled, names = system.machine, system.parameters
     every = len(names) <= FEW and not (settled and settled.inputs)
     shown = {name: f"{float(system.values[name]):.4g}" for name in names if every or _by_user(system.notes.get(name, ""))}
     if settled:
         shown |= {name: one.written for name, one in settled.inputs.items() if _by_user(one.note)}
-        speeds = [value for name, (value, _) in settled.quantities.items() if name in ("pinion_speed", "shaft_speed")]
-        if speeds and "speed" not in shown:
+        speeds = list(settled.results("shaft_speed").values())
+        if speeds and system.speed_input not in shown:
             shown["speed"] = f"{abs(speeds[0]) * 30 / pi:.4g} rpm"
     return f"{system.case}: {', '.join(f'{name} = {value}' for name, value in shown.items())}" if shown else system.case
 

@@ -18,8 +18,6 @@ MOST_S = 20.0
 #: Plain lengths beyond this, in clearances of a machine with dimensions, were meant in a unit: no limit of vibration and no
 #: start of a rotor is ten clearances.
 MOST_CLEARANCES = 10.0
-#: Dimensional input that is s in other words, and the parameter that it stands for.
-SPEED = {"speed": "s"}
 
 
 def read_range(text: str, option: str = "--vary") -> tuple["Range", str]:
@@ -80,9 +78,8 @@ def in_parameters(system: "System", found: "Range", unit: str, option: str = "--
 
     from whirlmap.integrate.dimensions import Dimensions
 
-    name, rotation = SPEED.get(found.name, found.name), float(Dimensions(system).worth("rotation"))
-    if found.name in SPEED and not math.isfinite(rotation):
-        name = found.name
+    rotation = float(Dimensions(system).worth("rotation"))
+    name = as_parameter(system, found.name) if math.isfinite(rotation) else found.name
     refuse_input(system, name, option)
     if name not in system.parameters:
         raise RangeError(
@@ -90,7 +87,7 @@ def in_parameters(system: "System", found: "Range", unit: str, option: str = "--
             f"\n  parameters: {' '.join(system.parameters)}"
         )
     if not unit:
-        _refuse_without_unit(found, rotation, option)
+        _refuse_without_unit(system, found, rotation, option)
         return found
     size = _size_of(system, system.model.parameter(name), unit, option)
     return replace(found, name=name, start=found.start * size, stop=found.stop * size)
@@ -143,23 +140,24 @@ def _size_of(system: "System", quantity: "Quantity", unit: str, option: str) -> 
         raise InputError(f"{option} {quantity.name}: {error}") from None
 
 
-def _refuse_without_unit(found: "Range", rotation: float, option: str) -> None:
+def _refuse_without_unit(system: "System", found: "Range", rotation: float, option: str) -> None:
     if not math.isfinite(rotation):
         return
     ends, expected = f"{found.start:g}:{found.stop:g}", 'speeds with their unit, as in "speed=500 rpm:6000 rpm'
     expected += ':50"' if option == "--vary" else '"'
-    if found.name in SPEED:
+    if found.name == system.speed_input:
         raise InputError(f"{option}: found {found.name}={ends} without units, expected {expected}")
-    if found.name == "s" and found.stop > MOST_S:
+    if found.name == system.speed and found.stop > MOST_S:
         rpm = found.stop * rotation * 30 / math.pi
         raise InputError(
-            f"{option}: found s={ends}, which are speeds up to {rpm:.3g} rpm, expected values of s, or {expected}"
+            f"{option}: found {found.name}={ends}, which are speeds up to {rpm:.3g} rpm, expected values of {found.name}, or"
+            f" {expected}"
         )
 
 
 def refuse_input(system: "System", name: str, option: str) -> None:
     """Say which parameters can be varied in place of a dimensional input."""
-    if name in getattr(system.details, "inputs", {}):
+    if system.machine and name in system.machine.inputs:
         fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
         hint = f"; it feeds {', '.join(fed)}" if fed else ""
         raise RangeError(
@@ -173,8 +171,13 @@ def _words(text: str) -> list[str]:
     return "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
 
 
-def refuse_twice(names: set[str], found: "Range") -> None:
+def as_parameter(system: "System", name: str) -> str:
+    """The model's speed for the dimensional input that is the speed, any other name as it is."""
+    return system.speed if name and name == system.speed_input else name
+
+
+def refuse_twice(system: "System", names: set[str], found: "Range") -> None:
     """Refuse a parameter that is both set and varied, by whichever of its names."""
-    for name in sorted({found.name, SPEED.get(found.name, found.name), *(k for k, v in SPEED.items() if v == found.name)}):
-        if name in names:
+    for name in sorted(names):
+        if as_parameter(system, name) == as_parameter(system, found.name):
             raise RangeError(f"{name}: found it in --set and in --vary, expected it in one of them")

@@ -34,13 +34,13 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what was found, as plain data; lengths in um, forces in N and speeds in rpm where the case has dimensions."""
     from collections import Counter
 
-    from whirlmap.sweep.speeds.verdicts import SPEED, Verdict
+    from whirlmap.sweep.speeds.verdicts import Verdict
 
     system, (rpm, um, newton) = units.system, sizes_of(units)
     rows = [_in_units(row, rpm, um, newton) for row in js.loads(ds.attrs["stretches"])]
     if "probability" in ds:
         for row in rows:
-            inside = (ds["s"] >= row["start"]) & (ds["s"] <= row["end"])
+            inside = (ds[system.speed] >= row["start"]) & (ds[system.speed] <= row["end"])
             chance = ds["probability"].values[inside.values]
             row["probability"] = [float(chance.min()), float(chance.max())]
     counted = Counter(Verdict(int(v)).name for v in ds["verdict"].values)
@@ -50,8 +50,8 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
         "incomplete": ds.attrs.get("incomplete"),
         "quantities": ds.attrs["quantities"].split(), "followed": bool(ds.attrs["followed"]),
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
-        "operation": _operation(float(system.values[SPEED]), rows, rpm),
-        "force_N": newton, "length_um": um, "verdicts": dict(counted), "s": ds["s"].values,
+        "operation": _operation(float(system.values[system.speed]), rows, rpm),
+        "force_N": newton, "length_um": um, "verdicts": dict(counted), "speed": system.speed, "s": ds[system.speed].values,
         "rpm": ds["rpm"].values if "rpm" in ds and isfinite(rpm) else None, "units": UNITS,
         "verdict": [Verdict(int(v)).name for v in ds["verdict"].values],
         "other": [Verdict(int(v)).name if v else None for v in ds["other"].values],
@@ -101,7 +101,7 @@ def show(facts: dict[str, Any]) -> None:
     typer.echo(f"{facts['case']}: peak to peak of {', '.join(facts['quantities'])} at most {limit}")
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
-    speed = "speed [rpm]" if facts["rpm"] is not None else "s"
+    speed = "speed [rpm]" if facts["rpm"] is not None else facts["speed"]
     heads, cells = _quantities(facts["stretches"])
     safe, other = [], []
     for row, values in zip(facts["stretches"], cells, strict=True):
@@ -110,7 +110,7 @@ def show(facts: dict[str, Any]) -> None:
         else:
             beside = f" ({', '.join(map(words, row['other']))})" if row["verdict"] == "coexisting" else ""
             other.append((_span(row), *_span_s(row), *values, words(row["verdict"]) + beside))
-    columns = (speed, *(["s"] if facts["rpm"] is not None else []), *heads)
+    columns = (speed, *([facts["speed"]] if facts["rpm"] is not None else []), *heads)
     if safe:
         report.show(report.table("Safe windows", (*columns, "below", "above"), safe))
     else:
@@ -121,7 +121,7 @@ def show(facts: dict[str, Any]) -> None:
     how = "cold starts, run-up and run-down" if facts["followed"] else "cold starts alone"
     typer.echo(f"{len(facts['s'])} speeds, {how}: {counted}")
     if facts["operation"]:
-        typer.echo(_of_operation(facts["operation"]))
+        typer.echo(_of_operation(facts["operation"], facts["speed"]))
     if "probability" in facts:
         means = {why: float(p.mean()) for why, p in facts["probability_of"].items() if p.any()}
         shares = ", ".join(f"{100 * p:.1f} % {words(why)}" for why, p in means.items())
@@ -169,8 +169,8 @@ def _cell(row: dict[str, Any], name: str, bearing: str) -> str:
     return f"{row[name]:.4g}" + (f" ({which})" if which and which != "all" else "")
 
 
-def _of_operation(at: dict[str, Any]) -> str:
-    place = f"{at['rpm']:.0f} rpm" if "rpm" in at else f"s = {at['s']:.4f}"
+def _of_operation(at: dict[str, Any], speed: str) -> str:
+    place = f"{at['rpm']:.0f} rpm" if "rpm" in at else f"{speed} = {at['s']:.4f}"
     if at["verdict"] != "safe":
         return f"the machine's own speed, {place}: not safe, {words(at['verdict'])}"
     ends = [

@@ -1,7 +1,6 @@
 """The parts of a diagnosis, taken out of its one Dataset in the shape that each drawing function reads."""
 
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from fractions import Fraction
@@ -11,7 +10,7 @@ import xarray as xr
 
 from whirlmap.analysis.spectra.spectral_lines import spectral_lines
 from whirlmap.analysis.spectra.spectrum import power_spectrum
-from whirlmap.plot.common.labels import unit_of
+from whirlmap.plot.common.labels import roles_of, unit_of
 from whirlmap.results.status import Status
 
 
@@ -70,19 +69,17 @@ def spectrum_of(ds: xr.Dataset, coordinate: str) -> tuple[xr.Dataset | None, xr.
     rate = (turn.size - 1) / float(turn[-1] - turn[0])
     # A record that holds its first and its last point would count one sample of the period twice.
     whole = x[:-1] if abs(turn[0] - np.rint(turn[0])) < 1e-9 and abs(turn[-1] - np.rint(turn[-1])) < 1e-9 else x
-    spectrum = power_spectrum(whole, rate=rate, unit="T")
+    spectrum = power_spectrum(whole, rate=rate, unit="T").assign_attrs({k: v for k, v in ds.attrs.items() if k == "roles"})
     if (unit := unit_of(ds, coordinate)) != "1":
         spectrum["power"].attrs["units"] = f"{unit}^2"
     return spectrum, spectral_lines(spectrum)
 
 
 def journal_of(ds: xr.Dataset) -> tuple[str, str] | None:
-    """Find the states of the first journal by their names, ``u1x u1y`` or ``ux uy``; lengths are over c."""
+    """Find the states of the first journal that the model declares; lengths are over the clearance."""
     known = [str(s) for s in ds["state"].values] if "state" in ds else []
-    for name in known:
-        if re.fullmatch(r"u\d*x", name) and name[:-1] + "y" in known:
-            return name, name[:-1] + "y"
-    return None
+    declared = roles_of(ds).get("journals", {}).values()
+    return next(((x, y) for x, y in declared if x in known and y in known), None)
 
 
 def clock_name(orders: Mapping[str, Fraction | float]) -> str:

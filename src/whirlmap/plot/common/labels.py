@@ -2,6 +2,7 @@
 
 import json
 import re
+from typing import Any
 
 import numpy as np
 import xarray as xr
@@ -38,18 +39,31 @@ _LATEX = {name: "\\" + name for name in _GREEK} | {
 _LATEX |= {"eps": r"\varepsilon", "varepsilon": r"\varepsilon"}
 
 
-def symbol(name: str) -> str:
+def roles_of(ds: xr.Dataset) -> dict[str, Any]:
+    """`Model.roles` of the model that a Dataset is of; empty where it does not say them."""
+    found: dict[str, Any] = json.loads(str(ds.attrs.get("roles", "{}")))
+    return found
+
+
+def symbol(name: str, ds: xr.Dataset | None = None) -> str:
     """Give a name in mathematical type: ``yp`` as y_p, ``eps_1`` as epsilon_1, ``vx1`` as v_x1.
 
-    The first part is the letter, what follows it or stands behind an underscore is the index; longer words
-    stay words.
+    Where the model of a Dataset declares a symbol, it is that. Else the first part is the letter, what follows it or stands
+    behind an underscore is the index; longer words stay words.
     """
+    if ds is not None and (declared := roles_of(ds).get("symbols", {}).get(name)):
+        return f"${declared}$"
     head, _, index = name.partition("_")
     if not index and head not in _LATEX and 1 < len(head) <= 3:
         head, index = head[0], head[1:]
     index = re.sub("_", ",", index)
     letter = _LATEX.get(head, head if len(head) == 1 else rf"\mathrm{{{head}}}")
     return f"${letter}_{{{index}}}$" if index else f"${letter}$"
+
+
+def speed_of(ds: xr.Dataset) -> str:
+    """Name of the parameter that is the speed: the last dimension of its verdicts."""
+    return str(ds["verdict"].dims[-1])
 
 
 def unit_text(unit: str) -> str:
@@ -89,7 +103,7 @@ def with_breaks(ds: xr.Dataset, name: str, values: np.ndarray) -> np.ndarray:
 
 def axis_label(ds: xr.Dataset, name: str, *, meaning: bool = False) -> str:
     """Symbol and unit of a state, output or coordinate, after its meaning where there is room for it."""
-    text = f"{symbol(name)} {unit_text(unit_of(ds, name))}"
+    text = f"{symbol(name, ds)} {unit_text(unit_of(ds, name))}"
     words = str(ds[name].attrs.get("long_name", "")) if meaning and name in ds else ""
     words = re.split(r"[:;,(]", words)[0].strip()  # what follows is a definition: too long for an axis
     return f"{words}, {text}" if words and words != name else text
@@ -103,9 +117,8 @@ def check_name(name: str, known: list[str], what: str) -> str:
 
 
 def velocity_of(ds: xr.Dataset, coordinate: str) -> str:
-    """Find the state that is a coordinate's velocity: ``vyp`` of ``yp``, ``v`` of ``x``; else the next."""
+    """Find the state that is a coordinate's velocity by the model's equations, ``vyp`` of ``yp``; else the next."""
     known = [str(s) for s in ds["state"].values]
-    for name in ("v" + coordinate, "v", "v" + coordinate.removeprefix("u")):
-        if name in known and name != coordinate:
-            return name
+    if (name := roles_of(ds).get("velocities", {}).get(coordinate)) in known:
+        return str(name)
     return known[(known.index(check_name(coordinate, known, "state")) + 1) % len(known)]

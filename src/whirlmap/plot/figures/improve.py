@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm, Normalize
 from matplotlib.figure import Figure
 from matplotlib.ticker import LogLocator, NullLocator
 
-from whirlmap.plot.common.labels import symbol, unit_text
+from whirlmap.plot.common.labels import speed_of, symbol, unit_text
 from whirlmap.plot.common.limits import cell_edges, is_log
 from whirlmap.plot.common.style import BLUE, GREEN, GREY, INK, VERMILION, WIDE, new_figure, styled, text_size, write_reason
 
@@ -29,7 +29,7 @@ def improve_figure(ds: xr.Dataset, *, unit: float = 1.0, length: str = "1", titl
         Unit of amplitudes.
     """
     names = str(ds.attrs["varied"]).split()
-    scale, speed = (float(ds["rpm"][-1] / ds["s"][-1]), "rpm") if "rpm" in ds.coords else (1.0, "1")
+    scale, speed = (float(ds["rpm"][-1] / ds[speed_of(ds)][-1]), "rpm") if "rpm" in ds.coords else (1.0, "1")
     aims = (
         (ds["window_width"].values * scale, f"widest safe window {unit_text(speed)}"),
         (ds["worst_amplitude"].values * unit, f"worst peak to peak {unit_text(length)}"),
@@ -50,7 +50,7 @@ def improve_figure(ds: xr.Dataset, *, unit: float = 1.0, length: str = "1", titl
 
 
 def _label(ds: xr.Dataset, name: str) -> str:
-    return f"{symbol(name)} {unit_text(str(ds[name].attrs['units']))}"
+    return f"{symbol(name, ds)} {unit_text(str(ds[name].attrs['units']))}"
 
 
 def _line(ax: Axes, ds: xr.Dataset, name: str, values: np.ndarray, label: str) -> None:

@@ -199,7 +199,7 @@ def _legend(ds: xr.Dataset, quantity: str | None) -> list[Any]:
 
 def _amplitude_words(ds: xr.Dataset, quantity: str) -> str:
     unit = unit_of(ds, quantity)
-    return f"peak to peak of {symbol(quantity)}" + (f" {unit_text(unit)}" if unit != "1" else "")
+    return f"peak to peak of {symbol(quantity, ds)}" + (f" {unit_text(unit)}" if unit != "1" else "")
 
 
 def _axes_of(ds: xr.Dataset) -> tuple[str, str]:

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
-from whirlmap.plot.common.labels import unit_text
+from whirlmap.plot.common.labels import speed_of, unit_text
 from whirlmap.plot.common.style import BLUE, GREEN, GREY, INK, ORANGE, PURPLE, SKY, VERMILION, WIDE, new_figure, styled
 
 #: How each verdict is drawn: its ground, and its word in the legend.
@@ -40,9 +40,10 @@ def speeds_figure(
     heights = [2.6, *[1.0] * len(bearings + chance)]
     fig = new_figure(WIDE, 1.05 * sum(heights) + 0.5)
     first, *rest = fig.subplots(len(heights), 1, sharex=True, squeeze=False, height_ratios=heights)[:, 0]
-    along = "rpm" if "rpm" in ds else "s"
+    speed = speed_of(ds)
+    along = "rpm" if "rpm" in ds else speed
     at = ds[along].values
-    _grounds([first, *rest[: len(bearings)]], ds, at[-1] / ds["s"].values[-1])
+    _grounds([first, *rest[: len(bearings)]], ds, at[-1] / ds[speed].values[-1])
     _legend(first, ds)
     _amplitude(first, ds, at, unit, length)
     fig.suptitle(title)
@@ -54,7 +55,7 @@ def speeds_figure(
         _probability(rest[-1], ds, at)
     fig.align_ylabels()
     (rest or [first])[-1].set(
-        xlim=(at[0], at[-1]), xlabel="speed of the first shaft [rpm]" if along == "rpm" else "speed ratio s"
+        xlim=(at[0], at[-1]), xlabel="speed of the first shaft [rpm]" if along == "rpm" else f"speed ratio {speed}"
     )
     return fig
 

@@ -87,7 +87,7 @@ def draw_power_spectrum(
     ends = level(np.array([lowest, peak * (peak / lowest) ** room]))
     ax.set_ylim(float(ends[0]), float(ends[1]))
     ax.set_xlabel(f"frequency / {clock} frequency [–]" if clock else "frequency, in $1/T$ [–]")
-    what = f"power of {symbol(name)}" if name else "power"
+    what = f"power of {symbol(name, ds)}" if name else "power"
     unit = str(ds["power"].attrs.get("units", "1"))
     level_unit = f"[dB re {'1' if unit == '1' else f'1 {unit}'}]"
     ax.set_ylabel(f"{what} {level_unit}" if decibel else f"{what}, $a^2/2$ {unit_text(unit)}")

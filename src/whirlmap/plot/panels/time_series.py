@@ -89,8 +89,9 @@ def draw_time_series(
     curves = [values_of(part, name) for name in names]
     for name, curve, colour in zip(names, curves, COLOURS * (len(names) // len(COLOURS) + 1), strict=False):
         ax.plot(
-            clock.values, with_breaks(part, name, curve), color=colour, label=symbol(name), rasterized=curve.size > 20_000
-        )
+            clock.values, with_breaks(part, name, curve), color=colour, label=symbol(name, ds),
+            rasterized=curve.size > 20_000,
+        )  # fmt: skip
     if ended:
         alive = np.isfinite(part["x"].values).all(axis=1)
         end = float(clock.values[alive][-1])
@@ -111,8 +112,8 @@ def draw_time_series(
     ax.set_xlim(float(clock.values[0]), last)
     ax.set_ylim(limits(np.concatenate(curves)))
     ax.set_xlabel("time, $t/T$ [–]" if in_T else f"time, $t$ {unit_text(unit_of(ds, 'time'))}")
-    units = {unit_of(ds, name) for name in names}
-    ax.set_ylabel(", ".join(symbol(n) for n in names) + " " + unit_text(units.pop() if len(units) == 1 else "mixed units"))
+    units, symbols = {unit_of(ds, name) for name in names}, ", ".join(symbol(name, ds) for name in names)
+    ax.set_ylabel(f"{symbols} {unit_text(units.pop() if len(units) == 1 else 'mixed units')}")
     if len(names) > 1:
         ax.legend(loc="lower right", bbox_to_anchor=(1.0, 0.98), ncols=min(len(names), 5), handlelength=1.2)
     return ax

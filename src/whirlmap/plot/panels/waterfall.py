@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 @styled
 def draw_waterfall(
     ds: xr.Dataset,
-    speed: str = "s",
+    speed: str | None = None,
     *,
     ax: Axes | None = None,
     kind: Literal["lines", "map"] = "lines",
@@ -38,7 +38,7 @@ def draw_waterfall(
     Parameters
     ----------
     speed : str
-        Dimension along which the speed varies.
+        Dimension along which the speed varies; the one beside the frequency where absent.
     kind : {"lines", "map"}
         Spectra as lines in a row, or as a map of colours in decibels.
     orders : mapping of str to number
@@ -53,6 +53,7 @@ def draw_waterfall(
     if kind not in ("lines", "map"):
         raise RangeError(f"kind is 'lines' or 'map', not {kind!r}")
     ax = axes_or_new(ax, 5.4, 4.4)
+    speed = speed or str(next(dim for dim in ds["power"].dims if dim != "frequency"))
     at = ds[speed].values.astype(float)
     amplitude = np.sqrt(2 * ds["power"].transpose(speed, "frequency").values)
     order = ds["frequency"].values
@@ -84,10 +85,10 @@ def draw_waterfall(
                 annotation_clip=False,
                 zorder=1e4,
             )
-    ax.set_xlabel(f"frequency, in units of {symbol(speed)} {unit_text(unit_of(ds, speed))}")
+    ax.set_xlabel(f"frequency, in units of {symbol(speed, ds)} {unit_text(unit_of(ds, speed))}")
     ax.set_ylabel(axis_label(ds, speed))
     missing = int((~whole).sum())
-    title = f"amplitude spectra{' of ' + symbol(name) if name else ''}" + (
+    title = f"amplitude spectra{' of ' + symbol(name, ds) if name else ''}" + (
         f", {missing} ended run{'s' * (missing > 1)} left out" if missing else ""
     )
     largest = float(np.nanmax(amplitude[:, order > 0])) if whole.any() else np.nan

@@ -6,14 +6,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.equations.parts import OfBearing
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable
 
 Array = NDArray[np.float64]
-
-#: Outputs with these beginnings are the eccentricity of a bearing's journal, in clearances, and the force of its film, in
-#: the model's unit: ``eps_1`` and ``load_1`` are those of bearing 1, ``eps`` alone is that of all.
-ECCENTRICITY, LOAD = "eps", "load"
 
 #: What the extremes over the record are called in Datasets, and what they are.
 EXTREMES = {
@@ -35,12 +32,12 @@ def extreme_variables(dim: str, system: System, extremes: Mapping[str, Array]) -
     }
     swing = (extremes["maximum"] - extremes["minimum"]).T
     data["peak_to_peak"] = variable((dim, "quantity"), swing, "1", "largest less smallest value over the record")
-    over, bearings = (dim, "bearing"), _bearings(system, ECCENTRICITY)
+    over, bearings = (dim, "bearing"), _bearings(system, "eccentricity")
     if bearings:
         largest = extremes["maximum"][list(bearings.values())].T
         data["max_eccentricity"] = variable(over, largest, "1", "largest eccentricity over the record, in clearances")
         data["min_film"] = variable(over, 1 - largest, "1", "smallest film thickness over the record, in clearances")
-    loads = _bearings(system, LOAD)
+    loads = _bearings(system, "load")
     if bearings and bearings.keys() <= loads.keys():
         largest = extremes["maximum"][[loads[name] for name in bearings]].T
         data["max_load"] = variable(over, largest, "1", "largest force of a film over the record, in the model's unit")
@@ -50,12 +47,12 @@ def extreme_variables(dim: str, system: System, extremes: Mapping[str, Array]) -
 def extreme_coordinates(system: System) -> dict[str, Any]:
     """Names of the states and outputs, and of the bearings, that `extreme_variables` are over."""
     coords = {"quantity": names_coordinate("quantity", [*system.states, *system.model.outputs], "state or output")}
-    if bearings := _bearings(system, ECCENTRICITY):
+    if bearings := _bearings(system, "eccentricity"):
         coords["bearing"] = names_coordinate("bearing", list(bearings), "bearing")
     return coords
 
 
-def _bearings(system: System, beginning: str) -> dict[str, int]:
+def _bearings(system: System, role: OfBearing) -> dict[str, int]:
     """Rows of the extremes that hold a quantity of the bearings, by the name of the bearing."""
-    names = [name.partition("_") for name in system.model.outputs]
-    return {which or "all": len(system.states) + k for k, (kind, _, which) in enumerate(names) if kind == beginning}
+    rows = [*system.states, *system.model.outputs]
+    return {bearing: rows.index(name) for bearing, name in system.model.outputs_of(role).items()}

@@ -15,7 +15,7 @@ from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.schema import variable
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.sweep.speeds.run_up_and_down import cold_motions, motions_met, outcome
-from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, amplitude_variable, shaft_speed, verdict_variable
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, amplitude_variable, shaft_speed, verdict_variable
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def safe_probability(
         ``probability(s)`` of safe, ``probability_low``, ``probability_high``; ``probability_of(why, s)``,
         by name of the `Verdict`.
     """
-    at = np.asarray(speeds, dtype=float)
+    at, speed = np.asarray(speeds, dtype=float), system.speed
     judged = judge_machines(
         system, draws, at, limits, quantity=quantity, follow=follow, labelling=labelling, execution=execution
     )
@@ -60,12 +60,12 @@ def safe_probability(
     meaning = "share of the drawn machines that are safe"
     return xr.Dataset(
         {
-            "probability": variable(SPEED, counts[Verdict.safe] / len(draws), "1", meaning),
-            "probability_low": variable(SPEED, low, "1", f"{meaning}: lower end of its 95 % interval"),
-            "probability_high": variable(SPEED, high, "1", f"{meaning}: upper end of its 95 % interval"),
-            "probability_of": variable(("why", SPEED), counts / len(draws), "1", "share of the drawn machines of a verdict"),
+            "probability": variable(speed, counts[Verdict.safe] / len(draws), "1", meaning),
+            "probability_low": variable(speed, low, "1", f"{meaning}: lower end of its 95 % interval"),
+            "probability_high": variable(speed, high, "1", f"{meaning}: upper end of its 95 % interval"),
+            "probability_of": variable(("why", speed), counts / len(draws), "1", "share of the drawn machines of a verdict"),
         },
-        {SPEED: at, "why": [v.name for v in Verdict]},
+        {speed: at, "why": [v.name for v in Verdict]},
         judged.attrs,
     )
 
@@ -114,10 +114,11 @@ def judge_machines(
     RangeError
         No machine; machines of different models or orders of harmonics; a shaft at rest.
     """
+    speed = system.speed
     at, allowed = np.asarray(speeds, dtype=float), np.asarray(limits, dtype=float)
     if not machines:
         raise RangeError("found no machine, expected at least one")
-    names = [n for n in system.parameters if n != SPEED]
+    names = [n for n in system.parameters if n != speed]
     differing = {n for m in machines for n in names if m.values.get(n) != system.values[n]}
     for machine in machines:
         if machine.model.states != system.model.states or dict(machine.model.switches) != dict(system.model.switches):
@@ -127,12 +128,12 @@ def judge_machines(
     if not np.all(scales > 0):
         raise RangeError("the first shaft of a machine stands still at every s: its speeds cannot be compared")
     values = {n: np.repeat([float(m.values[n]) for m in machines], at.size) for n in names if n in differing}
-    values[SPEED] = (at / scales[:, None]).ravel()
+    values[speed] = (at / scales[:, None]).ravel()
     judge, each = Judge(system, quantity, labelling, execution), np.repeat(allowed, at.size)
     met = motions_met(judge, values, each, at.size) if follow else cold_motions(judge, values, each)
-    found, over = outcome(met, each.size), ("machine", SPEED)
+    found, over = outcome(met, each.size), ("machine", speed)
     verdict, swing = (found[name].values.reshape(-1, at.size) for name in ("verdict", "amplitude"))
     return xr.Dataset(
         {"verdict": verdict_variable(over, verdict), "amplitude": amplitude_variable(over, swing, judge.rows)},
-        {SPEED: variable(SPEED, at, "1", "speed ratio of the machine that was meant")}, met.attrs,
+        {speed: variable(speed, at, "1", "speed ratio of the machine that was meant")}, met.attrs,
     )  # fmt: skip

@@ -28,7 +28,7 @@ from whirlmap.sweep.diagrams.in_batches import BATCH
 from whirlmap.sweep.interruptible import Work, batches
 from whirlmap.sweep.speeds.designs import judge_machines
 from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
-from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, clearance, shaft_speed
 from whirlmap.sweep.speeds.windows import widest_window
 
 Array = NDArray[np.float64]
@@ -134,9 +134,10 @@ def improve_in_batches(
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in vary.items()}
-    _refuse_axes(axes)
+    system = make()
+    _refuse_axes(axes, system)
     refuse_speeds(at, limit)
-    judge = Judge(make(), quantity, labelling, execution)
+    judge = Judge(system, quantity, labelling, execution)
     trial = _Trial(make, tuple(axes), units or {}, at, limit, judge)
     most = batch or max(BATCH * LANES * (execution.workers or cores()) // at.size, 1)
     designs: list[xr.Dataset] = []  # each with one design
@@ -168,9 +169,9 @@ def improve_in_batches(
             return None
         ds = _joined(designs)
         ds["front"] = variable("design", _front(ds), "1", "1 where no other design is better in width and amplitude both")
-        rpm = shaft_speed(judge.system) * 30 / np.pi
+        rpm = shaft_speed(system) * 30 / np.pi
         if np.isfinite(rpm):
-            ds = ds.assign_coords(rpm=(SPEED, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
+            ds = ds.assign_coords(rpm=(system.speed, at * rpm, {"units": "rpm", "long_name": "speed of the first shaft"}))
         ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
         if stage:
             work.total = max(work.total, work.done + 1)
@@ -180,11 +181,11 @@ def improve_in_batches(
     return Work(int(np.prod([v.size for v in axes.values()])) + follow, parts, gather)
 
 
-def _refuse_axes(axes: Mapping[str, Array]) -> None:
+def _refuse_axes(axes: Mapping[str, Array], system: System) -> None:
     if not 1 <= len(axes) <= 2:
         raise RangeError(f"found {len(axes)} design parameters, expected one or two")
     for name, values in axes.items():
-        if name in (SPEED, "speed"):
+        if name in (system.speed, system.speed_input):
             raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")
         if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
             raise RangeError(f"values of {name!r} must be finite and ascend, and be two or more")

@@ -28,7 +28,7 @@ from whirlmap.sweep.diagrams.in_batches import FIRST
 from whirlmap.sweep.interruptible import Work, batches
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
-from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict, shaft_speed
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
 
 Array = NDArray[np.float64]
@@ -57,7 +57,7 @@ def safe_speeds(
     Parameters
     ----------
     speeds : array_like, shape (s,)
-        Values of ``s``, positive and ascending, two or more.
+        Values of the model's speed parameter, ``s`` of the stock machines, positive and ascending, two or more.
     limit : float
         Largest peak-to-peak displacement that is allowed, in the model's length (clearances, for the machines).
     quantity : str, optional
@@ -85,7 +85,7 @@ def safe_speeds(
     Raises
     ------
     RangeError
-        The model has no ``s``; speeds that do not ascend or are not positive; a limit that is not positive.
+        The model declares no speed; speeds that do not ascend or are not positive; a limit that is not positive.
     """
     return safe_speeds_in_parts(
         system, speeds, limit, quantity=quantity, follow=follow, labelling=labelling, execution=execution
@@ -111,8 +111,9 @@ def safe_speeds_in_parts(
     Parameters are those of `safe_speeds`, and so is the Dataset, which carries ``incomplete`` where something is missing.
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
-    if SPEED not in system.parameters:
-        raise RangeError(f"{system.model.name} has no parameter 's': safe speeds are those of a machine with one")
+    speed = system.speed
+    if not speed:
+        raise RangeError(f"{system.model.name} declares no speed=...: safe speeds are those of a model with one")
     refuse_speeds(at, limit)
     judge, progress = Judge(system, quantity, labelling, execution), execution.progress
     block, limits = LANES * (execution.workers or cores()), np.full(at.size, float(limit))
@@ -124,7 +125,7 @@ def safe_speeds_in_parts(
     def parts(_: Work) -> Iterator[int]:
         nonlocal met, edges, followed, missing
         for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
-            cold.append(cold_motions(judge, {SPEED: at[part]}, limits[part]))
+            cold.append(cold_motions(judge, {speed: at[part]}, limits[part]))
             yield part.stop
         met = cold_at(cold, system.model)
         safe = met["verdict"].values == Verdict.safe
@@ -132,7 +133,7 @@ def safe_speeds_in_parts(
         tell(progress, "more_points", at_edges + (2 * at.size if follow else 0))
         if follow:
             missing = "run-up and run-down"
-            for met in rounds_met(judge, {SPEED: at}, limits, at.size, met):  # noqa: B007, B020 (the last one counts)
+            for met in rounds_met(judge, {speed: at}, limits, at.size, met):  # noqa: B007, B020 (the last one counts)
                 tell(progress, "more_points", at_edges)
                 yield at.size
             followed = True
@@ -166,11 +167,12 @@ def safe_speeds_in_parts(
 def _dataset(
     system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool
 ) -> xr.Dataset:
-    whole = outcome(met, at.size).swap_dims(point=SPEED)
+    speed = system.speed
+    whole = outcome(met, at.size).swap_dims(point=speed)
     ds = whole[[name for name in KEPT if name in whole]]
     rows = stretches(ds, edges)
     windows = [row for row in rows if row["verdict"] == Verdict.safe.name]
-    ds["margin"] = variable(SPEED, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds",
+    ds["margin"] = variable(speed, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds",
                             measure="rotation")  # fmt: skip
     for name, key, meaning in (
         ("window_start", "start", "first safe speed ratio"), ("window_end", "end", "last safe speed ratio"),
@@ -182,7 +184,7 @@ def _dataset(
         ds[name] = variable("window", [w[key] for w in windows], "1", meaning, measure=measure)
     scale = shaft_speed(system) * 30 / np.pi
     if np.isfinite(scale):
-        ds["rpm"] = variable(SPEED, at * scale, "rpm", "speed of the first shaft")
+        ds["rpm"] = variable(speed, at * scale, "rpm", "speed of the first shaft")
     return ds.assign_attrs(
         met.attrs, limit=limit, quantities=" ".join(judge.rows), followed=int(follow), windows=json.dumps(windows),
         stretches=json.dumps(rows),

@@ -25,9 +25,6 @@ from whirlmap.sweep.points.label_points import label_points
 
 Array = NDArray[np.float64]
 
-#: Parameter that is the speed.
-SPEED = "s"
-
 
 class Verdict(IntEnum):
     """Whether a speed is safe, else the first reason why not."""

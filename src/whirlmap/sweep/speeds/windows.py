@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from whirlmap.progress import tell
 from whirlmap.sweep.speeds.arriving import arriving
 from whirlmap.sweep.speeds.run_up_and_down import carried, cold_motions, joined, outcome, unseen
-from whirlmap.sweep.speeds.verdicts import SPEED, Judge, Verdict
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict
 
 Array = NDArray[np.float64]
 
@@ -42,7 +42,7 @@ def refined_edges(
     rounds : int
         How often the ends are drawn closer; 0: they are those of the cells.
     """
-    verdict = outcome(met, at.size)["verdict"].values
+    speed, verdict = judge.system.speed, outcome(met, at.size)["verdict"].values
     safe = verdict == Verdict.safe
     cells = np.flatnonzero(safe[1:] != safe[:-1])
     places = np.where(safe[cells], [cells, cells + 1], [cells + 1, cells])  # the safe end, the other
@@ -54,11 +54,11 @@ def refined_edges(
         whole = ends[0][:, None] + (ends[1] - ends[0])[:, None] * np.concatenate([[0], shares, [1]])
         whole[:, -1] = ends[1]
         trial = whole[:, 1:-1].ravel()
-        found = cold_motions(judge, {SPEED: trial}, np.full(trial.size, limit))
+        found = cold_motions(judge, {speed: trial}, np.full(trial.size, limit))
         for motions in known if follow else ():
             found = joined(found, _carried_into(judge, trial, motions, limit))
         if follow:
-            flows = arriving(judge, {SPEED: trial}, found, np.ones(found.sizes["point"], dtype=bool))
+            flows = arriving(judge, {speed: trial}, found, np.ones(found.sizes["point"], dtype=bool))
             flows[: trial.size] = False  # a cold start is a verdict of its own
             found = found.isel(point=np.flatnonzero(~flows))
         result = outcome(found, trial.size)["verdict"].values.reshape(-1, PARTS)
@@ -67,7 +67,7 @@ def refined_edges(
         why = np.where(first < PARTS, result[every, np.minimum(first, PARTS - 1)], why)
         ends = np.stack([whole[every, first], whole[every, first + 1]])
         if follow:
-            found = found.isel(point=unseen(judge, {SPEED: trial}, found))
+            found = found.isel(point=unseen(judge, {speed: trial}, found))
             known = [
                 joined(_among(old, np.flatnonzero(stays)), _at(found, np.where(stays, -1, every * PARTS + new)))
                 for old, stays, new in ((known[0], first == 0, first - 1), (known[1], first == PARTS, first))
@@ -88,7 +88,8 @@ def _carried_into(judge: Judge, trial: Array, motions: xr.Dataset, limit: float)
     if not ran.size:
         return motions.isel(point=ran)
     place = (motions["place"].values[ran, None] * PARTS + np.arange(PARTS)).ravel()
-    return carried(judge, {SPEED: trial[place]}, np.full(place.size, limit), motions, np.repeat(ran, PARTS), place)
+    values = {judge.system.speed: trial[place]}
+    return carried(judge, values, np.full(place.size, limit), motions, np.repeat(ran, PARTS), place)
 
 
 def _at(motions: xr.Dataset, places: NDArray[np.intp]) -> xr.Dataset:
@@ -118,7 +119,8 @@ def stretches(ds: xr.Dataset, edges: Mapping[int, Edge]) -> list[dict[str, Any]]
         was judged and is not safe; ``below``, ``above``, why it ends there; and the largest ``amplitude`` and ``max_load``,
         the least ``min_film`` and ``tooth_contact``, of its speeds (None where none is known), with the bearing of each.
     """
-    at, verdict = ds[SPEED].values, ds["verdict"].values
+    speed = str(ds["verdict"].dims[0])
+    at, verdict = ds[speed].values, ds["verdict"].values
     cuts = np.flatnonzero(verdict[1:] != verdict[:-1])
     rows = []
     for a, b in zip([0, *(cuts + 1)], [*cuts, at.size - 1], strict=True):
@@ -130,7 +132,7 @@ def stretches(ds: xr.Dataset, edges: Mapping[int, Edge]) -> list[dict[str, Any]]
             if kind == Verdict.safe:
                 row[f"gap_{end}"] = abs(edge.beyond - edge.safe) if edge else 0.0
                 row["below" if end == "start" else "above"] = edge.why.name if edge else "end of the range"
-        rows.append(row | _worst(ds.isel({SPEED: slice(int(a), int(b) + 1)})))
+        rows.append(row | _worst(ds.isel({speed: slice(int(a), int(b) + 1)})))
     return rows
 
 
