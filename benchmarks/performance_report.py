@@ -25,7 +25,7 @@ recorded).
 
 Other processors. Numbers on this page are those of one machine. On an AMD Zen 4, with reciprocals and roots by estimates,
 heyoka took 1.7 times our time at 1e-7 and plain C with RK4 0.98 times. Plain films divide there now, 3 to 6 % faster
-(`kernels/root_choice.py`); the peers were not timed again.
+(`kernels/running/root_choice.py`); the peers were not timed again.
 
 What the peers are given:
 

@@ -52,7 +52,8 @@ class Rescue:
        poles only if nothing else is found, for a step may be thrown there by one.
     2. The step is redone in 4, 16, 64, 256 and 1024 shorter ones; a lane that gets through goes on.
     3. Where a gap may physically close, the end is bisected: the last time at which the step still ends at open gaps.
-    4. What is left has diverged if it runs into a pole (`kernels.poles`), which counts on behind the model's stops as what
+    4. What is left has diverged if it runs into a pole (`kernels.lowering.poles`), which counts on behind the model's stops
+    as what
        ended it, if it was near its bound (`NEAR`) or had grown far (`GROWN`); else it is unresolved.
 
     With ``redo`` off, 2 is left out and 3 is done where the step plainly ended behind a stop.

@@ -1,7 +1,7 @@
 """Everything there is to know about one operating point, from one set of runs.
 
 1. A swarm of start states is labelled as the points of a diagram are (`labels.labelling`).
-2. Tangent vectors run along until the error of the largest exponent is small enough (`tangent_run`).
+2. Tangent vectors run along until the error of the largest exponent is small enough (`exponents_with_section`).
 3. Periodic motion gets its Floquet multipliers; other motion the 0-1 test, Birkhoff averages and rotation number of its
    section points, their recurrence, and the correlation dimension. A time series gives the spectral lines.
 4. The label is that of the first start state, as in a diagram; undecided where the multipliers of a return are against it.

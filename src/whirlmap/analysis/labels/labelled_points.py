@@ -2,11 +2,11 @@
 
 1. Points settle, and those that return are recorded (`returns`). One that has not returned after `BRIEF` T is handed over.
 2. Points that do not return run with a tangent vector until the rule knows what they are (`nonperiodic_points`).
-3. What contracts is on its way to an orbit. Newton's method finds it (`closing`); where it does not, the point settles on
+3. What contracts is on its way to an orbit. Newton's method finds it (`newton`); where it does not, the point settles on
    for the time that its exponent says, and is judged once more. What still is not known then is called not settled.
 4. A torus whose section all but returns is tried as an orbit, too: high locking looks like that. Chaos is followed on for a
    while: one that is a transient returns at last, or ends.
-5. Motion that grows, drifts or dies away steadily is labelled as such (`unbounded`).
+5. Motion that grows, drifts or dies away steadily is labelled as such (`trend_labels`).
 """
 
 from collections.abc import Callable, Mapping, Sequence

@@ -2,7 +2,7 @@
 
 A run that settles slowly returns to the tolerance long before it stands on its orbit: what is left is the last difference
 over 1 - rho, rho the largest multiplier. Two such runs are therefore compared by the orbits that they settle on, as Newton's
-method closes them (`closing`).
+method closes them (`newton`).
 
 A run that has not settled yet is on its way to a known orbit where the map is as good as linear about it: with the
 eigenvectors of the monodromy matrix as coordinates, w, one return must take w to L w (L the multipliers) up to half of

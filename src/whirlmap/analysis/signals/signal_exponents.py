@@ -38,9 +38,10 @@ def signal_exponents(
 
     Notes
     -----
-    A smooth signal is interpolated to 40 samples per swing and smoothed over a quarter swing (`parting.resolved`); its
-    vectors span half a swing at most, for longer ones hold growth already, and neighbours nearer than twice the distance
-    by which noise parts equal points do not count: those that are, are near by chance.
+    A smooth signal is interpolated to 40 samples per swing and smoothed over a quarter swing
+    (`neighbour_divergence.resolved`); its vectors span half a swing at most, for longer ones hold growth already, and
+    neighbours nearer than twice the distance by which noise parts equal points do not count: those that are, are near by
+    chance.
     """
     part, least, factor, flow = x[:PARTING], 0.0, 1, is_flow(x)
     if flow:

@@ -118,7 +118,8 @@ class Settled:
     drift : array, shape (state, point)
         Speed per common period of the mean of points that drifted beyond the bound; zero in others.
     thinning, turning : array
-        Power of time with which a gap fell where steps failed at last, and rotation number (`thinning`); NaN in others.
+        Power of time with which a gap fell where steps failed at last, and rotation number (`trends.film_thinning`); NaN in
+        others.
     """
 
     multiple: Integers

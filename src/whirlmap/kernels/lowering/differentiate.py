@@ -4,12 +4,13 @@ Differentiating the whole expressions and sharing subexpressions afterwards take
 table; going through assignments that are shared already takes a second, and gives the shorter code. Derivatives are taken
 by *seeds*: the states, and every assignment that is a linear form of states with constant coefficients (a shaft's
 deflection), so that the parts of a linear form are not differentiated one by one. An assignment that depends on several
-seeds and serves several others (the square of the eccentricity) is a seed on the way: what depends on it is differentiated
-by it alone, and the chain rule is applied once at the end. Along a single direction there is one seed, the direction itself.
+seeds and serves several others (the square of the eccentricity) is an intermediate seed: what depends on it is
+differentiated by it alone, and the chain rule is applied once at the end. A directional derivative has one seed, the
+direction itself.
 
-Two habits of calculation by hand spare a tenth of a film's derivatives. A sum inside of a product is differentiated as one
-thing. And a product of roots and reciprocals stands in its own derivative, times the sum of its factors' *rates*: each
-factor's derivative over the factor itself.
+Two rules save a tenth of the operations in a film's derivatives. A sum inside of a product is differentiated as one term.
+A product of roots and reciprocals is differentiated logarithmically: its derivative is the product times the sum of its
+factors' *rates*, each factor's derivative over the factor itself.
 """
 
 from collections import Counter
@@ -66,12 +67,12 @@ def jacobian_code(
     return _needed(Straight(tuple(writer.steps), (*lines.results, *moving))), entries, forms
 
 
-#: The seed of derivatives along one direction.
+#: The seed of directional derivatives (Jacobian-vector products).
 DIRECTION = Symbol("direction", real=True)
 
 
 def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol], hoisted: Hoisted) -> Straight:
-    """Differentiate straight-line code along one direction.
+    """Differentiate straight-line code in one direction: a Jacobian-vector product.
 
     Parameters
     ----------
@@ -161,7 +162,7 @@ class _Forward:
         return {seed: slope for seed, slope in out.items() if slope != 0}
 
     def _by_branch(self, e: Piecewise) -> Slopes:
-        """Derivatives of a guarded term: each branch by itself, so that the slope of none is multiplied by zero."""
+        """Derivatives of a guarded term, branch by branch: an infinite slope is never multiplied by zero."""
         branches = [(self.slopes(pair.expr), pair.cond) for pair in e.args]
         seeds = sorted({seed for slopes, _ in branches for seed in slopes}, key=str)
         chosen = {
@@ -171,7 +172,7 @@ class _Forward:
         return {seed: slope for seed, slope in chosen.items() if slope != 0}
 
     def by_last_seeds(self, e: Expr) -> Slopes:
-        """Derivatives of an expression by the states and linear forms, through the seeds on the way to them."""
+        """Derivatives of an expression by the states and linear forms, by the chain rule through the intermediate seeds."""
         out = self.slopes(self._parted(e))
         for seed, inner in reversed(self.on_the_way.items()):
             if seed in out:
@@ -193,7 +194,7 @@ class _Forward:
         return out
 
     def _parted(self, e: Expr) -> Expr:
-        """An expression in whose products the sums, and what has rates, are assignments of their own."""
+        """The expression with assignments of their own for sums inside of products and for factors that have rates."""
         if isinstance(e, Add):
             return e.func(*[self._parted(term) for term in e.args])
         if not isinstance(e, Mul):
@@ -216,7 +217,7 @@ class _Forward:
         return symbol
 
     def _rates(self, e: Expr) -> Slopes:
-        """Rates of a product by seed; empty where no factor is a root or a reciprocal, or where one has none."""
+        """Logarithmic derivatives of a product by seed; empty where no factor is a root or a reciprocal."""
         factors = [base_and_exponent(f) for f in Mul.make_args(e)]
         if not any(isinstance(base, root | inverse) or base in self.rates for base, _ in factors):
             return {}
@@ -230,7 +231,7 @@ class _Forward:
         return out
 
     def _rate(self, e: Expr) -> Slopes | None:
-        """Derivatives of a factor over the factor, by seed; nothing where that would take a division of its own."""
+        """Logarithmic derivatives of a factor by seed, or None if a new division would be needed."""
         if e in self.rates or not e.free_symbols & set(self.by_seed):
             return self.rates.get(e, {})
         inner = e.args[0] if isinstance(e, root | inverse) else e

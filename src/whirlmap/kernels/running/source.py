@@ -1,4 +1,4 @@
-"""The module of a kernel: one model, one method, one way to know time, with or without tangent dynamics.
+"""The module of a kernel: one model, one method, phase-locked or per-lane time, with or without tangent dynamics.
 
 Two kinds of module are written. A *locked* module steps many lanes at one phase of the forcing and reads the harmonics from
 a table; a *free* module gives each lane its own time and computes them. Both share everything else. A module is
@@ -158,7 +158,8 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, e
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + 2 * model.dimension,
         tables=len(model.tables),
         harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
-        homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs, surfaces=len(found.surfaces),
+        slope_slots=1 + max(method.slope_slots(nystroem=bool(runs))), along=slopes == "along", runs=runs,
+        surfaces=len(found.surfaces),
     )  # fmt: skip
     between = Between(module, sizes, routines.observed_along(observed_along))
     through = turns = of_sides = None

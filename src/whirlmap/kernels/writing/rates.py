@@ -20,7 +20,7 @@ from whirlmap.kernels.writing.vector import VectorCode
 
 #: How time is known: every lane at the same phase of the forcing, or each at its own time.
 Time = Literal["locked", "free"]
-#: What else than the rates a kernel computes: nothing, their derivative along one vector, or their Jacobian.
+#: Which derivatives a kernel computes beside the rates: none, a Jacobian-vector product, or the Jacobian.
 Slopes = Literal["none", "along", "jacobian"]
 
 
@@ -166,7 +166,7 @@ class ModelRoutines:
         return r
 
     def same_side(self, lines: Straight) -> Routine:
-        """Write ``same_side``: no lane stays good for which one of these expressions (`poles`) has another sign."""
+        """Write ``same_side``: clear ``good`` in every lane in which one of these expressions (`poles`) changes sign."""
         r = Routine(self.module, "same_side", {"before": "rows", "y": "rows", "p": "rows", "good": "flags"})
         begin, end = self._results(r, lines, states="before"), self._results(r, lines)
         good = r.b.icmp_signed("!=", r.load(r.at["good"]), integers(0))
@@ -240,7 +240,7 @@ class ModelRoutines:
         return r
 
     def harmonics(self, count: int) -> Routine:
-        """Write ``harmonics``: cosine and sine of every harmonic turned on by a ``part`` of the angle ``turn``."""
+        """Write ``harmonics``: cosine and sine of every harmonic, advanced by a ``part`` of the angle ``turn``."""
         r = Routine(self.module, "harmonics", dict.fromkeys(("c", "turn", "part", "out"), "rows"))
         for i in range(count):
             sine, cosine = self.sines.pair(r, r.mul(r.load(r.at["turn"], i), r.load(r.at["part"])))

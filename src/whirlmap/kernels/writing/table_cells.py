@@ -1,4 +1,4 @@
-"""Readings of tables: the cell that each lane is in, kept at hand, and the polynomials in it.
+"""Table readings: the record of the cell that each lane is in, kept in scratch, and the polynomials in it.
 
 Every reading has rows of scratch of its own, which stay from one stage to the next: the lane's coordinates, and the record
 of its cell (edges, centre, coefficients). Reading a table through an index would cost more than the polynomial that it
@@ -85,8 +85,8 @@ class Place:
     def examine(self, r: Routine, coordinates: Sequence[Value], fetch: Routine) -> None:
         """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell).
 
-        No register outlives the fetch. LLVM would put all that was read before it on the stack, for every evaluation to read
-        it from there; now it is read again from where it lies.
+        No register is kept across the fetch: LLVM would spill all of them to the stack in every evaluation. What was read
+        before is read again from its array.
         """
         b, scratch = r.b, r.at["scratch"]
         within = None

@@ -71,8 +71,8 @@ def diagram_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Points in a batch; where absent as many as take some seconds (`work.batches`), `BATCH` blocks of lanes for each
-        worker at most, or `CHAIN` where the state is followed.
+        Points in a batch; where absent as many as take some seconds (`interruptible.batches`), `BATCH` blocks of lanes for
+        each worker at most, or `CHAIN` where the state is followed.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in points.
 

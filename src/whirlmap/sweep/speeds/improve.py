@@ -121,8 +121,8 @@ def improve_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Designs in a batch; where absent as many as take some seconds (`work.batches`), and `BATCH` blocks of lanes for each
-        worker hold at most.
+        Designs in a batch; where absent as many as take some seconds (`interruptible.batches`), and `BATCH` blocks of lanes
+        for each worker hold at most.
     on_batch : callable, optional
         ``on_batch(done, total)`` after each batch, in designs; judged once more in run-up and run-down counts as one.
 
