@@ -1,4 +1,4 @@
-"""How many steps per T a point needs: each tries itself on a ladder of steps until the asked accuracy is met.
+"""Choice of the steps per T of each point: the lowest rung of a ladder of steps that meets the asked accuracy.
 
 The error of a rung is measured, not estimated from the method: the largest difference, at the ends of all T of one common
 period, between a run with that rung's steps and a run with the next one's. The lowest rung whose error is small enough is

@@ -1,4 +1,4 @@
-"""Results in engineering units: what tables, CSV files and pictures show of a system whose case has dimensions."""
+"""Results in engineering units, for tables, CSV files and pictures of a system whose case has dimensions."""
 
 from typing import TYPE_CHECKING, Any, TypeVar
 

@@ -1,4 +1,4 @@
-"""Loading: from a case, or a model in hand, to a system that is ready to integrate."""
+"""Loading: from a case or a model to a system that is ready to integrate."""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -71,7 +71,7 @@ def load(
 
 
 def _refuse_ended(system: System) -> None:
-    """Refuse a start that somebody gave and that lies behind one of the model's stops."""
+    """Refuse a given start that lies behind one of the model's stops."""
     if not system.start:
         return  # the model's own start; an equilibrium is not known yet
     model = system.model

@@ -1,4 +1,4 @@
-"""What happens to a lane whose step failed: an event is located, a step that was too long is redone with shorter ones."""
+"""Failed steps: locate terminal events, or repeat with smaller steps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -38,7 +38,7 @@ NEAR, GROWN = 1e-2, 1e5
 
 @dataclass(frozen=True)
 class Outcome:
-    """How failed points went on, each array of shape (point,); times are since the beginning of the step."""
+    """Result of repeating failed steps, each array of shape (point,); times are since the beginning of the step."""
 
     status: NDArray[np.int8]
     time: Array
@@ -46,7 +46,7 @@ class Outcome:
 
 
 class Rescue:
-    """Redoes failed steps of one group of points, all that were lost together.
+    """Repeats failed steps of one kernel batch, all that failed together.
 
     1. A lane whose step ends finite, at open gaps, but beyond its limits (`scales.limits`), has diverged; where there are
        poles only if nothing else is found, for a step may be thrown there by one.

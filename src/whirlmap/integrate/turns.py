@@ -1,4 +1,4 @@
-"""Unforced models: their steps, and how long a turn takes, whatever typical time is declared.
+"""Unforced models: their steps, and the period of their motion, whatever typical time is declared.
 
 The typical time of a model is a guess, and may be wrong by a thousand. It is the unit in which transients and windows are
 counted, so that steps are chosen in parts of it, and once the motion has been seen to turn its own time takes the place of

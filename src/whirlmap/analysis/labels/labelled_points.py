@@ -1,11 +1,12 @@
-"""Operating points on the way to their labels: settled, judged, closed, followed on.
+"""Steps by which operating points get their labels: steady-state search, non-periodic run, Newton's method, verification.
 
-1. Points settle, and those that return are recorded (`returns`). One that has not returned after `BRIEF` T is handed over.
-2. Points that do not return run with a tangent vector until the rule knows what they are (`nonperiodic_points`).
-3. What contracts is on its way to an orbit. Newton's method finds it (`newton`); where it does not, the point settles on
-   for the time that its exponent says, and is judged once more. What still is not known then is called not settled.
-4. A torus whose section all but returns is tried as an orbit, too: high locking looks like that. Chaos is followed on for a
-   while: one that is a transient returns at last, or ends.
+1. The steady-state search: points that return are recorded as periodic (`returns`). It ends after `BRIEF` T.
+2. Points that have not returned run with a tangent vector until the rule gives a label (`nonperiodic_points`).
+3. A point with a negative exponent approaches a periodic orbit. Newton's method finds it (`newton`); where it does not, the
+   point runs on for the time in which its exponent says that the transient decays, and is judged once more. Where it still
+   has no label it is called not settled.
+4. Newton's method is tried on a torus whose section nearly returns, too: locking of high order looks like that. Chaos runs
+   on for a while: transient chaos returns at last, or ends.
 5. Motion that grows, drifts or dies away steadily is labelled as such (`trend_labels`).
 """
 
@@ -39,20 +40,20 @@ Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 Progress = Callable[[int], None]
 
-#: T after which a point that has not returned is handed over to a tangent vector, but so many common periods at least.
+#: T after which a point that has not returned gets a tangent vector, but so many common periods at least.
 BRIEF, FEWEST = 512, 100
-#: T that chaos is followed on without a tangent vector, but `FEWEST` common periods at least.
+#: T for which chaos runs on without a tangent vector, but `FEWEST` common periods at least.
 FOLLOWED = 4096
-#: A motion that contracts is given the time to forget its start until it is given up, but no more than so many times the
-#: longest run of an exponent.
+#: Contracting points are integrated until perturbations have decayed by this factor, but at most so many times the longest
+#: run of an exponent.
 PATIENCE = 2
-#: Scaled distance of a near return that makes a torus worth a trial as an orbit; longest such orbit, in T times tangent
+#: Scaled distance of a near return below which Newton's method is tried on a torus; longest such orbit, in T times tangent
 #: vectors.
 NEARLY, WORTH = 1e-4, 6_000
 
 
 class LabelledPoints:
-    """Points of an ensemble on the way to their labels, all at phase zero, with the same orders of harmonics.
+    """Points of an ensemble that are being labelled, all at phase zero, with the same orders of harmonics.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ class LabelledPoints:
         self.away, self.turns = np.zeros(ensemble.points, dtype=bool), ensemble.turns.copy()
 
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
-        """Settle, judge, close, settle on."""
+        """Run the steps of the module's list."""
         e, found = self.ensemble, self.found
         tell(self.progress, "begin", e.points, e.strobe * (self.settling.transient + self.settling.first_window))
         self.returns = self._settle(e, self._brief())
@@ -129,7 +130,7 @@ class LabelledPoints:
         return np.full(self.ensemble.points, min(self.settling.longest, brief))
 
     def _open(self, points: Points, which: NDArray[np.bool_]) -> Points:
-        """Those of some points that run and have no label yet, and for which something holds."""
+        """Those of some points that run, have no label yet, and fulfil a condition."""
         return points[self._left(points) & which[points] & self.ensemble.running[points]]
 
     def _left(self, points: Points) -> NDArray[np.bool_]:
@@ -251,9 +252,9 @@ class LabelledPoints:
         self.returns = replace(self.returns, section=section, extremes=extremes)
 
     def _settle_on(self, points: Points) -> None:
-        """Settle points on whose motion contracts but has not returned, for the time that this takes at most.
+        """Continue the search for points whose motion contracts but has not returned, for the time that this takes at most.
 
-        The time of each is a power of two of common periods: points of like exponents are looked at together.
+        The time of each is a power of two of common periods: points of like exponents are checked together.
         """
         e = self.ensemble
         needed = np.log(FORGOTTEN) / (self.found.exponent[points] * (e.strobe * e.period)[points])
@@ -263,7 +264,7 @@ class LabelledPoints:
         self._settle_longer(points, extra + extra // 4)
 
     def _follow(self, points: Points) -> None:
-        """See whether chaos goes on: one that is a transient returns at last, or ends."""
+        """Check whether chaos persists: transient chaos returns at last, or ends."""
         if not points.size:
             return
         part, start = self.ensemble.subset(points), self.ensemble.x[:, points]
@@ -278,7 +279,7 @@ class LabelledPoints:
             self._take(ended, points[over], found, np.flatnonzero((found.regime != Regime.undecided) | ~ended.running))
 
     def _settle_longer(self, points: Points, transient: Integers) -> None:
-        """Settle points on for so many common periods more."""
+        """Continue the steady-state search of points for so many common periods more."""
         part, settling = self.ensemble.subset(points), self.settling
         self._take(part, points, self._settle(part, transient + settling.longest - settling.transient))
 

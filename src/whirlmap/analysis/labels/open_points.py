@@ -1,4 +1,4 @@
-"""What was found of operating points that do not return."""
+"""Results for non-periodic operating points."""
 
 from dataclasses import dataclass, field, fields
 
@@ -14,7 +14,7 @@ Points = NDArray[np.intp]
 
 @dataclass(frozen=True)
 class OpenPoints:
-    """What was found, each array of shape (point,).
+    """Results, each array of shape (point,).
 
     Attributes
     ----------

@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 class Rule(IntEnum):
-    """Which rule decided, or what is known of a point without a label."""
+    """The rule that decided, or what is known of a point without a label."""
 
     none = 0
     returns = 1

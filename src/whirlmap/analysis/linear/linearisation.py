@@ -1,4 +1,4 @@
-"""Small motions about the static equilibrium of a whole system: damped eigenvalues with all forcing off."""
+"""Linearisation of a whole system about its static equilibrium: damped eigenvalues with all forcing off."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ KINK = 1e-3
 
 
 class NotLinearError(RangeError):
-    """An equilibrium at which the rates have no derivative: an answer, for who asks for small motions about it."""
+    """An equilibrium at which the rates have no derivative. It is an answer, no wrong input: there is no linear system."""
 
 
 @dataclass(frozen=True)

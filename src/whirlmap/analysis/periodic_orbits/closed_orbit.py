@@ -1,4 +1,4 @@
-"""Orbits that runs settle on, and whether a run that has not settled flows into one.
+"""Closed orbits to which runs converge, and whether a run still in its transient converges to a known one.
 
 A run that settles slowly returns to the tolerance long before it stands on its orbit: what is left is the last difference
 over 1 - rho, rho the largest multiplier. Two such runs are therefore compared by the orbits that they settle on, as Newton's

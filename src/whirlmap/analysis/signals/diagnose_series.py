@@ -1,4 +1,4 @@
-"""Diagnosis of a recorded signal: the indicators that need no equations, and what they say together."""
+"""Diagnosis of a recorded signal: the indicators that need no equations, and the regime that they give together."""
 
 import json
 from math import ceil

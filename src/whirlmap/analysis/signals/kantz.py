@@ -1,4 +1,4 @@
-"""Largest Lyapunov exponent of a recorded signal from the parting of whole neighbourhoods."""
+"""Largest Lyapunov exponent of a recorded signal from the divergence of neighbourhoods (Kantz)."""
 
 from typing import Any
 

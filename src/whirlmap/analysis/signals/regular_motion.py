@@ -1,4 +1,4 @@
-"""Regular motion by its lines: whether they hold the power and have a common fundamental, and whether the signal returns."""
+"""Test for regular motion by spectral lines: share of the power, common fundamental, and return of the signal."""
 
 from dataclasses import dataclass, replace
 from fractions import Fraction

@@ -1,4 +1,4 @@
-"""Largest Lyapunov exponent of a recorded signal from the parting of nearest neighbours."""
+"""Largest Lyapunov exponent of a recorded signal from the divergence of nearest neighbours (Rosenstein)."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""Rosenstein's and Kantz's exponents of a recorded signal, with the choices that they leave open."""
+"""Rosenstein's and Kantz's exponents of a recorded signal, with the choice of their parameters."""
 
 import numpy as np
 import xarray as xr
@@ -8,7 +8,7 @@ from whirlmap.analysis.signals.kantz import kantz_exponent
 from whirlmap.analysis.signals.neighbour_divergence import is_flow, resolved
 from whirlmap.analysis.signals.rosenstein import rosenstein_exponent
 
-#: Samples whose parting is looked at.
+#: Samples whose neighbours are followed.
 PARTING = 48_000
 #: Swings over which neighbours are followed.
 FOLLOWED = 12

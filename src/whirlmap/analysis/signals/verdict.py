@@ -1,4 +1,4 @@
-"""What the indicators of a signal say together, and in words."""
+"""The regime of a signal from the votes of its indicators, and the sentences that state it."""
 
 from collections.abc import Mapping
 from typing import Any

@@ -1,4 +1,4 @@
-"""When a time series crosses the surfaces at which its model changes form: teeth that part, a journal that rubs."""
+"""Times at which a series crosses discontinuity surfaces of its model: loss of tooth contact, begin of rub."""
 
 import numpy as np
 import xarray as xr

@@ -1,4 +1,4 @@
-"""Ends of runs that are believed: those that more steps find again.
+"""Confirmation of the ends of runs: by runs with more steps.
 
 Steps are chosen where a motion begins. A stop that is reached later, a wall or a stiff contact may ask for many more, and a
 run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from

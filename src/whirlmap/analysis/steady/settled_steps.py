@@ -1,4 +1,4 @@
-"""Whether the steps of settled points meet the accuracy, over the whole of their return; and how much that widens a return.
+"""Check of the steps on the settled motion, over the whole of its return, and the tolerance of returns that follows from it.
 
 The start says little of a whirl that has grown since, and a stop may be reached late in a return of many common periods.
 """

@@ -1,4 +1,4 @@
-"""Settle many operating points with steps that meet the asked accuracy on the motion that they settle on.
+"""Steady-state search with steps that meet the asked accuracy on the steady motion.
 
 The settled motion is asked whether its steps do (`settled_steps`): a point that needs more of them settles on with these,
 and a point that has ended is run again with more (`endings`). Where the accuracy is not met, a return is one to the error of
