@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal and in notebooks, a line every now and then elsewhere; on standard error."""
+"""Progress of long work: a bar on a terminal and in notebooks, a line at intervals elsewhere; on standard error."""
 
 import sys
 import threading

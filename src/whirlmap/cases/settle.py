@@ -1,4 +1,5 @@
-"""From what is written to what the model takes: units converted, groups evaluated, contradictions refused.
+"""Resolution of a case: from written entries to the model's parameters; units converted, groups evaluated, contradictions
+refused.
 
 Files and changes are layers, later ones on top. Two rules decide between a dimensionless symbol and the
 dimensional inputs of its group:

@@ -1,4 +1,4 @@
-"""A table in text, read in pieces: only the columns asked for stay in memory.
+"""Reading of a table in text, in pieces: only the requested columns stay in memory.
 
 pandas reads a piece whose lines all have the right number of fields and whose wanted fields all are numbers. Any other
 piece is gone through line by line, and what does not fit is named with its line.

@@ -1,4 +1,4 @@
-"""``whirlmap attractors``: what motions coexist at one operating point, and how many starts lead to each."""
+"""``whirlmap attractors``: coexisting attractors at one operating point, and the share of starts that lead to each."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 

@@ -1,4 +1,4 @@
-"""``whirlmap diagnose``: everything about one operating point, and what its regime is."""
+"""``whirlmap diagnose``: the regime of one operating point, with all indicators."""
 
 from typing import TYPE_CHECKING, Annotated, Any
 

@@ -1,4 +1,4 @@
-"""``whirlmap identify``: the paper's claims, asked of every plausible set of the parameters that it does not give."""
+"""``whirlmap identify``: the paper's claims, judged for every plausible set of the parameters that it does not give."""
 
 import time
 from os.path import relpath

@@ -1,4 +1,4 @@
-"""``whirlmap show``: everything that is in a case, before it is run."""
+"""``whirlmap show``: all parameters, switches and assumptions of a case."""
 
 import re
 from fractions import Fraction

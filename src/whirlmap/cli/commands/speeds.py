@@ -1,4 +1,4 @@
-"""``whirlmap speeds``: where may this machine run, within a limit of vibration, and why not elsewhere."""
+"""``whirlmap speeds``: safe speed windows within a limit of vibration, and the reason for every other speed."""
 
 import json as js
 from typing import Annotated

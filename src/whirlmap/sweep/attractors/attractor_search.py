@@ -1,4 +1,4 @@
-"""Many start states settled as one batch, and gathered into the attractors that they come to.
+"""Search for coexisting attractors: many start states in one batch, grouped by the attractor that they reach.
 
 1. Starts that return are gathered into orbits, closed by Newton's method.
 2. The others are on an attractor that is known where they flow into its orbit, or their points lie on its trace. What is

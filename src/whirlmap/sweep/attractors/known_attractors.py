@@ -1,4 +1,4 @@
-"""The attractors that a search has found, and which of them a state, an orbit or a trace is on."""
+"""The attractors that a search has found, and the assignment of states, orbits and traces to them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches, simulations in stretches.
+"""Diagrams in batches and simulations in stretches, so that Ctrl-C keeps the finished parts.
 
 The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch
 to the next, and a stretch of a simulation goes on from the end of the one before.

@@ -1,4 +1,4 @@
-"""Sweeps into a store: begun or gone on with, chunk by chunk, by whichever executor."""
+"""Sweeps into a store: started or resumed, chunk by chunk, by any executor."""
 
 import shutil
 import time

@@ -1,4 +1,4 @@
-"""What was measured of operating points as variables of a Dataset, and the attributes that say what to doubt."""
+"""Measured numbers of operating points as variables of a Dataset, and attributes that warn of doubtful ones."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any

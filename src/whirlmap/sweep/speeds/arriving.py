@@ -1,4 +1,4 @@
-"""Whether motions met at one speed are one: those that have not settled and flow into a periodic one, and periodic ones."""
+"""Comparison of the motions found at one speed: periodic ones, and transients that converge to a periodic one."""
 
 from collections.abc import Mapping
 

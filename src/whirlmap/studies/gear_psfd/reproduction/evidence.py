@@ -1,4 +1,4 @@
-"""What the paper's claims are judged by: diagrams over the speed, and one operating point at s = 3.27."""
+"""Computations by which the paper's claims are judged: diagrams over the speed, and one operating point at s = 3.27."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass

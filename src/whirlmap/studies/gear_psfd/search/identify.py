@@ -1,4 +1,4 @@
-"""Which machine did the paper compute? Its claims, asked of every plausible set of the numbers that it does not give.
+"""Identification of the paper's machine: its claims are judged for every plausible set of the numbers that it does not give.
 
 1. A space-filling design (`ranges.design`) in nested blocks of `BLOCK` sets, scrambled anew for every variant (`variants`),
    so that the verdicts of an edition's variants are independent and tell together more than those of one.

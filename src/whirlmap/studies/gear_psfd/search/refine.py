@@ -1,4 +1,4 @@
-"""From the best sets of the design to better ones: differential evolution on the mean score of the claims."""
+"""Refinement of the best sets of the design: differential evolution on the mean score of the claims."""
 
 from collections.abc import Callable, Sequence
 from contextlib import suppress

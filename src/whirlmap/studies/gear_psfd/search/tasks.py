@@ -1,4 +1,4 @@
-"""Who computes the pieces of a search: this process, or the workers of a Dask cluster. The bits are the same.
+"""Executors of a search: this process, or the workers of a Dask cluster. The bits are the same.
 
 A piece goes to a cluster in parts of `PART` sets, for a point's bits do not depend on its company; each part comes back as a
 Dataset, so that workers need no folder in common with the store.
