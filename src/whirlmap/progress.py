@@ -102,7 +102,7 @@ class Progress:
         """Say that points have settled (`Forecast.settle`)."""
         self._tell(lambda forecast: forecast.settle(points, opened, longest))
 
-    def open_points(self, left: int, ran: float) -> None:
+    def nonperiodic_points(self, left: int, ran: float) -> None:
         """Say how far points without a return are (`Forecast.run`)."""
         self._tell(lambda forecast: forecast.run(left, ran))
 

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 from sympy import sympify
 
-from whirlmap.cases import Settled
+from whirlmap.cases import Resolved
 from whirlmap.integrate.equilibrium import rest_state
 from whirlmap.integrate.system import System, frequencies
 
@@ -89,7 +89,7 @@ class Facts:
     @classmethod
     def of(cls, system: System, runs: "list[xr.Dataset]") -> "Facts":
         """Read a system, and the largest speed of its results."""
-        settled = system.details if isinstance(system.details, Settled) else None
+        settled = system.details if isinstance(system.details, Resolved) else None
         values = {name: float(value) for name, value in system.values.items()}
         speeds = [float(run["s"].max()) for run in runs if "s" in run.coords]
         return cls(
@@ -124,7 +124,7 @@ class Facts:
     def bearings(self) -> tuple[BearingNumbers, ...]:
         """Bearings whose dimensions the case gives."""
         settled = self.system.details
-        groups = settled.case.family.groups if isinstance(settled, Settled) else None
+        groups = settled.case.family.groups if isinstance(settled, Resolved) else None
         declared = groups.bearings(self.switches) if groups else {}
         found = []
         for name, b in declared.items():

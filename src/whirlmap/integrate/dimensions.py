@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from sympy import Expr, Symbol, lambdify
 
-from whirlmap.cases import Settled
+from whirlmap.cases import Resolved
 from whirlmap.equations.groups import value_of
 from whirlmap.integrate.system import System
 from whirlmap.units import convert
@@ -69,7 +69,7 @@ class Dimensions:
         if measure in ("frequency", "growth"):
             return self.worth("speed", **varied) / np.asarray(varied.get("s", float(self.system.values.get("s", 1.0))))
         settled = self.system.details
-        groups = settled.case.family.groups if isinstance(settled, Settled) else None
+        groups = settled.case.family.groups if isinstance(settled, Resolved) else None
         if groups is None or measure not in groups.units:
             return nan
         expression, symbols = groups.units[measure], groups.units[measure].free_symbols

@@ -8,7 +8,7 @@ from typing import Any
 
 from sympy import sympify
 
-from whirlmap.cases import Case, Settled, read, settle
+from whirlmap.cases import Case, Resolved, read, resolve
 from whirlmap.cases.case import start_values
 from whirlmap.equations.identity import Known, expression_digest
 from whirlmap.equations.model import Family, Model
@@ -38,7 +38,7 @@ def load(
     Returns
     -------
     System
-        ``notes`` say where each value comes from; ``details`` is the `Settled` case with its inputs.
+        ``notes`` say where each value comes from; ``details`` is the `Resolved` case with its inputs.
 
     Raises
     ------
@@ -49,7 +49,7 @@ def load(
         outside of its bearing).
     """
     found = _case(case)
-    settled = settle(found, changes)
+    settled = resolve(found, changes)
     for name in found.start:
         if name not in (states := [s.name for s in settled.model.states]):
             raise CaseError(
@@ -107,7 +107,7 @@ def pieces(system: System) -> Pieces:
         p.name: _entry(system.values[p.name], p.unit, system.notes.get(p.name, "")) for p in model.parameters
     }
     case_hash = ""
-    if isinstance(settled, Settled):
+    if isinstance(settled, Resolved):
         case_hash = settled.case.digest
         for name, given in settled.inputs.items():
             parameters[name] = _entry(given.value, given.parameter.unit, given.note)

@@ -37,7 +37,7 @@ NEAR, GROWN = 1e-2, 1e5
 
 
 @dataclass(frozen=True)
-class Outcome:
+class RetryResult:
     """Result of repeating failed steps, each array of shape (point,); times are since the beginning of the step."""
 
     status: NDArray[np.int8]
@@ -68,7 +68,7 @@ class Rescue:
 
     def mend(
         self, members: NDArray[np.intp], y: Array, origin: Array, h: Array, cause: NDArray[np.int64]
-    ) -> Outcome:
+    ) -> RetryResult:
         """Redo the step of some points from ``y``, shape (row, point); ``y`` of those that go on is replaced.
 
         ``origin`` holds the angle of each harmonic at its beginning, shape (harmonic, point), since which time counts.
@@ -82,7 +82,7 @@ class Rescue:
         status[cause == STICKS], end[cause == STICKS] = Status.sticks, 0.0
         pending = status == Status.ok
         if not pending.any():
-            return Outcome(status, end, stop)
+            return RetryResult(status, end, stop)
         n = self.model.dimension
         after, _ = self._march(members, y, origin, h, 1)
         size = self._size(members, after[:n])
@@ -115,7 +115,7 @@ class Rescue:
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
         status[left & ~near & (cause == CHATTERS)] = Status.chatters
         end[left] = 0.0
-        return Outcome(status, end, stop)
+        return RetryResult(status, end, stop)
 
     def _locate(
         self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, origin: Array, h: Array,

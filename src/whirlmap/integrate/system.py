@@ -94,7 +94,7 @@ class System(Listed):
         Name of the case that the values come from, for provenance.
     notes : mapping of str to str
         Where each value comes from.
-    details : Settled, optional
+    details : Resolved, optional
         The case as it was read, with its dimensional inputs; None for a system made of a model and numbers.
     """
 

@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.accuracy import Rungs, Verdict, choose_steps
+from whirlmap.integrate.accuracy import Rungs, StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ def choose_unforced_steps(
     """
     whole = choose_steps(ensemble, accuracy, progress=progress)
     for parts in PARTS[1:]:
-        left = np.flatnonzero(whole.verdict != Verdict.met)
+        left = np.flatnonzero(whole.verdict != StepVerdict.met)
         if not left.size:
             break
         short = with_turns(ensemble.subset(left), ensemble.period[left] / parts)

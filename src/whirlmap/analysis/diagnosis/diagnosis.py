@@ -46,7 +46,7 @@ Array = NDArray[np.float64]
 RUNS = 32
 #: Regimes without an attractor other than an equilibrium.
 ENDLESS = (Regime.at_rest, Regime.drifting, Regime.growing, Regime.not_settled)
-#: T of the section that the indicators of open motion are shown with.
+#: T of the section that the indicators of non-periodic motion are shown with.
 SECTION = 2048
 
 

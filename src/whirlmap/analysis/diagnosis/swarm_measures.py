@@ -51,7 +51,7 @@ def section_votes(
     part: Ensemble, running: NDArray[np.bool_], section: Array, exponent: tuple[float, float], duration: float,
     cyclic: dict[int, float],
 ) -> Data:  # fmt: skip
-    """What the 0-1 test, the Birkhoff averages and recurrence say of open motion; medians over several runs.
+    """Votes of 0-1 test, Birkhoff averages and recurrence on non-periodic motion; medians over several runs.
 
     Parameters
     ----------

@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.forgetting import FORGOTTEN
 from whirlmap.analysis.labels.measured import RETURNS, Measured
-from whirlmap.analysis.labels.nonperiodic_points import judge_open_points
-from whirlmap.analysis.labels.open_points import OpenPoints
+from whirlmap.analysis.labels.nonperiodic_points import judge_nonperiodic_points
+from whirlmap.analysis.labels.nonperiodic_results import NonperiodicResults
 from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble
 from whirlmap.analysis.motion.record_length import MANY, record_periods
@@ -75,7 +75,7 @@ class LabelledPoints:
     ) -> None:  # fmt: skip
         self.system, self.values, self.ensemble, self.settling = system, values, ensemble, settling
         self.longest, self.progress, self.cyclic = longest, progress, cyclic_states(system)
-        self.found = OpenPoints.none(ensemble.x)
+        self.found = NonperiodicResults.none(ensemble.x)
         self.kept = [system.states.index(name) for name in kept]
         self.returns: Returns
         self.ends: Array  # states at the ends of the records
@@ -92,26 +92,26 @@ class LabelledPoints:
         found.regime[:], found.confidence[:] = self.returns.regime, np.where(known, 1.0, 0.0)
         found.rule[:] = np.where(self.returns.multiple > 0, Rule.returns, np.where(known, Rule.trend, Rule.none))
         found.rule[~e.running] = Rule.end
-        open_points = np.flatnonzero(~known & e.running)
-        tell(self.progress, "settled", e.points, open_points.size if self.longest else 0, self.longest)
-        if self.longest and open_points.size:
-            self._judge(open_points, contraction_ends=True)
+        nonperiodic = np.flatnonzero(~known & e.running)
+        tell(self.progress, "settled", e.points, nonperiodic.size if self.longest else 0, self.longest)
+        if self.longest and nonperiodic.size:
+            self._judge(nonperiodic, contraction_ends=True)
             if e.model.forced and e.returns:
-                self._close(open_points)
-            shrinks = self._open(open_points, found.shrinks)
+                self._close(nonperiodic)
+            shrinks = self._open(nonperiodic, found.shrinks)
             if shrinks.size and e.returns:
                 self._settle_on(shrinks)
             early = found.shrinks | found.closes | (found.growth < 0)
-            again = self._open(open_points, early & (found.periods < self.longest))
+            again = self._open(nonperiodic, early & (found.periods < self.longest))
             if again.size:  # they stopped early for an orbit that is not there
                 self._judge(again, contraction_ends=False)
                 if e.model.forced and e.returns:
                     self._close(again)
-            found.regime[self._open(open_points, found.shrinks)] = Regime.not_settled
-            self._follow(open_points[(found.regime[open_points] == Regime.chaotic) & e.running[open_points]])
+            found.regime[self._open(nonperiodic, found.shrinks)] = Regime.not_settled
+            self._follow(nonperiodic[(found.regime[nonperiodic] == Regime.chaotic) & e.running[nonperiodic]])
             if e.model.forced:
-                self._record_where_left(open_points[self.away[open_points] & e.running[open_points]])
-            tell(self.progress, "closed", open_points.size)
+                self._record_where_left(nonperiodic[self.away[nonperiodic] & e.running[nonperiodic]])
+            tell(self.progress, "closed", nonperiodic.size)
         thins = np.isfinite(self.returns.thinning)
         found.winding[:] = np.where(thins, self.returns.turning, found.winding)
         period = np.where(found.regime == Regime.locked, found.multiple, self.returns.period)
@@ -123,7 +123,7 @@ class LabelledPoints:
         )  # fmt: skip
 
     def _brief(self) -> Integers | None:
-        """Common periods after which points are handed over; None where nothing takes them over."""
+        """Common periods after which points get a tangent vector; None where exponents are not asked for."""
         if not (self.longest and self.ensemble.model.forced):
             return None
         brief = max(BRIEF // self.ensemble.strobe, FEWEST)
@@ -150,7 +150,7 @@ class LabelledPoints:
             turn=e.period[points], ranges=self._ranges(points),
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
-        judged = judge_open_points(
+        judged = judge_nonperiodic_points(
             tangent, self.longest, self.cyclic, self.progress, ranges=self._ranges(points),
             tolerance=self.settling.tolerance, contraction_ends=contraction_ends,
         )
@@ -174,7 +174,7 @@ class LabelledPoints:
         return np.asarray((extremes["maximum"] - extremes["minimum"])[: self.ensemble.model.dimension, points])
 
     def _label_trends(self, points: Points) -> None:
-        """Label open points that die away, grow or drift for ever."""
+        """Label non-periodic points that die away, grow or drift for ever."""
         e, found, returns = self.ensemble, self.found, self.returns
         parts = (found.growth, found.drift, found.centre, found.reach, found.exponent, found.error)
         endless = label_trends(e, points, Trends(*(a[..., points] for a in parts)), self._ranges(points))

@@ -16,7 +16,7 @@ from whirlmap.analysis.indicators.section_indicators import LEAST, evidence_of
 from whirlmap.analysis.labels.forgetting import LEFT, forget
 from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.near_return import near_return
-from whirlmap.analysis.labels.open_points import OpenPoints
+from whirlmap.analysis.labels.nonperiodic_results import NonperiodicResults
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
 from whirlmap.analysis.labels.section_record import SectionRecord
 from whirlmap.analysis.labels.votes import SURE, Evidence, contracts
@@ -49,7 +49,7 @@ SOUGHT = 2048
 SPARSE = 16
 
 
-def judge_open_points(
+def judge_nonperiodic_points(
     tangent: Ensemble,
     most: int,
     cyclic: Mapping[int, float] | None,
@@ -58,7 +58,7 @@ def judge_open_points(
     ranges: Array,
     tolerance: float,
     contraction_ends: bool = False,
-) -> OpenPoints:
+) -> NonperiodicResults:
     """Measure and judge points that have settled but do not return.
 
     Parameters
@@ -77,7 +77,7 @@ def judge_open_points(
         shrinks steadily or to a return.
     """
     n, states = tangent.points, tangent.model.dimension
-    found = OpenPoints.none(tangent.x)
+    found = NonperiodicResults.none(tangent.x)
     together = int(np.clip(HELD // (USUAL * (OBSERVABLES + states // tangent.strobe)), 16, TOGETHER))
     for first in range(0, n, together):
         members = np.arange(first, min(first + together, n))
@@ -91,7 +91,7 @@ class _Judge:
 
     def __init__(
         self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], ranges: Array,
-        tolerance: float, found: OpenPoints, progress: Callable[[int], None] | None,
+        tolerance: float, found: NonperiodicResults, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
         self.tolerance = tolerance
         self.tangent, self.members, self.cyclic, self.found, self.progress = tangent, members, cyclic, found, progress
@@ -146,7 +146,7 @@ class _Judge:
             if run.returns and run.model.forced:
                 self._near_returns(run, left[~stay & run.running])
             left, run = left[stay], run.subset(np.flatnonzero(stay))
-            tell(self.progress, "open_points", left.size + self.tangent.points - 1 - int(self.members[-1]), done)
+            tell(self.progress, "nonperiodic_points", left.size + self.tangent.points - 1 - int(self.members[-1]), done)
 
     def _forget(self, run: Ensemble, lanes: Points, left: Points, done: int) -> None:
         """Run points whose exponents are known to be negative until their transients have decayed, and judge them."""

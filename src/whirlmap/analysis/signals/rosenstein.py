@@ -45,7 +45,7 @@ def rosenstein_exponent(
         Samples per unit of time.
     least_distance : float
         Neighbours nearer than this do not count: twice the distance by which noise parts equal points, for those that are
-        nearer by chance part as the noise does.
+        nearer by chance diverge as the noise does.
     references : int
         Points whose neighbours are followed, evenly spaced.
     tolerance, least_growth

@@ -24,7 +24,7 @@ def decide(votes: Mapping[str, Any]) -> tuple[Regime, float]:
     if wanders == "chaotic" and any(structure[:2]) and sum(structure) >= 2 and lines not in ("periodic", "quasi-periodic"):
         speaks = [True, *structure, lines == "broadband"]
         return Regime.chaotic, sum(speaks) / len(speaks)
-    if lines == "periodic":  # it was held against itself a period later
+    if lines == "periodic":  # it was compared with itself a period later
         return Regime.periodic, (1 + (wanders != "chaotic")) / 2
     # On a torus whole neighbourhoods shear apart for a while, so that Kantz's curve alone is no veto.
     if lines == "quasi-periodic" and (broad < CLEAN or (wanders != "chaotic" and grows[0] != "positive")):
@@ -65,7 +65,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
             text.append(
                 f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} per {unit}."
                 if v["value"] is not None
-                else f"After {name.capitalize()} neighbours do not part exponentially ({v['vote']})."
+                else f"After {name.capitalize()} neighbours do not diverge exponentially ({v['vote']})."
             )
     d = votes.get("dimension")
     if d:

@@ -51,7 +51,7 @@ class Returns:
     waited : array of int
         Common periods that each point ran before the record (of an unforced model: typical times).
     accelerated : array of bool
-        Whether its approach was cut short (`acceleration`).
+        Whether its convergence was accelerated (`acceleration`).
     growth : array
         Rate of the amplitude per unit of time: of what grows (zero where in proportion to time), and of small motions about
         a place of rest; NaN elsewhere.

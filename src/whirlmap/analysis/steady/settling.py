@@ -69,7 +69,7 @@ class Settling:
     tolerance : float
         Largest difference that counts as a return, relative to the range of each state.
     accelerate : bool
-        Whether slow approaches may be cut short.
+        Whether slow approaches may be accelerated (`acceleration`).
     """
 
     transient: int = 100
@@ -110,7 +110,7 @@ class Settled:
     waited : array of int
         Common periods run, trials included.
     accelerated : array of bool
-        Whether the approach was cut short.
+        Whether convergence was accelerated.
     moved : array, shape (state, point)
         Largest range of each state between two looks, from the start on.
     growth : array
@@ -231,7 +231,7 @@ def _take_over(
 ) -> None:  # fmt: skip
     """Take over the section points of the active points, shape (row, state, active), and the extremes (state, active).
 
-    Points on trial have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be looked at.
+    Points under an attempt have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be checked.
     """
     for j in range(chosen):
         p = active[j]

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 
     from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.maps.run_sweep import Progress as Chunks
+    from whirlmap.sweep.maps.run_sweep import ChunkReport
     from whirlmap.sweep.parameters.ranges import Range
     from whirlmap.sweep.parameters.space import Space
 
@@ -226,9 +226,10 @@ def map(  # noqa: A001 (the command's name)
 
 def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
     """Say how many points do not meet the accuracy, and what to try."""
-    from whirlmap.integrate.accuracy import Verdict
+    from whirlmap.integrate.accuracy import StepVerdict
 
-    return "; ".join(f"{n} points: {Verdict(v).advice(model)}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
+    doubtful = {v: n for v, n in sorted(verdicts.items()) if v != StepVerdict.met}
+    return "; ".join(f"{n} points: {StepVerdict(v).advice(model)}" for v, n in doubtful.items())
 
 
 class _Watch:
@@ -236,10 +237,10 @@ class _Watch:
 
     def __init__(self, points: int, *, quiet: bool) -> None:
         self.bar = Progress("map", points, quiet=quiet, unit="points", rate_unit="points/s")
-        self.last: Chunks | None = None
+        self.last: ChunkReport | None = None
         self.told = 0
 
-    def __call__(self, now: "Chunks") -> None:
+    def __call__(self, now: "ChunkReport") -> None:
         """Take over what a chunk has added."""
         for message in now.messages[self.told :]:
             say(message)

@@ -15,7 +15,7 @@ from whirlmap.kernels.lowering.surfaces import side_name
 from whirlmap.kernels.writing.roots import Roots
 from whirlmap.kernels.writing.routine import Kind, Routine, Value, integers, number
 from whirlmap.kernels.writing.sines import Sines
-from whirlmap.kernels.writing.table_cells import Places, fetch
+from whirlmap.kernels.writing.table_cells import TableReadings, fetch
 from whirlmap.kernels.writing.vector import VectorCode
 
 #: How time is known: every lane at the same phase of the forcing, or each at its own time.
@@ -47,7 +47,7 @@ class ModelRoutines:
     def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots, sines: Sines) -> None:
         self.module, self.model, self.hoisted, self.time = module, model, hoisted, time
         self.roots, self.sines = roots, sines
-        self.places = Places(model.tables)
+        self.readings = TableReadings(model.tables)
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
         self.surfaces = 0
@@ -75,7 +75,7 @@ class ModelRoutines:
             code.names[symbol.name] = code.value(e)
         assert not reads or self.fetch
         for read in reads:
-            place = self.places.of(read)
+            place = self.readings.of(read)
             place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
         if reads:
             code.names |= self._inputs(r, lines.names())
@@ -87,7 +87,7 @@ class ModelRoutines:
                 if symbol in pending:  # else it came with another output of its table
                     source = pending.pop(symbol)
                     if isinstance(source, Read):
-                        code.names |= self.places.of(source).polynomials(r, source)
+                        code.names |= self.readings.of(source).polynomials(r, source)
                         for output in source.outputs:
                             pending.pop(output[2], None)
                     else:

@@ -51,7 +51,7 @@ def fetch(module: ir.Module) -> Routine:
 
 
 @dataclass(frozen=True)
-class Place:
+class TableReading:
     """Rows of one reading.
 
     Attributes
@@ -146,23 +146,23 @@ class Place:
         return rows
 
 
-class Places:
-    """The places of all readings of a kernel."""
+class TableReadings:
+    """Rows of all table readings of a kernel."""
 
     def __init__(self, tables: tuple[Table, ...]) -> None:
         self.tables = {table.name: (i, table) for i, table in enumerate(tables)}
-        self.made: dict[tuple[str, tuple[Symbol, ...]], Place] = {}
+        self.made: dict[tuple[str, tuple[Symbol, ...]], TableReading] = {}
 
     @property
     def rows(self) -> int:
-        """Rows of all places so far."""
-        return sum(place.rows for place in self.made.values())
+        """Rows of all readings so far."""
+        return sum(reading.rows for reading in self.made.values())
 
-    def of(self, read: Read) -> Place:
-        """Place of a reading; the same table at the same coordinates is the same place."""
+    def of(self, read: Read) -> TableReading:
+        """The reading of a table; the same table at the same coordinates is one reading."""
         key = (read.table, read.coordinates)
         if key not in self.made:
-            self.made[key] = Place(*self.tables[read.table], self.rows)
+            self.made[key] = TableReading(*self.tables[read.table], self.rows)
         return self.made[key]
 
 

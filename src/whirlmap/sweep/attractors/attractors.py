@@ -17,7 +17,7 @@ from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.variational.exponents_with_section import run_with_section
 from whirlmap.analysis.variational.lyapunov import mean_and_error
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import LADDER, Verdict, doubtful
+from whirlmap.integrate.accuracy import LADDER, StepVerdict, doubtful
 from whirlmap.integrate.system import System
 from whirlmap.progress import ProgressOption, shows_progress
 from whirlmap.results.regime import Regime
@@ -99,7 +99,7 @@ def attractors(
        the forcing that is the same: orbits are closed by Newton's method (`periodic_orbits.closed_orbit`), and compared to
        ten tolerances of settling. Angles are compared modulo their period. The phases are those of the common period, or of
        what is left of it where a harmonic has no amplitude (`repeat_time`).
-    2. Those that do not return belong to a known orbit where they flow into it. Of the others, `LANES` and then twice as
+    2. Those that do not return belong to a known orbit where they converge to it. Of the others, `LANES` and then twice as
        many each time are labelled (`label_points`). Those that come out chaotic, quasi-periodic or locked (and cycles of
        unforced models) are traced over 2048 section points (`attractor_search.TRACE`), and the others are on the same
        attractor where 32 of their section points (`RECORD`) lie on the trace (`on_set`). What has no label then runs on
@@ -207,7 +207,7 @@ def _one_step(
     )  # fmt: skip
     settle_and_record(ensemble, replace(labelling.settling, keep=1), cyclic=cyclic_states(system), progress=progress)
     steps = int(max(ensemble.point_steps.max(), TANGENT_STEPS))
-    if (ensemble.step_verdict == Verdict.nonsmooth).any():
+    if (ensemble.step_verdict == StepVerdict.nonsmooth).any():
         steps = LADDER[-1]
     return replace(labelling, steps=steps, accuracy=None), doubtful(ensemble.step_verdict, system.model) or None
 

@@ -60,7 +60,7 @@ class KnownAttractors:
     def comes_to(
         self, trace: Array, smooth: bool, sets: Mapping[int, tuple[Array, bool]] | None = None
     ) -> int | None:
-        """Number of the orbit that a trace (time, state) flows into, or of the first set that it traces as well.
+        """Number of the orbit that a trace (time, state) converges to, or of the first set that it traces as well.
 
         ``sets`` are compared instead of the known ones.
         """

@@ -13,7 +13,7 @@ from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.progress import ProgressOption, shows_progress, tell
-from whirlmap.sweep.maps.run_sweep import OnChunk, Progress, run_sweep
+from whirlmap.sweep.maps.run_sweep import ChunkReport, OnChunk, run_sweep
 from whirlmap.sweep.parameters.random_draws import Tolerance
 from whirlmap.sweep.parameters.space import Space
 
@@ -68,7 +68,7 @@ def regime_map(
     chunk : int, optional
         Points of a chunk; where absent such that one takes about 3 seconds.
     on_chunk : callable, optional
-        Called with `whirlmap.sweep.maps.run_sweep.Progress` after every chunk.
+        Called with `whirlmap.sweep.maps.run_sweep.ChunkReport` after every chunk.
     progress : callable or True, optional
         Called with the number of points done since the last call; True shows a bar.
 
@@ -154,7 +154,7 @@ def counting(on_chunk: OnChunk | None, progress: ProgressOption) -> OnChunk | No
         return on_chunk
     counted = 0
 
-    def told(now: Progress) -> None:
+    def told(now: ChunkReport) -> None:
         nonlocal counted
         tell(progress, "expect", now.points_total - now.points_done + now.points)
         progress(now.points - counted)

@@ -39,7 +39,7 @@ REFINED = 0.25
 
 
 @dataclass
-class Progress:
+class ChunkReport:
     """How far a sweep is, handed to its callback after every chunk.
 
     Attributes
@@ -55,7 +55,7 @@ class Progress:
     regimes : Counter
         Points of each regime so far, earlier runs included.
     verdicts : Counter
-        Points by whether their steps meet the accuracy (`whirlmap.integrate.accuracy.Verdict`).
+        Points by whether their steps meet the accuracy (`whirlmap.integrate.accuracy.StepVerdict`).
     messages : list of str
         What was found on the way: damaged chunks, failures.
     """
@@ -72,7 +72,7 @@ class Progress:
     messages: list[str] = field(default_factory=list)
 
 
-OnChunk = Callable[[Progress], None]
+OnChunk = Callable[[ChunkReport], None]
 
 
 def run_sweep(
@@ -230,7 +230,7 @@ def _work(
     store = job.store
     numbers = list(store.chunks.share(*(share or (1, 1))))
     standing = store.standing(numbers)
-    progress = Progress(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
+    progress = ChunkReport(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
     progress.messages += notes
     if swept := store.sweep_away(set(numbers) if share else None):  # other shares may be writing
         progress.messages.append(f"{swept} half-written files of an interrupted run were deleted")
@@ -267,7 +267,7 @@ def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(numbers[np.argsort(np.arange(numbers.size) * golden % 1.0, kind="stable")])
 
 
-def _take(job: Job, outcome: Outcome, progress: Progress) -> None:
+def _take(job: Job, outcome: Outcome, progress: ChunkReport) -> None:
     if outcome.stop:
         raise OutputError(
             f"{outcome.fault}\n  {progress.done} of {progress.total} chunks are done and kept;"
