@@ -42,7 +42,7 @@ def attractors(
             " the motion from the default start.",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Of the drawing.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Seed of the starts.")] = 0,
     changes: options.Changes = None,
     start: options.Start = None,
     transient: options.Transient = 100,

@@ -91,12 +91,12 @@ def map(  # noqa: A001 (the command's name)
         bool,
         typer.Option(
             "--resume", rich_help_panel=STORE,
-            help="Go on with what the store holds; begin it where it is absent, empty or half-made.",
+            help="Continue the store; create it where it is absent, empty or incomplete.",
         ),
     ] = False,
     status: Annotated[
         Path | None,
-        typer.Option("--status", metavar="DIR", rich_help_panel=STORE, help="Say how far a store is, running or dead."),
+        typer.Option("--status", metavar="DIR", rich_help_panel=STORE, help="Print how far a store is, running or not."),
     ] = None,
     share: Annotated[
         str | None,
@@ -154,7 +154,7 @@ def map(  # noqa: A001 (the command's name)
 ) -> None:  # fmt: skip
     """Label the regime of every point of a grid over parameters of CASE.
 
-    Every point says its regime, exponent, amplitudes, largest eccentricity and thinnest film, and how its run ended. Chunks
+    Every point has its regime, exponent, amplitudes, largest eccentricity, thinnest film, and status. Chunks
     of points are committed one by one: after a crash, a kill or Ctrl-C the same command with --resume goes on, and the
     result is the same to the bit. The picture of a case with dimensions is in rpm and um.
     """

@@ -46,11 +46,11 @@ def show(
     skip: signals.Skip = 0,
     json: options.Json = False,
 ) -> None:
-    """Print every symbol of CASE with its value, unit, meaning and where the value comes from.
+    """Print every symbol of CASE with its value, unit, meaning and source.
 
     Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches,
-    the start state, the clocks and periods, and what is worth a warning. Nothing is simulated. Of a recorded
-    signal it prints what was understood of the file: table, columns with unit and range, rate.
+    the start state, the clocks and periods, and warnings. Nothing is simulated. For a recorded
+    signal it prints the layout of the file: table, columns with unit and range, rate.
     """
     if series is not None:
         for name, value in {"CASE": case, "--set": changes, "--start": start, "--equations": equations}.items():

@@ -63,8 +63,8 @@ def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length
 
     Notes
     -----
-    Motions that do not return count as one at each speed: only the first is carried on. One that has not settled and converges
-    to a periodic motion met there is none of its own (`whirlmap.sweep.speeds.arriving`), unless a cold start came to it.
+    Motions that do not return count as one at each speed: only the first is carried on. One that is in its transient and
+    converges to a periodic motion is none of its own (`whirlmap.sweep.speeds.arriving`), unless a cold start came to it.
     There are as many rounds as speeds at most, which take the last motion from one end of the range to the other.
     """
     cold = met = cold_motions(judge, values, limits)
