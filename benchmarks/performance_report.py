@@ -121,8 +121,8 @@ def _settling(part, _):
     return [
         f"{part['points']} speeds of `gear-psfd/reference` take {part['ratio']:.2f} of the processor time of a fixed"
         f" transient of {part['fixed']} common periods: {part['waited']:.1f} of them on average. That includes the"
-        f" extrapolation attempts of {part['accelerated']} points and the check of their multipliers. {part['same']} returns equal"
-        " those without acceleration."
+        f" extrapolation attempts of {part['accelerated']} points and the check of their multipliers. {part['same']} returns"
+        " equal those without acceleration."
     ]
 
 

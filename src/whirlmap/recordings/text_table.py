@@ -191,7 +191,7 @@ class TextTable:
                     continue
                 raise InputError(
                     f"{self.source}, line {k}: found {len(fields)} columns, {text.strip()[:60]!r}, expected"
-                    f" {layout.fields} as above; mend the line, or say --separator or --skip"
+                    f" {layout.fields} as above; correct the line, or give --separator or --skip"
                 )
             rows.append(fields)
             at.append(k)

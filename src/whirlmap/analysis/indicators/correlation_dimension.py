@@ -186,7 +186,7 @@ def _checked(
         )
     if not np.isfinite(x).all():
         raise RangeError(
-            f"{np.sum(~np.isfinite(x).all(axis=1))} of {len(x)} points are not finite: drop those lanes."
+            f"{np.sum(~np.isfinite(x).all(axis=1))} of {len(x)} points are not finite: leave them out."
         )
     ids = np.zeros(len(x), dtype=np.int64) if trajectories is None else np.asarray(trajectories)
     if ids.shape != x.shape[:1] or not np.issubdtype(ids.dtype, np.integer):

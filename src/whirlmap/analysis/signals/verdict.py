@@ -100,11 +100,11 @@ def _reasons(votes: Mapping[str, Any]) -> list[str]:
     out = []
     if spectrum["slow_fraction"] > DRIFT:
         out.append(
-            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: take it off, or judge a shorter part."
+            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: remove it, or judge a shorter part."
         )
     elif 0.02 < spectrum["broadband_fraction"] < 0.5:
         decibel = 10 * np.log10((1 - spectrum["broadband_fraction"]) / spectrum["broadband_fraction"])
-        out.append(f"The lines stand {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
+        out.append(f"The lines are {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
     if grid == "chance":
         out.append("The lines fit a common fundamental that any lines might fit by chance in a record of this length.")
     elif grid == "none" and spectrum["vote"] == "none":

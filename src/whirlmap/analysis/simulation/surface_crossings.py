@@ -45,7 +45,7 @@ def switchings(system: System, series: xr.Dataset) -> xr.Dataset:
     """
     model = system.model
     if not model.switchings:
-        raise RangeError(f"{model.name} with these switches changes its form nowhere: it declares no switchings")
+        raise RangeError(f"{model.name} with these switches declares no discontinuity surface (Switching): there is no crossing to locate")
     if [str(s) for s in series["state"].values] != [s.name for s in model.states]:
         raise RangeError(f"the time series is not one of {model.name} with these switches: it has other states")
     good = np.isfinite(series["x"].values).all(axis=1)

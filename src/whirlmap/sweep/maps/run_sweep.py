@@ -94,18 +94,18 @@ def run_sweep(
     """Label the points of a space; the options are those of `regime_map`."""
     space.check(system)
     if refine and (len(space.axes) != 2 or space.tolerances):
-        raise RangeError("refine wants exactly two varied parameters, and no random draws")
+        raise RangeError("refine needs exactly two varied parameters, and no random draws")
     if share is not None and not 1 <= share[0] <= share[1]:
         raise RangeError(f"share {share[0]}/{share[1]}: expected i/n with i from 1 to n")
     if chunk is not None and not 1 <= chunk <= 10_000_000:
         raise RangeError(f"chunk must lie between 1 and 10000000 points, not {chunk}")
     if share is not None and (store is None or (force and not resume)):
-        raise RangeError("a share works on a store that others share: give the store, and no force")
+        raise RangeError("a share computes a part of one store: give the store, and no force")
     if cluster is not None and workers is not None:
         raise RangeError("workers are threads of this process, and a cluster has its own: give one of them")
     if store is None:
         if cluster is not None or resume:
-            what = "a cluster writes into" if cluster is not None else "resume goes on with"
+            what = "a cluster writes into" if cluster is not None else "resume continues"
             raise RangeError(f"{what} a store: give one")
         with TemporaryDirectory(prefix="whirlmap-") as passing:
             here = Path(passing) / "map"
@@ -271,7 +271,7 @@ def _take(job: Job, outcome: Outcome, progress: ChunkReport) -> None:
     if outcome.stop:
         raise OutputError(
             f"{outcome.fault}\n  {progress.done} of {progress.total} chunks are done and kept;"
-            " --resume (resume=True) goes on once this is mended"
+            " --resume (resume=True) continues once this is repaired"
         )
     points = job.store.chunks.points(outcome.number)
     if outcome.fault:
