@@ -20,12 +20,12 @@ reported apart. Times are processor times of one thread, without compilation, th
 contenders take in one run. A ratio is the peer's time over whirlmap's at equal median error, interpolated in log-log,
 best method and batch of each side; above 1 whirlmap is faster. Nothing is extrapolated to smaller errors than were
 measured; at larger ones the cheapest setting counts. "Steps by accuracy" is what every command does: each point's own
-steps per T, chosen before the clock starts (two or three common periods, once for the hundred that a point settles and is
-recorded).
+steps per T, chosen before the clock starts (two or three common periods, once for about a hundred
+of transient and record).
 
 Other processors. Numbers on this page are those of one machine. On an AMD Zen 4, with reciprocals and roots by estimates,
 heyoka took 1.7 times our time at 1e-7 and plain C with RK4 0.98 times. Plain films divide there now, 3 to 6 % faster
-(`kernels/root_choice.py`); the peers were not timed again.
+(`kernels/running/root_choice.py`); the peers were not timed again.
 
 What the peers are given:
 
@@ -62,7 +62,7 @@ def write(result, docs: Path):
         ("cores", "Cores", _cores),
         ("memory", "Memory", _memory),
         ("labelled", "Labelled points", _labelled),
-        ("settling", "Settling", _settling),
+        ("settling", "Steady-state search", _settling),
         ("diagram", "A diagram against SciPy", _diagram),
     ):
         if part in result:
@@ -119,10 +119,10 @@ def _labelled(part, _):
 
 def _settling(part, _):
     return [
-        f"{part['points']} speeds of `gear-psfd/reference` settle in {part['ratio']:.2f} of the processor time of a fixed"
-        f" transient of {part['fixed']} common periods: {part['waited']:.1f} of them on average, the short cuts of"
-        f" {part['accelerated']} points and the proof of their multipliers included. {part['same']} returns equal those of"
-        " plain settling."
+        f"{part['points']} speeds of `gear-psfd/reference` take {part['ratio']:.2f} of the processor time of a fixed"
+        f" transient of {part['fixed']} common periods: {part['waited']:.1f} of them on average. That includes the"
+        f" extrapolation attempts of {part['accelerated']} points and the check of their multipliers. {part['same']} returns"
+        " equal those without acceleration."
     ]
 
 

@@ -111,7 +111,7 @@ def test_every_declared_unit_is_one():
 
 def test_dimensionless_cases_never_load_pint():
     code = (
-        "import sys; from whirlmap.cases import read, settle; settle(read('duffing'), {'gamma': '0.29'});"
+        "import sys; from whirlmap.cases import read, resolve; resolve(read('duffing'), {'gamma': '0.29'});"
         " assert 'pint' not in sys.modules"
     )
     subprocess.run([sys.executable, "-c", code], check=True)

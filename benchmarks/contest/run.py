@@ -88,7 +88,7 @@ def benchmark(plan: Plan, say: Say) -> dict[str, Any]:
     All errors are largest differences over the states after 8T from the end states of heyoka at a tolerance of 1e-15,
     median over the speeds; all times are processor time, the shortest of several turns. Ratios are their time over
     whirlmap's at equal median error. For heyoka and SciPy the best method and batch of each side count; plain C is RK4
-    and is held against whirlmap's RK4.
+    and is compared with whirlmap's RK4.
     """
     say(f"kernels for {processor()[0]}, roots and reciprocals by {chosen()} ({reason()})")
     missing: dict[str, str] = {}

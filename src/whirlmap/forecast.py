@@ -1,4 +1,4 @@
-"""How long work on operating points will take, from what is known while it runs.
+"""Forecast of the remaining time of work on operating points, from the points finished so far.
 
 Points that do not return run far longer than those that do, and which they are is known only once they have settled.
 So the two parts of the work are counted apart, in T and in seconds:

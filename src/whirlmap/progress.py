@@ -1,4 +1,4 @@
-"""Progress of long work: a bar on a terminal and in notebooks, a line every now and then elsewhere; on standard error."""
+"""Progress of long work: a bar on a terminal and in notebooks, a line at intervals elsewhere; on standard error."""
 
 import sys
 import threading
@@ -95,7 +95,7 @@ class Progress:
         """Say that points have settled (`Forecast.settle`)."""
         self._tell(lambda forecast: forecast.settle(points, opened, longest))
 
-    def open_points(self, left: int, ran: float) -> None:
+    def nonperiodic_points(self, left: int, ran: float) -> None:
         """Say how far points without a return are (`Forecast.run`)."""
         self._tell(lambda forecast: forecast.run(left, ran))
 

@@ -1,4 +1,4 @@
-"""Numbers with units, read once at the door; inside, everything is an SI float.
+"""Numbers with units, converted once on input; inside, everything is an SI float.
 
 Numbers are read as exact fractions of what was written (`50` and `1e-6`, not the floats nearest to them),
 units are scaled exactly, and only the result is rounded, once: ``"50 um"`` is the float ``5e-05``, not

@@ -12,7 +12,7 @@ from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
 from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.analysis.motion.section_crossing import crossings
 from whirlmap.equations import Model, Parameter, Section, State
-from whirlmap.integrate.accuracy import Verdict
+from whirlmap.integrate.accuracy import StepVerdict
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import DOP853, RK4
 from whirlmap.results.regime import Regime
@@ -38,7 +38,7 @@ def test_a_typical_time_may_be_wrong_by_a_thousand(time):
         ds = label_points(system, {"mu": [stiffness]}, lyapunov=0)
         assert Regime(int(ds["regime"][0])) is Regime.periodic
         assert int(ds["period_T"][0]) == 1
-        assert int(ds["step_verdict"][0]) == Verdict.met
+        assert int(ds["step_verdict"][0]) == StepVerdict.met
         assert ds["step_error"].values[0] <= 1e-9
         assert ds["maximum"].sel(quantity="x").values[0] == pytest.approx({1.0: 2.00862, 10.0: 2.01429}[stiffness], abs=2e-3)
 

@@ -4,7 +4,7 @@ from math import pi
 
 import pytest
 
-from whirlmap.cases import read, settle
+from whirlmap.cases import read, resolve
 from whirlmap.errors import CaseError, WhirlmapError
 from whirlmap.integrate.loading import load
 from whirlmap.models.lubricant import by_grade
@@ -15,7 +15,7 @@ TURBO, RIG, AERO = "machines/turbo-gearbox", "machines/jeffcott-rig", "machines/
 def written(tmp_path, text, base="gear-psfd/machine"):
     file = tmp_path / "machine.toml"
     file.write_text(f'extends = "{base}"\n{text}')
-    return settle(read(file))
+    return resolve(read(file))
 
 
 def entry(name, value, unit=None):
@@ -43,7 +43,7 @@ def test_switches_in_a_table_leave_their_names_to_tables(tmp_path):
 
 
 def test_shared_names_can_be_set_by_hand():
-    made = settle(read(TURBO), {"L": "20 mm"})
+    made = resolve(read(TURBO), {"L": "20 mm"})
     assert made.inputs["L_1"].value == made.inputs["L_2"].value == 0.02
 
 
@@ -51,45 +51,45 @@ def test_shared_names_can_be_set_by_hand():
 
 
 def test_the_oil_follows_from_its_grade():
-    made = settle(read(TURBO))
+    made = resolve(read(TURBO))
     assert made.inputs["mu"].value == pytest.approx(by_grade(32, 100, 65, 845), rel=1e-15)
     assert "VG = 32" in made.inputs["mu"].note
     assert "ASTM D341" in made.inputs["mu"].note
-    hot = settle(read(TURBO), {"T_oil": "90 degC"})
+    hot = resolve(read(TURBO), {"T_oil": "90 degC"})
     thinner = by_grade(32, 100, 90, 845) / by_grade(32, 100, 65, 845)
     assert hot.values["Gamma_1"] / made.values["Gamma_1"] == pytest.approx(thinner)
-    plain = settle(read(TURBO), {"mu": "0.02 Pa*s"})
+    plain = resolve(read(TURBO), {"mu": "0.02 Pa*s"})
     assert plain.inputs["mu"].value == 0.02
     assert "VG" not in plain.inputs
     assert "T_oil" not in plain.inputs
-    assert settle(read("gear-psfd/machine"), {"VG": 46, "VI": 100, "T_oil": "60 degC", "rho": "860 kg/m^3"}).inputs["VG"]
+    assert resolve(read("gear-psfd/machine"), {"VG": 46, "VI": 100, "T_oil": "60 degC", "rho": "860 kg/m^3"}).inputs["VG"]
 
 
 def test_unbalance_is_a_grade_or_grams_by_millimetres():
     """ISO 21940-11: e omega = 2.5 mm/s at the shaft's own speed for speed_max."""
-    made = settle(read(TURBO))
+    made = resolve(read(TURBO))
     omega = 9000 * pi / 30
     assert made.inputs["e_up"].value == pytest.approx(2.5e-3 / omega, rel=1e-14)
     assert made.inputs["e_ug"].value == pytest.approx(2.5e-3 / (omega / 3), rel=1e-14)
-    assert settle(read(RIG)).inputs["e_u"].value == pytest.approx(1e-5, rel=1e-14)
-    grams = settle(read(TURBO), {"U_p": "50 g*mm"})
+    assert resolve(read(RIG)).inputs["e_u"].value == pytest.approx(1e-5, rel=1e-14)
+    grams = resolve(read(TURBO), {"U_p": "50 g*mm"})
     assert grams.inputs["e_up"].value == pytest.approx(50e-6 / 25, rel=1e-14)
     assert "G_p" not in grams.inputs
 
 
 def test_torque_follows_from_power():
-    made = settle(read(TURBO))
+    made = resolve(read(TURBO))
     torque = 60e3 / (9000 * pi / 30)
     assert made.inputs["T_p"].value == pytest.approx(-torque, rel=1e-14)
     assert made.quantities["transmitted_power"][0] == pytest.approx(-60e3, rel=1e-12)
     base = 3e-3 * 31 * 0.9396926207859084 / 2
     assert made.values["F_0"] == pytest.approx(torque / base / (2e8 * 60e-6), rel=1e-12)
     assert made.values["phi_m"] == pytest.approx(-(pi / 2 - pi / 9), rel=1e-12)  # the gear pushes: the other flank
-    assert settle(read(TURBO), {"T_p": "30 N*m"}).values["phi_m"] == pytest.approx(pi / 2 - pi / 9, rel=1e-12)
+    assert resolve(read(TURBO), {"T_p": "30 N*m"}).values["phi_m"] == pytest.approx(pi / 2 - pi / 9, rel=1e-12)
 
 
 def torque(case, **changes):
-    made = settle(read(case), changes)
+    made = resolve(read(case), changes)
     return made.inputs["T_p"].value, made.inputs["T_p"].note
 
 
@@ -134,7 +134,7 @@ def test_every_number_of_the_machines_says_where_it_comes_from(name):
 
 
 def test_the_rigs_groups_are_those_of_its_numbers():
-    made = settle(read(RIG), {"mu": "0.01 Pa*s"})
+    made = resolve(read(RIG), {"mu": "0.01 Pa*s"})
     W, c = 0.8 * 9.81 / 2, 1e-4
     A = 0.01 * 12.5e-3 * 6e-3**3 / (2 * c**2)
     expected = {"s": 60 * pi * (c / 9.81) ** 0.5, "Gamma": A * (9.81 / c) ** 0.5 / W, "b": 0.1, "k": 38.7e3 * c / W}
@@ -223,4 +223,4 @@ def test_machines_that_cannot_be_get_one_message(tmp_path, text, words):
 )
 def test_changes_that_cannot_be_get_one_message(changes, words):
     with pytest.raises(CaseError, match=words):
-        settle(read("gear-psfd/machine"), changes)
+        resolve(read("gear-psfd/machine"), changes)

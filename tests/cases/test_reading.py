@@ -4,7 +4,7 @@ import re
 
 import pytest
 
-from whirlmap.cases import names, read, settle
+from whirlmap.cases import names, read, resolve
 from whirlmap.errors import CaseError
 from whirlmap.references import key_of, references
 
@@ -20,7 +20,7 @@ MACHINE = 'extends = "gear-psfd/machine"\n'
 
 
 @pytest.mark.parametrize("name", names())
-def test_stock_cases_settle_and_every_number_says_where_it_comes_from(name):
+def test_stock_cases_resolve_and_every_number_says_where_it_comes_from(name):
     case = read(name)
     assert len(case.description) > 20
     for given in case.given.values():
@@ -28,7 +28,7 @@ def test_stock_cases_settle_and_every_number_says_where_it_comes_from(name):
         assert kind in ("source", "assumed")
         if kind == "source":
             assert key_of(rest) in references(), given.where
-    settled = settle(case)
+    settled = resolve(case)
     assert set(settled.values) == {p.name for p in settled.model.parameters}
     assert all(settled.notes[p] for p in settled.values)
 
@@ -39,10 +39,10 @@ def test_the_papers_editions_say_that_the_paper_gives_no_parameters(name):
 
 
 def test_every_choice_of_switches_of_a_stock_case_settles():
-    assert settle(read("jeffcott"), {"rotor": "flexible"}).values["k"] == 20
-    assert settle(read("jeffcott"), {"rotor": "flexible", "arc": "positive"}).switches["arc"] == "positive"
+    assert resolve(read("jeffcott"), {"rotor": "flexible"}).values["k"] == 20
+    assert resolve(read("jeffcott"), {"rotor": "flexible", "arc": "positive"}).switches["arc"] == "positive"
     for edition in ("literal", "intended", "physical"):
-        assert settle(read("gear-psfd/machine"), {"edition": edition}).switches["edition"] == edition
+        assert resolve(read("gear-psfd/machine"), {"edition": edition}).switches["edition"] == edition
 
 
 def test_a_stock_number_stands_once():
@@ -56,7 +56,7 @@ def test_what_a_file_says_replaces_what_it_extends(tmp_path):
     child = tmp_path / "child.toml"
     child.write_text('extends = "base.toml"\ngamma = { value = 0.29, assumed = "4T" }\nstart = { x = 0.5 }\n')
     case = read(child)
-    values = settle(case).values
+    values = resolve(case).values
     assert (values["gamma"], values["delta"]) == (0.29, 0.3)
     assert case.start == {"x": 0.5}
     assert case.digest != read(tmp_path / "base.toml").digest
@@ -100,10 +100,10 @@ def test_a_users_own_model_in_their_own_file(tmp_path, name):
     (tmp_path / "my_rotor.py").write_text(MODEL)
     file = tmp_path / "my_case.toml"
     file.write_text(MY_CASE.replace("NAME", name))
-    settled = settle(read(file), {"k": "9 1/s^2"})
+    settled = resolve(read(file), {"k": "9 1/s^2"})
     assert settled.values == {"k": 9.0, "A": 1e-3, "w": pytest.approx(6.283185307179586, rel=1e-15)}
     assert (
-        settle(read(file)).model is settled.model
+        resolve(read(file)).model is settled.model
     )  # the same text is the same model, so its kernel is found again
 
 
@@ -277,7 +277,7 @@ def test_one_message_names_file_line_key_found_and_expected(tmp_path, fault):
     file = tmp_path / "case.toml"
     file.write_text(text)
     with pytest.raises(CaseError, match=re.escape(message)) as caught:
-        settle(read(file))
+        resolve(read(file))
     assert str(file) in str(caught.value)
     if line:
         assert f"{file}, line {line}: " in str(caught.value)

@@ -6,7 +6,7 @@ import shlex
 import pytest
 from typer.testing import CliRunner
 
-from whirlmap.cases import read, settle
+from whirlmap.cases import read, resolve
 from whirlmap.cli.main import app
 
 RIG, TURBO = "machines/jeffcott-rig", "machines/turbo-gearbox"
@@ -14,7 +14,7 @@ RIG, TURBO = "machines/jeffcott-rig", "machines/turbo-gearbox"
 
 def marks(case, **changes):
     """What the reason of each number was written for, and what each changed number was."""
-    found = settle(read(case), changes).marks
+    found = resolve(read(case), changes).marks
     return {n: dict(m.written_for) for n, m in found.items() if m.written_for}, {
         n: m.instead_of for n, m in found.items() if m.instead_of
     }

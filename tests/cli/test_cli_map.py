@@ -79,7 +79,7 @@ def test_draws_and_lines_have_pictures_too():
      (f"{MAP} --share x", "expected I/N"), (f"{MAP} --share 1/2", "give the store"),
      (f"{MAP} --plot y", "no state or output"),
      ("map duffing --draw gamma=normal:3%", "go together"), (f"{MAP} --seed 3", "--draw beside it"),
-     (f"{MAP} --resume", "resume goes on with a store"), (f"{MAP} --status m", "nothing beside it"),
+     (f"{MAP} --resume", "resume continues a store"), (f"{MAP} --status m", "nothing beside it"),
      (f"{MAP} --store m --dask tcp://127.0.0.1:9 --workers 2", "give one of them"),
      ("map duffing --draw gamma=norm:3% --draws 3", "uniform or normal"),
      (f"{MAP} --store m/n", "does not exist"), (f"{MAP} --out m.xyz", "suffix"),

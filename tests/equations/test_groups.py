@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import pytest
 
-from whirlmap.cases import read, settle
+from whirlmap.cases import read, resolve
 from whirlmap.errors import CaseError
 from whirlmap.models.gear_pair_machine import GEAR_PAIR_MACHINE, INPUTS
 
@@ -54,7 +54,7 @@ EXACT = (
 
 
 def test_the_reference_machine_has_the_audits_groups():
-    values = settle(read(MACHINE)).values
+    values = resolve(read(MACHINE)).values
     for name, value in KNOWN.items():
         assert float(values[name]) == pytest.approx(value, rel=4e-4), name
     for name in EXACT:
@@ -96,8 +96,8 @@ OTHER_UNITS = {
 
 def test_the_same_machine_in_other_units_has_the_same_groups():
     case = read(MACHINE)
-    before, after = settle(case).values, settle(case, OTHER_UNITS).values
-    assert set(OTHER_UNITS) == set(settle(case).inputs) - {"z_p", "z_g"}  # nothing is left out
+    before, after = resolve(case).values, resolve(case, OTHER_UNITS).values
+    assert set(OTHER_UNITS) == set(resolve(case).inputs) - {"z_p", "z_g"}  # nothing is left out
     for name, value in before.items():
         assert float(after[name]) == pytest.approx(float(value), rel=1e-13), name
 
@@ -118,7 +118,7 @@ def test_groups_do_not_depend_on_the_system_of_units():
         "1": (0, 0, 0),
     }
     case = read(MACHINE)
-    settled = settle(case, {"speed": "1500 rpm"})
+    settled = resolve(case, {"speed": "1500 rpm"})
     groups = GEAR_PAIR_MACHINE.groups
     plain = {name: Fraction(given.value) for name, given in settled.inputs.items()}
     scaled = {}
@@ -143,20 +143,20 @@ def test_groups_do_not_depend_on_the_system_of_units():
     ],
 )
 def test_each_edition_has_its_clock_and_its_exact_orders(edition, clocks):
-    values = settle(read(MACHINE), {"edition": edition}).values
+    values = resolve(read(MACHINE), {"edition": edition}).values
     assert {name: values[name] for name in clocks} == clocks
     assert all(isinstance(values[name], Fraction) for name in ("r_p", "r_g", "r_m"))
 
 
 def test_prime_teeth_give_exact_orders():
-    assert settle(read(MACHINE), {"z_p": 23, "z_g": 41}).values["r_g"] == Fraction(-23, 41)
+    assert resolve(read(MACHINE), {"z_p": 23, "z_g": 41}).values["r_g"] == Fraction(-23, 41)
 
 
 def test_speed_is_the_pinions_in_every_edition():
     case = read(MACHINE)
     omega_0 = (4e6 / 10) ** 0.5
     for edition in ("physical", "intended", "literal"):
-        settled = settle(case, {"edition": edition, "speed": "1500 rpm"})
+        settled = resolve(case, {"edition": edition, "speed": "1500 rpm"})
         s, r_p = float(settled.values["s"]), float(settled.values["r_p"])
         assert s * r_p * omega_0 == pytest.approx(157.07963267948966, rel=1e-14)
         assert settled.quantities["pinion_speed"][0] == pytest.approx(157.07963267948966, rel=1e-14)
@@ -164,30 +164,30 @@ def test_speed_is_the_pinions_in_every_edition():
 
 def test_a_changed_input_recomputes_its_groups_and_no_others():
     case = read(MACHINE)
-    before, after = settle(case).values, settle(case, {"mu": "0.04 Pa*s"}).values
+    before, after = resolve(case).values, resolve(case, {"mu": "0.04 Pa*s"}).values
     changed = {name for name in before if before[name] != after[name]}
     assert changed == {"Gamma_1", "Gamma_2"}
     assert after["Gamma_1"] == pytest.approx(2 * before["Gamma_1"], rel=1e-15)
 
 
 def test_a_symbol_that_is_given_wins_over_its_group():
-    settled = settle(read(MACHINE), {"Gamma_1": 3, "mu": "0.04 Pa*s"})
+    settled = resolve(read(MACHINE), {"Gamma_1": 3, "mu": "0.04 Pa*s"})
     assert settled.values["Gamma_1"] == 3
     assert settled.notes["Gamma_1"] == "set by the user"
     assert settled.notes["Gamma_2"].startswith("group: ")
 
 
 def test_an_input_takes_precedence_over_the_symbol_of_a_lower_layer_that_it_alone_sets():
-    settled = settle(read("gear-psfd/reference"), {"Phi": "5.2083333333333333e-13 m^2"})
+    settled = resolve(read("gear-psfd/reference"), {"Phi": "5.2083333333333333e-13 m^2"})
     assert settled.values["psi"] == pytest.approx(0.1, rel=1e-14)
-    assert settle(read("gear-psfd/reference")).values["psi"] == 1e-3
+    assert resolve(read("gear-psfd/reference")).values["psi"] == 1e-3
     assert (
-        "Phi" not in settle(read("gear-psfd/reference")).inputs
+        "Phi" not in resolve(read("gear-psfd/reference")).inputs
     )  # replaced by psi, so not shown as if it counted
 
 
 def test_orders_of_one_journal_follow_the_orders_of_its_shaft():
-    values = settle(read("gear-psfd/reference"), {"r_g": "1/8"}).values
+    values = resolve(read("gear-psfd/reference"), {"r_g": "1/8"}).values
     assert values["r_g"] == Fraction(1, 8)
     assert values["j_g"] == 0.125
 
@@ -196,4 +196,4 @@ def test_missing_inputs_are_named(tmp_path):
     file = tmp_path / "half.toml"
     file.write_text('model = "gear_pair"\ns = { value = 1, assumed = "test" }\n')
     with pytest.raises(CaseError, match=r"no value for 'psi'.*missing H, Phi, c"):
-        settle(read(file))
+        resolve(read(file))

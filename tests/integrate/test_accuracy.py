@@ -6,7 +6,7 @@ from scipy.integrate import solve_ivp
 
 from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
+from whirlmap.integrate.accuracy import LADDER, StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System
@@ -34,7 +34,7 @@ def test_chosen_steps_meet_the_accuracy_of_an_independent_integrator(accuracy):
     start.advance(10 * start.common_multiple)
     assert np.all(np.hypot(*start.x[:2]) > 0.05)  # away from the centre, where the fixed arc is not smooth
     e, _ = make_ensemble(system, {"s": speeds}, starts=start.x, accuracy=accuracy)
-    assert np.all(e.step_verdict == Verdict.met)
+    assert np.all(e.step_verdict == StepVerdict.met)
     assert np.all(e.step_error <= accuracy)
     e.advance(e.common_multiple)
     for i, s in enumerate(speeds):
@@ -121,15 +121,15 @@ def test_members_run_as_if_all_ran():
 def test_an_oscillator_too_fast_for_the_ladder_is_stiff():
     e = duffing(2, alpha=np.array([-1.0, 1e9]))
     rungs = choose_steps(e, 1e-8)
-    assert list(rungs.verdict) == [Verdict.met, Verdict.stiff]
+    assert list(rungs.verdict) == [StepVerdict.met, StepVerdict.stiff]
     assert rungs.steps[1] == LADDER[-1]
-    assert "stiff" in Verdict.stiff.advice(e.model)
+    assert "stiff" in StepVerdict.stiff.advice(e.model)
 
 
 def test_only_a_model_with_a_fixed_arc_is_told_about_arcs():
-    assert "arc" not in Verdict.nonsmooth.advice(load("gear_backlash").model)
-    assert "arc" not in Verdict.nonsmooth.advice(load("jeffcott", rotor="flexible", arc="positive").model)
-    assert "arc of positive pressure" in Verdict.nonsmooth.advice(load("jeffcott").model)
+    assert "arc" not in StepVerdict.nonsmooth.advice(load("gear_backlash").model)
+    assert "arc" not in StepVerdict.nonsmooth.advice(load("jeffcott", rotor="flexible", arc="positive").model)
+    assert "arc of positive pressure" in StepVerdict.nonsmooth.advice(load("jeffcott").model)
 
 
 def test_orbits_through_the_centre_are_nonsmooth_with_the_fixed_arc():
@@ -144,11 +144,11 @@ def test_orbits_through_the_centre_are_nonsmooth_with_the_fixed_arc():
         x[4:8] += rng.uniform(-0.3, 0.3, (4, 96))
         chosen[arc], _ = make_ensemble(system, speeds, starts=x, accuracy=1e-9)
     fixed, positive = chosen["fixed"], chosen["positive"]
-    rough = fixed.step_verdict == Verdict.nonsmooth
+    rough = fixed.step_verdict == StepVerdict.nonsmooth
     assert 3 < rough.sum() < 48
-    assert not (fixed.step_verdict == Verdict.stiff).any()
+    assert not (fixed.step_verdict == StepVerdict.stiff).any()
     assert np.all(fixed.step_error[rough] > 1e-9)
-    assert np.all(positive.step_verdict == Verdict.met)
+    assert np.all(positive.step_verdict == StepVerdict.met)
     assert fixed.point_steps.max() > 3 * positive.point_steps.max()
 
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from whirlmap.cases import names, read, settle
+from whirlmap.cases import names, read, resolve
 from whirlmap.cases.entries import Given
 from whirlmap.units import _root, factor
 
@@ -32,7 +32,7 @@ UNITS = {
 
 @functools.cache
 def machine(name):
-    return settle(read(name), MACHINES[name])
+    return resolve(read(name), MACHINES[name])
 
 
 def rewritten(value, unit, other):
@@ -57,7 +57,7 @@ def given_in(name, units):
         exact = number(here.value, parameter.unit, given=here.unit)
         unit = units(parameter.unit)
         changes[symbol] = Given(symbol, rewritten(exact, parameter.unit, unit) if unit != parameter.unit else exact, unit)
-    return settle(case, changes)
+    return resolve(case, changes)
 
 
 def close(one, other, relative=1e-13):
@@ -99,7 +99,7 @@ def test_groups_do_not_depend_on_the_size_of_the_machine(name, mass, length, tim
         exact = Fraction(here.value) if symbol == "mu" else number_of(before, symbol)
         changes[symbol] = Given(symbol, exact * mass**m * length**l * time**t, here.parameter.unit)
     # angles count in radians: rad/s scales as 1/s
-    close(before, settle(read(name), changes), relative=1e-12 if "mu" in changes else 1e-13)
+    close(before, resolve(read(name), changes), relative=1e-12 if "mu" in changes else 1e-13)
 
 
 def number_of(settled, symbol):
@@ -111,7 +111,7 @@ def number_of(settled, symbol):
 
 def test_every_stock_machine_is_tested_here():
     """The editions of the paper's system write groups on top of the machine's inputs."""
-    stock = {n for n in names() if settle(read(n)).inputs}
+    stock = {n for n in names() if resolve(read(n)).inputs}
     assert {n for n in stock if n == "gear-psfd/machine" or not n.startswith("gear-psfd/")} == set(MACHINES)
 
 

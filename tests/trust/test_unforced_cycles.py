@@ -17,7 +17,7 @@ from truth_orbits import Pieces, extremes
 from unforced_models import FLOWS
 
 import whirlmap
-from whirlmap.integrate.accuracy import Verdict
+from whirlmap.integrate.accuracy import StepVerdict
 
 RADAU = dict(method="Radau")
 
@@ -77,7 +77,7 @@ def loaded(name):
 
 def says_stiff(ds):
     verdict = np.asarray(ds["step_verdict"]).reshape(-1) if "step_verdict" in ds else np.array([0])
-    return bool((verdict == Verdict.stiff).any()) or "stiff" in json.dumps({k: str(v) for k, v in ds.attrs.items()})
+    return bool((verdict == StepVerdict.stiff).any()) or "stiff" in json.dumps({k: str(v) for k, v in ds.attrs.items()})
 
 
 @pytest.mark.parametrize("name", CYCLES)

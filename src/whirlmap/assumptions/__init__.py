@@ -1,1 +1,1 @@
-"""What the models of machines assume, and where a system or its results leave that: `strained.strained` decides it."""
+"""Assumptions of the machine models, and which of them a system or its results violate (`strained.strained`)."""

@@ -1,4 +1,4 @@
-"""What the film laws assume of a bearing: that it is short, its flow laminar and slow, its journal not at the wall."""
+"""Assumptions of the film laws: a short bearing, laminar flow without inertia, a journal away from the wall."""
 
 from collections.abc import Iterator
 from math import sqrt

@@ -1,4 +1,4 @@
-"""What the gear pair's model assumes beside its films: teeth in contact, positive pressure, the clocks of one machine."""
+"""Assumptions of the gear pair's model beside its films: teeth in contact, positive pressure, the clocks of one machine."""
 
 from collections.abc import Iterator
 from math import cos, sin, tanh

@@ -1,4 +1,4 @@
-"""How far the oil warms in a plain short journal bearing, from the power that it takes up and its flow.
+"""Temperature rise of the oil in a plain short journal bearing, from its power loss and its side flow.
 
 In a short bearing the pressure gradient along the circumference is neglected, so that oil moves along it by shear alone.
 With surface speed U = omega R, gap h = c (1 + eps cos theta), theta from where the gap is widest, a steady journal has

@@ -1,4 +1,4 @@
-"""Numbers of a machine's operation that its model answers, though nobody would run it so."""
+"""Checks of a machine's operating data: numbers that the model accepts, but that are outside of the usual range."""
 
 from collections.abc import Iterator
 

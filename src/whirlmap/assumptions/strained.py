@@ -1,6 +1,6 @@
-"""Which assumptions of its model a machine, or a result of it, does not keep: the one place that decides.
+"""Check of the assumptions of a machine's model against the machine and its results: the one place that decides.
 
-A model answers outside of its assumptions too. Limits are those of the audit, `studies/gear_psfd/audit.md`, section 6.
+A model gives results outside of its assumptions too. Limits are those of the audit, `studies/gear_psfd/audit.md`, section 6.
 """
 
 import json

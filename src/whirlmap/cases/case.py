@@ -194,7 +194,7 @@ def _parse(path: Path) -> tuple[str, dict[str, Any]]:
 def _body(
     file: str, raw: str, table: Mapping[str, Any], chosen: Mapping[str, str], family: Family, *, own: bool
 ) -> tuple[dict[str, str], dict[str, Given]]:
-    """Switches and entries of a file. Which entries the model reads depends on the switches: see `settle`."""
+    """Switches and entries of a file. Which entries the model reads depends on the switches: see `resolve`."""
     switches: dict[str, str] = {}
     layer: dict[str, Given] = {}
     for key, value in (*table.items(), *chosen.items()):
@@ -241,9 +241,9 @@ def _section(file: str, raw: str, section: str, table: Mapping[str, Any], family
             f"{family.hint(section, known)}"
         )
     for name in table:
-        homes = [home for home, names in known.items() if name in names]
-        if homes and section not in homes:
-            raise CaseError(f"{place(file, raw, name)}: found {name} in [{section}], expected it in [{homes[0]}]")
+        tables = [t for t, names in known.items() if name in names]
+        if tables and section not in tables:
+            raise CaseError(f"{place(file, raw, name)}: found {name} in [{section}], expected it in [{tables[0]}]")
     return table
 
 

@@ -1,4 +1,4 @@
-"""Where a case's model comes from: the stock, or the user's own Python file."""
+"""The model of a case: a stock model, or one from the user's own Python file."""
 
 import hashlib
 from functools import lru_cache

@@ -1,4 +1,4 @@
-"""Reasons beside the numbers of a case, and whether they still fit: a changed number may be named in the reason of another.
+"""Reasons beside the numbers of a case, and whether they still apply: a changed number may be named in another's reason.
 
 A case says why each number is what it is. Where a file that extends it, or a change by hand, gives another number, the
 reasons that name that number were written for the old one.

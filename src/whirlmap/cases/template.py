@@ -5,7 +5,7 @@ from typing import Any
 
 from whirlmap.cases.case import Case
 from whirlmap.cases.entries import Given
-from whirlmap.cases.settle import Settled, settle
+from whirlmap.cases.resolve import Resolved, resolve
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError
 from whirlmap.units import convert, example
@@ -28,7 +28,7 @@ def template(case: Case) -> str:
         raise CaseError(f"{case.name}: {case.family.name} has no dimensional inputs, so there is no machine to describe")
     if case.own:
         raise CaseError(f"{case.name}: its model is your own; copy the case file instead")
-    settled = settle(case)
+    settled = resolve(case)
     inputs = {q.name: q for q in groups.inputs}
     given = {name: one for name, one in case.given.items() if name not in inputs or name in settled.inputs}
     given = _at_a_speed(given, settled)
@@ -52,7 +52,7 @@ def template(case: Case) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _at_a_speed(given: Mapping[str, Given], settled: Settled) -> dict[str, Given]:
+def _at_a_speed(given: Mapping[str, Given], settled: Resolved) -> dict[str, Given]:
     """Say the speed of a machine in rpm, to four digits, in place of the ratio that a case may give instead."""
     groups, ratio = settled.groups, settled.model.speed
     if groups is None or groups.speed is None or ratio is None:
@@ -74,7 +74,7 @@ def _at_a_speed(given: Mapping[str, Given], settled: Settled) -> dict[str, Given
 
 
 def _switches(case: Case) -> Iterable[str]:
-    in_force = settle(case).switches
+    in_force = resolve(case).switches
     for name, choices in case.family.switches.items():
         chosen = case.switches.get(name)
         meaning = case.family.meanings.get(name, "")

@@ -1,4 +1,4 @@
-"""``whirlmap``: the program, its commands, and the one place where errors end.
+"""``whirlmap``: the program, its commands, and the handling of all errors.
 
 Exit codes: 0 done, 1 a check failed, 2 the input was wrong, 130 interrupted.
 """

@@ -1,4 +1,4 @@
-"""The language that models are written in: SymPy expressions of declared quantities."""
+"""The modelling language: SymPy expressions of declared quantities."""
 
 from sympy import Abs as Abs
 from sympy import Heaviside as Heaviside

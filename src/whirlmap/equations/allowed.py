@@ -1,4 +1,4 @@
-"""What expressions of a model may consist of, and what is said about anything else."""
+"""The functions and symbols that expressions of a model may contain, and the messages about all others."""
 
 from collections.abc import Iterable
 from typing import Any

@@ -1,4 +1,4 @@
-"""What a declaration must not say: contradictions, names that are taken, symbols and functions that nothing can compute."""
+"""Checks of a model's declaration: contradictions, reserved names, symbols and functions that cannot be computed."""
 
 import re
 from collections.abc import Collection, Iterable, Mapping, Sequence

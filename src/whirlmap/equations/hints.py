@@ -1,4 +1,4 @@
-"""What is meant by a name that a model does not have: by what it is, by its meaning, or by its spelling."""
+"""Suggestions for a name or choice that a model does not have: by its kind, its meaning, or its spelling."""
 
 import re
 from collections.abc import Iterable

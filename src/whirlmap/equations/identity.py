@@ -1,4 +1,4 @@
-"""What a model is, as one number: a digest that changes with anything that is computed from its declaration.
+"""Identity of a model: a digest that changes with anything that is computed from its declaration.
 
 Expressions of films share most of their parts, so each part is digested once, by what it is made of; writing the
 expressions out (`srepr`) repeats a shared part wherever it stands, and takes thirty times as long.

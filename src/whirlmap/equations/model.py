@@ -1,4 +1,4 @@
-"""A model: an immutable value that says what a system is, and nothing about how it is computed."""
+"""Models: immutable declarations of a system's equations, without anything about their computation."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field

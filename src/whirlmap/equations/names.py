@@ -1,4 +1,4 @@
-"""Names that a state or a parameter cannot have, because something else that users read or write has them.
+"""Reserved names, which a state or a parameter cannot have.
 
 A varied parameter becomes a dimension of a Dataset, and a state a column of a table, beside the variables of the result. A
 case file holds parameters beside its own keys.

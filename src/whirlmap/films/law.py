@@ -1,4 +1,4 @@
-"""Film laws as expressions: the velocity of a massless journal under a load, for declarations of models.
+"""Film laws as SymPy expressions: the velocity of a massless journal under a load, for declarations of models.
 
 Every law solves ``M w = q`` for the journal's velocity ``w``, seen from the frame that turns at half the journal's spin;
 ``q = kappa d/(2 Gamma)`` is the shaft's force in film units. All are written without dividing by the eccentricity where

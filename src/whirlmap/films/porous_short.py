@@ -11,7 +11,7 @@ where M = [[G, B], [B, D]] in (e_r, e_t) is an integral over a half circle of th
 - ``fixed``: theta in [0, pi] for a positive spin, [pi, 2 pi] for a negative one, as in the paper;
 - ``positive``: the half circle on which the pressure of this w is positive, theta1 = atan2(w_r, -w_t).
 
-The fast lane reads `whirlmap.films.tables`, which is built on this file.
+The lane kernels read `whirlmap.films.tables`, which is computed with this file.
 """
 
 from collections.abc import Iterator

@@ -1,4 +1,4 @@
-"""Where the film's mobility varies: coordinates for tables, and the positive arc interpolated in them.
+"""Scaled coordinates for tables of film mobility, and the film of positive pressure (Guembel) interpolated in them.
 
 The mobility (velocity per load) of a thin film falls like powers of the gap, and for small psi turns within a
 few k = psi^(1/3) of the wall from those powers into a finite plateau. Where the film is thinnest, h^3 + psi

@@ -1,4 +1,4 @@
-"""The mobilities that the lane kernels read from tables, and the cells of those tables.
+"""Mobility tables of the lane kernels, and their cells.
 
 Cells are equidistant in log T (`whirlmap.films.scaled`), so that their number grows with log(1/psi) only and their error
 hardly depends on psi. Largest error of the compiled tables at 6000 points, half of them close to the wall and to the load's

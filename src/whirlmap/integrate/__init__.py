@@ -1,1 +1,1 @@
-"""Systems in time: start states, ensembles of lanes, events."""
+"""Integration in time: systems, start states, ensembles of lanes, terminal events."""

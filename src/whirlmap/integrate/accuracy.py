@@ -1,4 +1,4 @@
-"""How many steps per T a point needs: each tries itself on a ladder of steps until the asked accuracy is met.
+"""Choice of the steps per T of each point: the lowest rung of a ladder of steps that meets the asked accuracy.
 
 The error of a rung is measured, not estimated from the method: the largest difference, at the ends of all T of one common
 period, between a run with that rung's steps and a run with the next one's. The lowest rung whose error is small enough is
@@ -39,7 +39,7 @@ BELIEVED = 48
 KINKED = 256
 
 
-class Verdict(IntEnum):
+class StepVerdict(IntEnum):
     """Whether a point's steps meet the asked accuracy."""
 
     met = 0
@@ -51,17 +51,17 @@ class Verdict(IntEnum):
         fixed = model.switches.get("arc") == "fixed"
         near, instead = (" (with the fixed film arc, close to the bearing's centre)", "the arc of positive pressure, or ")
         return {
-            Verdict.met: "the asked accuracy is met",
-            Verdict.nonsmooth: "the error falls slowly with the steps: the right-hand side is not smooth along this orbit"
-            f"{near if fixed else ''}; try {instead if fixed else ''}less accuracy",
-            Verdict.stiff: "the highest rung of the ladder is not enough: the system is too stiff here for an explicit"
+            StepVerdict.met: "the asked accuracy is met",
+            StepVerdict.nonsmooth: "the error falls slowly with the steps: the right-hand side is not smooth along this"
+            f" orbit{near if fixed else ''}; try {instead if fixed else ''}less accuracy",
+            StepVerdict.stiff: "the highest rung of the ladder is not enough: the system is too stiff here for an explicit"
             " method; try more steps by hand, less stiffness, or a lower accuracy",
         }[self]
 
 
 def doubtful(verdicts: NDArray[np.int8], model: Model) -> str:
     """Say how many points do not meet the accuracy, and what to try; empty where all do."""
-    counts = {v: int((verdicts == v).sum()) for v in Verdict if v != Verdict.met}
+    counts = {v: int((verdicts == v).sum()) for v in StepVerdict if v != StepVerdict.met}
     return "; ".join(f"{count} of {verdicts.size} points: {v.advice(model)}" for v, count in counts.items() if count)
 
 
@@ -76,7 +76,7 @@ class Rungs:
     error : array, shape (point,)
         Measured error of these steps over one common period; NaN where no two rungs could be compared.
     verdict : array of int, shape (point,)
-        `Verdict`.
+        `StepVerdict`.
     first : array, shape (point,)
         Error of the rung that was tried first.
     size : array, shape (state, point)
@@ -155,7 +155,7 @@ def choose_steps(
     since = np.full(n, np.inf)  # steps from which on all rungs diverge alike
     begun, size = np.full(n, np.nan), np.full((ensemble.model.dimension, n), np.nan)
     running = ensemble.running[members]
-    verdict[running] = Verdict.stiff
+    verdict[running] = StepVerdict.stiff
     history, kinked = np.full((len(ladder), n), np.nan), np.zeros(n, dtype=bool)
     trials = Trials(ensemble, members, sections, span, observe, progress)
     if least is not None:  # most points meet it with the steps that they have: all of these in two runs
@@ -164,7 +164,7 @@ def choose_steps(
         found, away = own.difference(finer)
         met = ~away & (found <= accuracy)
         error[at[met]] = begun[at[met]] = found[met]
-        verdict[at[met]], size[:, at[met]] = Verdict.met, finer.largest()[:, met]
+        verdict[at[met]], size[:, at[met]] = StepVerdict.met, finer.largest()[:, met]
         running[at[met]] = False
     left, before = np.zeros(0, dtype=np.intp), None
     for i, rung in enumerate(ladder[1:]):
@@ -185,10 +185,10 @@ def choose_steps(
         good = found <= accuracy
         kinked[left] |= _stalled(history[:, left], i)
         stalled = kinked[left] & ~good & (ladder[i] >= KINKED)
-        verdict[left[good]], verdict[left[stalled]] = Verdict.met, Verdict.nonsmooth
+        verdict[left[good]], verdict[left[stalled]] = StepVerdict.met, StepVerdict.nonsmooth
         if rung == ladder[-1]:
             rough = ~good & _stalled(history[:, left], i, SLOW)
-            verdict[left[rough]] = Verdict.nonsmooth
+            verdict[left[rough]] = StepVerdict.nonsmooth
         stay = ~good & ~stalled
         steps[left[stay]] = rung
         left, before = left[stay], now.keep(np.flatnonzero(stay))

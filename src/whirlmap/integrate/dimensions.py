@@ -1,4 +1,4 @@
-"""What the numbers of a system are worth in engineering units: the one place that knows, for tables, files and pictures."""
+"""Engineering units of a system's numbers: the one place of conversion for tables, files and pictures."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -49,7 +49,7 @@ class Dimensions:
         return not self.own and isfinite(self.worth("length"))
 
     def worth(self, measure: str, **varied: Any) -> Any:
-        """What one of the model's units of a measure is in SI; NaN where the case does not say.
+        """Size of the model's unit of a measure in SI; NaN where the case does not give it.
 
         Parameters
         ----------

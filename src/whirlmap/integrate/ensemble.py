@@ -91,7 +91,7 @@ class Ensemble:
         Whether the tangent vectors are orthonormalised. Where not, they start from the first unit vectors.
     orth : int or array of int, shape (point,)
         Orthonormalisations per T, of which the steps are a multiple; more than one where the vectors' growths in one T
-        differ by more than doubles hold (`analysis.tangent_accuracy`).
+        differ by more than doubles hold (`analysis.variational.tangent_accuracy`).
     workers : int, optional
         Threads; all cores where absent. The numbers do not depend on it.
     redo : bool

@@ -1,4 +1,4 @@
-"""Start states: the static equilibrium with all forcing off, by damped Newton, for many operating points at once."""
+"""Start states: the static equilibrium with all forcing off, by damped Newton iteration, for many points at once."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Results in engineering units: what tables, CSV files and pictures show of a system whose case has dimensions."""
+"""Results in engineering units, for tables, CSV files and pictures of a system whose case has dimensions."""
 
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -53,7 +53,7 @@ def in_units(system: System, result: Result) -> Result:
     if of not in (None, system.case):
         raise RangeError(f"in_units: found a result of {of}, and the system of {system.case}")
     if done:
-        raise RangeError("in_units: found a result that is in the units of its engineers already")
+        raise RangeError("in_units: found a result that is in engineering units already")
     return shown_in(Dimensions(system), result)
 
 

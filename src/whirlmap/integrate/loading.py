@@ -1,4 +1,4 @@
-"""Loading: from a case, or a model in hand, to a system that is ready to integrate."""
+"""Loading: from a case or a model to a system that is ready to integrate."""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -8,7 +8,7 @@ from typing import Any
 
 from sympy import sympify
 
-from whirlmap.cases import Case, read, settle
+from whirlmap.cases import Case, read, resolve
 from whirlmap.cases.case import start_values
 from whirlmap.equations.family import Family
 from whirlmap.equations.identity import Known, expression_digest
@@ -39,7 +39,7 @@ def load(
     Returns
     -------
     System
-        ``notes`` say where each value comes from; ``machine`` is the `Settled` case with its inputs.
+        ``notes`` say where each value comes from; ``machine`` is the `Resolved` case with its inputs.
 
     Raises
     ------
@@ -50,7 +50,7 @@ def load(
         outside of its bearing).
     """
     found = _case(case)
-    settled = settle(found, changes)
+    settled = resolve(found, changes)
     for name in found.start:
         if name not in (states := [s.name for s in settled.model.states]):
             raise CaseError(
@@ -72,7 +72,7 @@ def load(
 
 
 def _refuse_ended(system: System) -> None:
-    """Refuse a start that somebody gave and that lies behind one of the model's stops."""
+    """Refuse a given start that lies behind one of the model's stops."""
     if not system.start:
         return  # the model's own start; an equilibrium is not known yet
     model = system.model

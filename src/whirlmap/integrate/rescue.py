@@ -1,4 +1,4 @@
-"""What happens to a lane whose step failed: an event is located, a step that was too long is redone with shorter ones."""
+"""Failed steps: locate terminal events, or repeat with smaller steps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -37,8 +37,8 @@ NEAR, GROWN = 1e-2, 1e5
 
 
 @dataclass(frozen=True)
-class Outcome:
-    """How failed points went on, each array of shape (point,); times are since the beginning of the step."""
+class RetryResult:
+    """Result of repeating failed steps, each array of shape (point,); times are since the beginning of the step."""
 
     status: NDArray[np.int8]
     time: Array
@@ -46,13 +46,14 @@ class Outcome:
 
 
 class Rescue:
-    """Redoes failed steps of one group of points, all that were lost together.
+    """Repeats failed steps of one kernel batch, all that failed together.
 
     1. A lane whose step ends finite, at open gaps, but beyond its limits (`scales.limits`), has diverged; where there are
        poles only if nothing else is found, for a step may be thrown there by one.
     2. The step is redone in 4, 16, 64, 256 and 1024 shorter ones; a lane that gets through goes on.
     3. Where a gap may physically close, the end is bisected: the last time at which the step still ends at open gaps.
-    4. What is left has diverged if it runs into a pole (`kernels.poles`), which counts on behind the model's stops as what
+    4. What is left has diverged if it runs into a pole (`kernels.lowering.poles`), which counts on behind the model's stops
+    as what
        ended it, if it was near its bound (`NEAR`) or had grown far (`GROWN`); else it is unresolved.
 
     With ``redo`` off, 2 is left out and 3 is done where the step plainly ended behind a stop.
@@ -67,7 +68,7 @@ class Rescue:
 
     def mend(
         self, members: NDArray[np.intp], y: Array, origin: Array, h: Array, cause: NDArray[np.int64]
-    ) -> Outcome:
+    ) -> RetryResult:
         """Redo the step of some points from ``y``, shape (row, point); ``y`` of those that go on is replaced.
 
         ``origin`` holds the angle of each harmonic at its beginning, shape (harmonic, point), since which time counts.
@@ -81,7 +82,7 @@ class Rescue:
         status[cause == STICKS], end[cause == STICKS] = Status.sticks, 0.0
         pending = status == Status.ok
         if not pending.any():
-            return Outcome(status, end, stop)
+            return RetryResult(status, end, stop)
         n = self.model.dimension
         after, _ = self._march(members, y, origin, h, 1)
         size = self._size(members, after[:n])
@@ -114,7 +115,7 @@ class Rescue:
         status[left & near], status[left & ~near] = Status.diverged, Status.unresolved
         status[left & ~near & (cause == CHATTERS)] = Status.chatters
         end[left] = 0.0
-        return Outcome(status, end, stop)
+        return RetryResult(status, end, stop)
 
     def _locate(
         self, members: NDArray[np.intp], which: NDArray[np.intp], y: Array, origin: Array, h: Array,

@@ -1,4 +1,4 @@
-"""What a difference of a state is compared with: sizes that come from the motion itself, never from one.
+"""Scales of the states, with which differences are compared: from the motion itself, never an absolute number.
 
 A model may count its lengths in metres or in micrometres, its time in seconds or in nanoseconds. A number that has a unit is
 therefore compared with a size that has the same one, and that changes with it:

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from sympy import Expr, Rational, sympify
 
-from whirlmap.cases import Settled
+from whirlmap.cases import Resolved
 from whirlmap.equations.model import Model
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
@@ -95,7 +95,7 @@ class System(Listed):
         Name of the case that the values come from, for provenance.
     notes : mapping of str to str
         Where each value comes from.
-    machine : Settled, optional
+    machine : Resolved, optional
         The case as it was read, with its dimensional inputs; None for a system made of a model and numbers.
     """
 
@@ -104,7 +104,7 @@ class System(Listed):
     start: Mapping[str, float] = field(default_factory=dict)
     case: str = ""
     notes: Mapping[str, str] = field(default_factory=dict)
-    machine: Settled | None = None
+    machine: Resolved | None = None
 
     def __post_init__(self) -> None:
         """Refuse values that the model cannot take, naming the symbol."""

@@ -1,4 +1,4 @@
-"""What a system prints in a terminal and shows in a notebook: its numbers, and where they come from."""
+"""Listing of a system for a terminal or a notebook: its numbers, and where they come from."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace

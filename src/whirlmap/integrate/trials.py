@@ -1,4 +1,4 @@
-"""Trial runs of points with any steps per T, and how far two of them differ."""
+"""Test runs of points with given steps per T, and the difference between two of them."""
 
 from collections.abc import Callable
 from dataclasses import dataclass

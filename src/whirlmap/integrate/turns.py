@@ -1,4 +1,4 @@
-"""Unforced models: their steps, and how long a turn takes, whatever typical time is declared.
+"""Unforced models: their steps, and the period of their motion, whatever typical time is declared.
 
 The typical time of a model is a guess, and may be wrong by a thousand. It is the unit in which transients and windows are
 counted, so that steps are chosen in parts of it, and once the motion has been seen to turn its own time takes the place of
@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.accuracy import Rungs, Verdict, choose_steps
+from whirlmap.integrate.accuracy import Rungs, StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -31,7 +31,7 @@ def choose_unforced_steps(
     """
     whole = choose_steps(ensemble, accuracy, progress=progress)
     for parts in PARTS[1:]:
-        left = np.flatnonzero(whole.verdict != Verdict.met)
+        left = np.flatnonzero(whole.verdict != StepVerdict.met)
         if not left.size:
             break
         short = with_turns(ensemble.subset(left), ensemble.period[left] / parts)

@@ -1,4 +1,4 @@
-"""Threads that end soon once whoever waits for them is interrupted: Ctrl-C reaches the main thread alone."""
+"""Worker threads that stop soon after an interrupt: Ctrl-C reaches the main thread alone."""
 
 from concurrent.futures import ThreadPoolExecutor
 from contextvars import ContextVar

@@ -1,13 +1,13 @@
-"""Compiled kernels on disk, and what lowering a model gave: each under the hash of all that it is made of.
+"""Cache on disk of compiled kernels and lowered models, each under the hash of everything that it depends on.
 
 Kernels are object files, one per model, method and kind. Their name is the SHA-256 of the module's assembly, of the version
-of llvmlite, and of the processor with its features (`machine.platform`). A change in any of them is another file.
+of llvmlite, and of the processor with its features (`running.machine.platform`). A change in any of them is another file.
 
 Loops of the analyses (`whirlmap.kernels.running.loops`) are object files too, under the hash of their source.
 
-Entries (`remembered`) are what SymPy worked out before a kernel can be called: the module's text, the functions beside
-it. Their name is the hash of the question, of the source of every layer that writes the answer, and of the versions.
-Tables are the films that were solved (`tabulate`), under the hash of the source that solves them.
+Entries (`remembered`) are results of SymPy that a kernel needs: the text of its module, and the functions beside it. Their
+name is the hash of the question, of the source of every layer that computes the answer, and of the versions.
+Tables are fitted film mobilities (`lowering.tabulate`), under the hash of the source that solves the film.
 """
 
 import hashlib
@@ -29,8 +29,8 @@ from whirlmap.progress import compiling
 
 Data = TypeVar("Data")
 
-#: Layers whose source decides what lowering gives; the model itself is part of every question. What a layer above these asks
-#: for, it names by its own source (`file_digest`).
+#: Layers whose source decides the result of lowering; the model itself is part of every question. A layer above these adds
+#: the digest of its own source to the question (`file_digest`).
 WRITERS = ("equations", "films", "kernels", "integrate")
 
 

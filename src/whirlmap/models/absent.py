@@ -1,4 +1,4 @@
-"""What rotors on films have in general and these models do not: said to a user who asks for it by name.
+"""Effects that rotors on films have in general and these models do not: the answer to a user who asks for one by name.
 
 Keys are beginnings of words, in small letters (a single letter is a whole word); values are sentences. A name that whirlmap
 does not know is otherwise answered with the nearest spelling, which misleads where the thing itself is missing.

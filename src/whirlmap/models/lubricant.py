@@ -1,4 +1,4 @@
-"""Viscosity of a mineral oil at its temperature, from its grade: what a data sheet says and a film needs.
+"""Viscosity of a mineral oil at its temperature, from its ISO VG grade or two given viscosities.
 
 Walther's equation, ASTM D341: log10 log10(nu + 0.7) = A - B log10 T, nu in mm2/s, T in kelvin, through two points, 40 and
 100 degrees. An ISO VG grade (ISO 3448) is the viscosity at 40 degrees, good to 10 %; the one at 100 degrees follows from

@@ -1,4 +1,4 @@
-"""Inputs that every machine has: its oil, and how it is run."""
+"""Inputs of every machine: its oil and its operation."""
 
 from collections.abc import Mapping
 from fractions import Fraction

@@ -33,7 +33,7 @@ class Settling:
     tolerance : float
         Largest difference that counts as a return, relative to the range of each state.
     accelerate : bool
-        Whether slow approaches may be cut short.
+        Whether slow approaches may be accelerated (`acceleration`).
     """
 
     transient: int = 100

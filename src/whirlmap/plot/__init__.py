@@ -1,4 +1,4 @@
-"""Pictures: a Dataset in, Axes or a Figure out. Nothing here computes a result, and nothing uses pyplot.
+"""Figures from Datasets: a Dataset in, Axes or a Figure out. Nothing here uses pyplot.
 
 Every ``draw_...`` function takes ``ax=`` and returns the Axes that it drew into; without it a figure is made, which is
 ``ax.figure``. The ``..._figure`` functions compose these and return the Figure. A notebook shows both where they are the

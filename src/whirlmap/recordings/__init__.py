@@ -1,1 +1,1 @@
-"""Recorded signals in files: what a file holds, its clock, and one column of it as an evenly spaced signal."""
+"""Recorded signals in files: format, columns, sampling times, and one column as an evenly spaced signal."""

@@ -1,4 +1,4 @@
-"""Tables of binary files: each format by the library that knows it."""
+"""Tables of binary files: each format is read by a library."""
 
 import warnings
 from collections.abc import Callable, Iterable, Mapping

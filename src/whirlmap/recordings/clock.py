@@ -1,4 +1,4 @@
-"""The clock of a recording: which columns tell the time, and the times in seconds."""
+"""The sampling times of a recording: which columns hold them, and the times in seconds."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,7 +16,7 @@ DAY = 86400.0
 
 @dataclass(frozen=True)
 class Clock:
-    """Columns that tell the time.
+    """Columns that hold the time.
 
     Attributes
     ----------
@@ -39,7 +39,7 @@ class Clock:
 
 
 def find_clock(table: Table, wanted: str | None) -> Clock | None:
-    """Find the columns that tell the time; None where there is none.
+    """Find the columns that hold the time; None where there is none.
 
     Parameters
     ----------

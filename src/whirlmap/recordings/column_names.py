@@ -1,4 +1,4 @@
-"""Names of columns: the unit that stands in them, and which of them are times."""
+"""Names of columns: the unit in a name, and which names are times."""
 
 import re
 from functools import lru_cache

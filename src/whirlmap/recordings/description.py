@@ -1,4 +1,4 @@
-"""What was understood of a file, as plain data: nothing is computed but ranges."""
+"""Description of a file as plain data: format, columns, ranges, rate and warnings."""
 
 from collections.abc import Sequence
 from contextlib import closing

@@ -1,4 +1,4 @@
-"""The even grid that the times of a recording show, and what is odd about it: rounding, jitter, gaps, doubled stamps."""
+"""The even sampling grid in the times of a recording, and its faults: rounding, jitter, gaps, doubled stamps."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field

@@ -1,4 +1,4 @@
-"""What one field of a text table is: a number, a date, a clock time, nothing, or text."""
+"""Classes of the fields of a text table: number, date, clock time, empty, or text."""
 
 import re
 from datetime import UTC, datetime, timedelta

@@ -1,4 +1,4 @@
-"""Opening a file of any known format as a table: what it is is told by its first bytes, not by its name."""
+"""Opening of a file of any known format as a table; the format is found by its first bytes, not by its name."""
 
 import io
 import tempfile

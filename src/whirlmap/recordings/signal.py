@@ -1,4 +1,4 @@
-"""One column of a file as an evenly spaced signal, with its rate and what is odd about it."""
+"""One column of a file as an evenly spaced signal, with its rate and warnings about its faults."""
 
 from collections.abc import Callable, Sequence
 from contextlib import closing
@@ -210,7 +210,7 @@ def _grid(
     place: Callable[[int], str],
     notices: list[str],
 ) -> Grid | None:
-    """Sampling by the times, held against the rate that was asked for and the one that the file declares."""
+    """Sampling by the times, compared with the rate that was given and the one that the file declares."""
     if clock is None:
         return None
     t, start, written = seconds_of(clock, [loaded[k] for k in clock.positions])

@@ -1,4 +1,4 @@
-"""Where bytes come from: files, standard input, compressed files; and what text they are."""
+"""Sources of bytes: files, standard input, compressed files; and the encoding of their text."""
 
 import bz2
 import gzip

@@ -1,4 +1,4 @@
-"""Values of a signal that cannot belong to it: sentinels, clipping, stretches that stand still."""
+"""Suspect values of a signal: sentinels, clipping, intervals without change."""
 
 from collections.abc import Callable
 
@@ -16,7 +16,7 @@ LEVELS = 12
 
 
 def suspects(values: Array, place: Callable[[int], str]) -> list[str]:
-    """One sentence for each kind of value that cannot belong.
+    """One sentence for each kind of suspect value.
 
     Parameters
     ----------

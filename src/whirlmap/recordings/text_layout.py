@@ -1,4 +1,4 @@
-"""How a text file lays out its table: separator, decimal mark, first row, names, units, rate.
+"""Layout of the table in a text file: separator, decimal mark, first row, names, units, rate.
 
 The *body* is the longest run of lines with one number of fields under one separator, at least one of them a number. The
 line above it has the names; what lies above that is skipped, and said.

@@ -34,7 +34,7 @@ _LABELS = frozenset(
 
 @dataclass(frozen=True)
 class Layout:
-    """What was understood of a text file.
+    """The layout found in a text file.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""A table in text, read in pieces: only the columns asked for stay in memory.
+"""Reading of a table in text, in pieces: only the requested columns stay in memory.
 
 pandas reads a piece whose lines all have the right number of fields and whose wanted fields all are numbers. Any other
 piece is gone through line by line, and what does not fit is named with its line.
@@ -191,7 +191,7 @@ class TextTable:
                     continue
                 raise InputError(
                     f"{self.source}, line {k}: found {len(fields)} columns, {text.strip()[:60]!r}, expected"
-                    f" {layout.fields} as above; mend the line, or say --separator or --skip"
+                    f" {layout.fields} as above; correct the line, or give --separator or --skip"
                 )
             rows.append(fields)
             at.append(k)

@@ -1,1 +1,1 @@
-"""What computations return: labelled Datasets, their statuses and where they come from."""
+"""Results of computations: labelled Datasets, their statuses and their provenance."""

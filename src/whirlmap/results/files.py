@@ -1,6 +1,6 @@
-"""Writing results: where to, whether allowed, and never half.
+"""Writing of results: paths, permission to overwrite, and atomic files.
 
-A file appears under its name only when it is complete: it is written beside under another name and then
+A file appears under its name only when it is complete: it is written under another name in the same folder and then
 renamed. What exists is replaced only with ``force``, and that is checked before anything is computed.
 """
 
@@ -40,7 +40,7 @@ class DiskFullError(OutputError):
 
 
 def reason(error: OSError) -> str:
-    """Say in plain words why the operating system refused to write."""
+    """Reason for which the operating system refused to write, as words."""
     return DISK.get(error.errno or 0, error.strerror or str(error))
 
 

@@ -1,6 +1,6 @@
-"""What an analysis found, before it is a Dataset.
+"""Results of an analysis as plain values, before they become a Dataset.
 
-xarray takes longer to start than most analyses take, so it is imported where somebody wants a Dataset.
+Importing xarray takes longer than most analyses, so it is imported only where a Dataset is needed.
 """
 
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""How an object prints itself: a few lines and short tables, as text in a terminal and as HTML in a notebook."""
+"""Listings of objects: a few lines and short tables, as text in a terminal and as HTML in a notebook."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Whether a result fits into the memory of this machine, and its points into a life: asked before it is computed."""
+"""Limits on memory and on the number of points, checked before a result is computed."""
 
 import os
 from collections.abc import Iterable

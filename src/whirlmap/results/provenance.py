@@ -1,4 +1,4 @@
-"""Where a result comes from: everything that is needed to make it again, as attributes of a Dataset.
+"""Provenance of a result: everything that is needed to compute it again, as attributes of a Dataset.
 
 Plain data goes in and attributes that NetCDF and Zarr can hold come out: text, integers and floats. What has
 structure (parameters, switches) is JSON text.
@@ -22,7 +22,7 @@ PASSING = ("date", "command")
 
 @dataclass(frozen=True)
 class Pieces:
-    """What a system says about itself, as plain data.
+    """Description of a system as plain data.
 
     Attributes
     ----------

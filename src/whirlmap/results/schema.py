@@ -1,4 +1,4 @@
-"""The shape of every Dataset that whirlmap returns: names of dimensions, units and meanings on every variable."""
+"""Schema of every Dataset that whirlmap returns: names of dimensions, units and meanings of every variable."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any

@@ -1,4 +1,4 @@
-"""How sure a share is that was counted."""
+"""Wilson's confidence interval of a proportion."""
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray

@@ -1,1 +1,1 @@
-"""Many operating points: diagrams, maps, attractors, safe speeds. What is measured of one point is decided in `analysis`."""
+"""Many operating points: diagrams, maps, attractors, safe speeds. The measurement of one point is in `analysis`."""

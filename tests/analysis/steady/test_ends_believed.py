@@ -9,7 +9,7 @@ from whirlmap.analysis.steady.endings import restarted
 from whirlmap.analysis.steady.returns import settle_and_record
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.equations import Model, Output, Parameter, State, cos, sin, sqrt, t, when
-from whirlmap.integrate.accuracy import Verdict
+from whirlmap.integrate.accuracy import StepVerdict
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
@@ -94,7 +94,7 @@ def test_a_blow_up_of_the_method_itself_is_no_divergence():
     system = System(STOP, {"d": 0.1, "k": 1e7, "A": 0.8, "O": 0.7})
     ds = label_points(system, {"O": [0.7]}, lyapunov=0, settling=Settling(transient=10, most=4))
     assert Regime(int(ds["regime"][0])) is not Regime.diverged
-    assert int(ds["step_verdict"][0]) != Verdict.met or int(ds["status"][0]) == Status.ok
+    assert int(ds["step_verdict"][0]) != StepVerdict.met or int(ds["status"][0]) == Status.ok
 
 
 def test_a_true_divergence_is_still_one():
@@ -119,7 +119,7 @@ def test_the_whole_return_is_checked():
     """A third subharmonic's fast pass comes in one of three periods: its error is met there as well."""
     system = System(STOP, {"d": 0.02, "k": 4.0, "A": 0.8, "O": 2.6})
     ds = label_points(system, {"O": np.linspace(2.4, 2.8, 9)}, lyapunov=0, settling=Settling(transient=300))
-    regular = (ds["regime"].values == Regime.periodic) & (ds["step_verdict"].values == Verdict.met)
+    regular = (ds["regime"].values == Regime.periodic) & (ds["step_verdict"].values == StepVerdict.met)
     assert (ds["step_error"].values[regular] <= 1e-6).all()
 
 

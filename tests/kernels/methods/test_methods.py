@@ -91,19 +91,19 @@ def test_observed_order(name, coarse):
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
 def test_what_is_integrated_twice_takes_the_square_of_the_coefficients(method):
     a = np.array([[float(x) for x in (*row, *[0] * (method.stages - len(row)))] for row in (*method.a, method.b)])
-    twice = np.array([[float(x) for x in (*row, *[0] * (method.stages - len(row)))] for row in method.twice])
-    np.testing.assert_allclose(twice, a @ a[:-1], rtol=0, atol=1e-13)
-    assert np.abs(twice[twice != 0]).min() > 1e-5  # what is left of zeros is gone
+    nystroem = np.array([[float(x) for x in (*row, *[0] * (method.stages - len(row)))] for row in method.nystroem])
+    np.testing.assert_allclose(nystroem, a @ a[:-1], rtol=0, atol=1e-13)
+    assert np.abs(nystroem[nystroem != 0]).min() > 1e-5  # what is left of zeros is gone
 
 
-@pytest.mark.parametrize("twice", [False, True])
+@pytest.mark.parametrize("nystroem", [False, True])
 @pytest.mark.parametrize("method", METHODS.values(), ids=METHODS)
-def test_slopes_that_are_still_needed_share_no_place(method, twice):
-    homes = method.homes(twice=twice)
-    tables = ((*method.a, method.b), *([method.twice] if twice else []))
+def test_slopes_that_are_still_needed_share_no_slot(method, nystroem):
+    slots = method.slope_slots(nystroem=nystroem)
+    tables = ((*method.a, method.b), *([method.nystroem] if nystroem else []))
     for i in range(method.stages):  # while stage i is computed, and until the step ends
         needed = [j for j in range(i) if any(row[j] for table in tables for row in table[i:] if j < len(row))]
-        assert len({homes[j] for j in needed} | {homes[i]}) == len(needed) + 1
+        assert len({slots[j] for j in needed} | {slots[i]}) == len(needed) + 1
 
 
 KUTTA = Method("kutta3", 3, a=((), (0.5,), (-1, 2)), b=(1 / 6, 2 / 3, 1 / 6), c=(0, 0.5, 1), source="")

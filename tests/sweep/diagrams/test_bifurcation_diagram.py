@@ -26,7 +26,7 @@ def test_the_ladder_of_duffing(ladder):
     assert np.isnan(ladder["lyapunov"].values[[0, 1, 2, 3, 5]]).all()
 
 
-def test_open_points_are_labelled_only_with_evidence():
+def test_nonperiodic_points_are_labelled_only_with_evidence():
     """Without exponents a point that does not return stays undecided; a torus needs its winding."""
     system, at = whirlmap.load("van_der_pol"), np.array([0.93, 1.387, 2.1])
     bare = bifurcation_diagram(system, "omega", at, lyapunov=0)

@@ -1,7 +1,7 @@
-"""Everything there is to know about one operating point, from one set of runs.
+"""Diagnosis of one operating point: label, exponents, multipliers, section, spectrum and dimension from one set of runs.
 
-1. A swarm of start states is labelled as the points of a diagram are (`labels.labelling`).
-2. Tangent vectors run along until the error of the largest exponent is small enough (`tangent_run`).
+1. An ensemble of perturbed start states is labelled by the same rule as the points of a diagram (`labels.labelling`).
+2. Tangent vectors are integrated until the error of the largest exponent is small enough (`exponents_with_section`).
 3. Periodic motion gets its Floquet multipliers; other motion the 0-1 test, Birkhoff averages and rotation number of its
    section points, their recurrence, and the correlation dimension. A time series gives the spectral lines.
 4. The label is that of the first start state, as in a diagram; undecided where the multipliers of a return are against it.
@@ -42,11 +42,11 @@ from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
 
-#: Start states that run side by side; how much they scatter is the error of an exponent.
+#: Perturbed start states that run side by side; the scatter of their exponents is the error of an exponent.
 RUNS = 32
-#: Motions without an attractor other than a place of rest.
+#: Regimes without an attractor other than an equilibrium.
 ENDLESS = (Regime.at_rest, Regime.drifting, Regime.growing, Regime.not_settled)
-#: T of the section that the indicators of open motion are shown with.
+#: T of the section that the indicators of non-periodic motion are shown with.
 SECTION = 2048
 
 
@@ -162,7 +162,7 @@ def diagnose(
 
 @dataclass(frozen=True)
 class _Look:
-    """What the exponents' run of one operating point needs."""
+    """Arguments of the exponents' run of one operating point."""
 
     system: System
     count: int

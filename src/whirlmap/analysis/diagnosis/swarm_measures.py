@@ -1,4 +1,4 @@
-"""Measures of one settled swarm: its record, spectrum, section, dimension, multipliers, and the votes they give."""
+"""Measures of a perturbed ensemble after its transient: spectrum, section, dimension, multipliers, and their votes."""
 
 from collections.abc import Callable
 from fractions import Fraction
@@ -31,7 +31,7 @@ Data = dict[str, Any]
 
 #: Least steps per T of the recorded time series.
 RECORD_STEPS = 96
-#: Runs of the swarm whose section points are judged, each by itself.
+#: Runs of the ensemble whose section points are judged, each by itself.
 JUDGED = 8
 #: T of the longest orbit whose Floquet multipliers are computed.
 LONGEST_ORBIT = 128
@@ -51,7 +51,7 @@ def section_votes(
     part: Ensemble, running: NDArray[np.bool_], section: Array, exponent: tuple[float, float], duration: float,
     cyclic: dict[int, float],
 ) -> Data:  # fmt: skip
-    """What the 0-1 test, the Birkhoff averages and recurrence say of open motion; medians over several runs.
+    """Votes of 0-1 test, Birkhoff averages and recurrence on non-periodic motion; medians over several runs.
 
     Parameters
     ----------

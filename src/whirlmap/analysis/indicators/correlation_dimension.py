@@ -1,7 +1,7 @@
 """Correlation dimension of a cloud of points, with its scaling range and its error.
 
 The estimator is the correlation sum of Grassberger and Procaccia (1983) with the exclusion of neighbours in
-time of Theiler (1986). All pairs are counted exactly (no box-assisted short cut, no sampling of pairs), so
+time of Theiler (1986). All pairs are counted exactly (no box-assisted search, no sampling of pairs), so
 the counts, and with them the dimension, do not depend on the number of threads.
 """
 
@@ -186,7 +186,7 @@ def _checked(
         )
     if not np.isfinite(x).all():
         raise RangeError(
-            f"{np.sum(~np.isfinite(x).all(axis=1))} of {len(x)} points are not finite: drop those lanes."
+            f"{np.sum(~np.isfinite(x).all(axis=1))} of {len(x)} points are not finite: leave them out."
         )
     ids = np.zeros(len(x), dtype=np.int64) if trajectories is None else np.asarray(trajectories)
     if ids.shape != x.shape[:1] or not np.issubdtype(ids.dtype, np.integer):

@@ -1,4 +1,4 @@
-"""Coordinates of section points as indicators see them: scaled by their spread, combined, and turning in a plane."""
+"""Coordinates of section points for the indicators: scaled by their spread, combined, and projected to a plane."""
 
 from collections.abc import Mapping
 
@@ -9,7 +9,7 @@ from whirlmap.analysis.indicators.birkhoff import Winding, winding_numbers
 
 Array = NDArray[np.float64]
 
-#: Observables of each point: fixed random combinations of its scaled coordinates, so that none is blind by symmetry.
+#: Observables of each point: fixed random combinations of its scaled coordinates, so that no symmetry hides the motion.
 OBSERVABLES = 3
 #: A coordinate whose spread is below this part of its magnitude stands still.
 STILL = 1e-10

@@ -1,4 +1,4 @@
-"""What a sequence of section points says by itself: the indicators of a regime that need no equations."""
+"""Indicators of a regime that need section points only, no equations: 0-1 test and weighted Birkhoff averages."""
 
 from dataclasses import dataclass
 from typing import Any
@@ -12,14 +12,14 @@ from whirlmap.analysis.indicators.zero_one import STATUS, growth_rates, phase_me
 
 Array = NDArray[np.float64]
 
-#: What is left of an observable without its cycle, over the whole, below which it is not judged.
+#: Relative residual after removing the periodic part, below which an observable is ignored.
 REST = 1e-5
 #: Fewer section points say nothing.
 LEAST = 256
 #: Digits of Birkhoff averages above which a motion is smooth, and from which it may be, in so many section points.
 SMOOTH, SLOWLY, LONG = 6.0, 3.0, 1000
-#: Longest return that is looked for, fewest section points for that, distance over the spread of a near one, and how much
-#: nearer it comes where it closes.
+#: Longest return that is sought, fewest section points for that, distance over the spread of a near return, and the factor
+#: by which that distance falls along the record where the section closes.
 LONGEST_RETURN, LEAST_RETURNS, NEAR, CLOSER = 200, 48, 0.02, 0.7
 #: Distance of a return that is one already.
 RETURNED = 1e-6
@@ -66,7 +66,7 @@ class SectionEvidence:
     rounds: int
 
     def spread(self, at: NDArray[np.intp], points: int) -> "SectionEvidence":
-        """Evidence of that many points, of which these have it."""
+        """Evidence for that many points, NaN but for these."""
         full: dict[str, Any] = {}
         for name in ("growth", "growth_low", "digits", "digits_before", "rough", "uneven"):
             full[name] = np.full(points, np.nan)
@@ -124,7 +124,7 @@ def evidence_of(
         unsure = (digits[at] < SMOOTH) & asked
         at, x = at[unsure], x[unsure]
         left = _without_cycles(x.reshape(-1, rows), common).reshape(x.shape)
-        # What a cycle leaves over may be the tail of a transient, or rounding: that must not be judged.
+        # The residual without the cycle may be the tail of a transient, or rounding: it must not be judged.
         moving = (left.std(axis=2) >= REST * x.std(axis=2)).all(axis=1)
         at, left = at[moving], left[moving]
         if at.size:
@@ -183,7 +183,7 @@ def _stride(rows: int, common: int) -> int:
 
 
 def _without_cycles(series: Array, common: int) -> Array:
-    """Series, shape (series, time), less what repeats with the forcing and the cycle that they hop around."""
+    """Series, shape (series, time), without their part that repeats with the forcing and their periodic part."""
     rows = series.shape[1]
     if rows < ROUNDS * common:
         return series - series.mean(axis=1, keepdims=True)

@@ -1,4 +1,4 @@
-"""The 0-1 test for chaos: a signal drives a walk in a rotating frame; chaos makes it wander off, regular motion does not."""
+"""The 0-1 test for chaos: a signal drives a walk in a rotating frame, which diffuses for chaos and is bounded otherwise."""
 
 from typing import Any
 

@@ -1,1 +1,1 @@
-"""The rule that labels operating points, and the runs that it asks for. Single indicators are in `indicators`."""
+"""The rule that labels operating points, and the runs that it requires. Single indicators are in `indicators`."""

@@ -1,4 +1,4 @@
-"""Lines at sums of given frequencies, fitted to section points: what a motion locked to its forcing consists of."""
+"""Least-squares fit of spectral lines at sums of given frequencies to section points: the spectrum of a locked motion."""
 
 from fractions import Fraction
 from functools import lru_cache
@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Turns = tuple[Fraction, ...]
 
-#: Lines below this part of the largest are not there.
+#: Lines below this part of the largest are ignored.
 NOTHING = 1e-8
 #: Regularisation, over the number of points: lines may be closer to each other than a record tells apart.
 RIDGE = 1e-12

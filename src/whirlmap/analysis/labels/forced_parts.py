@@ -1,4 +1,4 @@
-"""N-th parts of sums of the forcing's frequencies: which one a line is, and how many of it make a sum."""
+"""Subharmonics of sums of the forcing's frequencies: which one a spectral line is, and its order n."""
 
 from fractions import Fraction
 from functools import lru_cache

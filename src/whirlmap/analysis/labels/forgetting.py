@@ -1,6 +1,6 @@
-"""Letting motions that contract forget their starts, once their exponents are known: without their tangent vectors.
+"""Transients of contracting motions, integrated without tangent vectors once their exponents are known.
 
-A step with a tangent vector costs two to three plain ones, and a motion forgets its start slowly.
+A step with a tangent vector costs two to three plain ones, and transients decay slowly.
 """
 
 from collections.abc import Callable
@@ -14,7 +14,7 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 
-#: Part of a difference of start states that is left where nothing is.
+#: Part of a difference of start states below which the transient has decayed.
 FORGOTTEN = 1e-9
 #: Part of it that may be left where n of a locked motion is sought, and T that are run beyond for that.
 LEFT, SHOWN = 1e-7, 1024
@@ -26,7 +26,7 @@ def forget(
     run: Ensemble, exponent: Array, error: Array, *, done: int, most: int, keep: Callable[[Points, Array], None],
     progress: Callable[[int], None] | None,
 ) -> tuple[Ensemble, Integers]:  # fmt: skip
-    """Run points on until nothing is left of their starts, and what they are locked to is seen.
+    """Run points on until their transients have decayed and their locking can be determined.
 
     Parameters
     ----------

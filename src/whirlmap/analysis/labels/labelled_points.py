@@ -1,12 +1,13 @@
-"""Operating points on the way to their labels: settled, judged, closed, followed on.
+"""Steps by which operating points get their labels: steady-state search, non-periodic run, Newton's method, verification.
 
-1. Points settle, and those that return are recorded (`returns`). One that has not returned after `BRIEF` T is handed over.
-2. Points that do not return run with a tangent vector until the rule knows what they are (`nonperiodic_points`).
-3. What contracts is on its way to an orbit. Newton's method finds it (`closing`); where it does not, the point settles on
-   for the time that its exponent says, and is judged once more. What still is not known then is called not settled.
-4. A torus whose section all but returns is tried as an orbit, too: high locking looks like that. Chaos is followed on for a
-   while: one that is a transient returns at last, or ends.
-5. Motion that grows, drifts or dies away steadily is labelled as such (`unbounded`).
+1. The steady-state search: points that return are recorded as periodic (`returns`). It ends after `BRIEF` T.
+2. Points that have not returned run with a tangent vector until the rule gives a label (`nonperiodic_points`).
+3. A point with a negative exponent approaches a periodic orbit. Newton's method finds it (`newton`); where it does not, the
+   point runs on for the time in which its exponent says that the transient decays, and is judged once more. Where it still
+   has no label it is called not settled.
+4. Newton's method is tried on a torus whose section nearly returns, too: locking of high order looks like that. Chaos runs
+   on for a while: transient chaos returns at last, or ends.
+5. Motion that grows, drifts or dies away steadily is labelled as such (`trend_labels`).
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -18,8 +19,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.forgetting import FORGOTTEN
 from whirlmap.analysis.labels.measured import RETURNS, Measured
-from whirlmap.analysis.labels.nonperiodic_points import judge_open_points
-from whirlmap.analysis.labels.open_points import OpenPoints
+from whirlmap.analysis.labels.nonperiodic_points import judge_nonperiodic_points
+from whirlmap.analysis.labels.nonperiodic_results import NonperiodicResults
 from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble
 from whirlmap.analysis.motion.record_length import MANY, record_periods
@@ -41,20 +42,20 @@ Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 Progress = Callable[[int], None]
 
-#: T after which a point that has not returned is handed over to a tangent vector, but so many common periods at least.
+#: T after which a point that has not returned gets a tangent vector, but so many common periods at least.
 BRIEF, FEWEST = 512, 100
-#: T that chaos is followed on without a tangent vector, but `FEWEST` common periods at least.
+#: T for which chaos runs on without a tangent vector, but `FEWEST` common periods at least.
 FOLLOWED = 4096
-#: A motion that contracts is given the time to forget its start until it is given up, but no more than so many times the
-#: longest run of an exponent.
+#: Contracting points are integrated until perturbations have decayed by this factor, but at most so many times the longest
+#: run of an exponent.
 PATIENCE = 2
-#: Scaled distance of a near return that makes a torus worth a trial as an orbit; longest such orbit, in T times tangent
+#: Scaled distance of a near return below which Newton's method is tried on a torus; longest such orbit, in T times tangent
 #: vectors.
 NEARLY, WORTH = 1e-4, 6_000
 
 
 class LabelledPoints:
-    """Points of an ensemble on the way to their labels, all at phase zero, with the same orders of harmonics.
+    """Points of an ensemble that are being labelled, all at phase zero, with the same orders of harmonics.
 
     Parameters
     ----------
@@ -76,7 +77,7 @@ class LabelledPoints:
     ) -> None:  # fmt: skip
         self.system, self.values, self.ensemble, self.settling = system, values, ensemble, settling
         self.longest, self.progress, self.cyclic = longest, progress, cyclic_states(system)
-        self.found = OpenPoints.none(ensemble.x)
+        self.found = NonperiodicResults.none(ensemble.x)
         self.kept = [system.states.index(name) for name in kept]
         self.returns: Returns
         self.ends: Array  # states at the ends of the records
@@ -84,7 +85,7 @@ class LabelledPoints:
         self.away, self.turns = np.zeros(ensemble.points, dtype=bool), ensemble.turns.copy()
 
     def measure(self, start_found: NDArray[np.bool_]) -> Measured:
-        """Settle, judge, close, settle on."""
+        """Run the steps of the module's list."""
         e, found = self.ensemble, self.found
         tell(self.progress, "begin", e.points, e.strobe * (self.settling.transient + self.settling.first_window))
         self.returns = self._settle(e, self._brief())
@@ -93,26 +94,26 @@ class LabelledPoints:
         found.regime[:], found.confidence[:] = self.returns.regime, np.where(known, 1.0, 0.0)
         found.rule[:] = np.where(self.returns.multiple > 0, Rule.returns, np.where(known, Rule.trend, Rule.none))
         found.rule[~e.running] = Rule.end
-        open_points = np.flatnonzero(~known & e.running)
-        tell(self.progress, "settled", e.points, open_points.size if self.longest else 0, self.longest)
-        if self.longest and open_points.size:
-            self._judge(open_points, contraction_ends=True)
+        nonperiodic = np.flatnonzero(~known & e.running)
+        tell(self.progress, "settled", e.points, nonperiodic.size if self.longest else 0, self.longest)
+        if self.longest and nonperiodic.size:
+            self._judge(nonperiodic, contraction_ends=True)
             if e.model.forced and e.returns:
-                self._close(open_points)
-            shrinks = self._open(open_points, found.shrinks)
+                self._close(nonperiodic)
+            shrinks = self._open(nonperiodic, found.shrinks)
             if shrinks.size and e.returns:
                 self._settle_on(shrinks)
             early = found.shrinks | found.closes | (found.growth < 0)
-            again = self._open(open_points, early & (found.periods < self.longest))
+            again = self._open(nonperiodic, early & (found.periods < self.longest))
             if again.size:  # they stopped early for an orbit that is not there
                 self._judge(again, contraction_ends=False)
                 if e.model.forced and e.returns:
                     self._close(again)
-            found.regime[self._open(open_points, found.shrinks)] = Regime.not_settled
-            self._follow(open_points[(found.regime[open_points] == Regime.chaotic) & e.running[open_points]])
+            found.regime[self._open(nonperiodic, found.shrinks)] = Regime.not_settled
+            self._follow(nonperiodic[(found.regime[nonperiodic] == Regime.chaotic) & e.running[nonperiodic]])
             if e.model.forced:
-                self._record_where_left(open_points[self.away[open_points] & e.running[open_points]])
-            tell(self.progress, "closed", open_points.size)
+                self._record_where_left(nonperiodic[self.away[nonperiodic] & e.running[nonperiodic]])
+            tell(self.progress, "closed", nonperiodic.size)
         thins = np.isfinite(self.returns.thinning)
         found.winding[:] = np.where(thins, self.returns.turning, found.winding)
         period = np.where(found.regime == Regime.locked, found.multiple, self.returns.period)
@@ -124,14 +125,14 @@ class LabelledPoints:
         )  # fmt: skip
 
     def _brief(self) -> Integers | None:
-        """Common periods after which points are handed over; None where nothing takes them over."""
+        """Common periods after which points get a tangent vector; None where exponents are not asked for."""
         if not (self.longest and self.ensemble.model.forced):
             return None
         brief = max(BRIEF // self.ensemble.strobe, FEWEST)
         return np.full(self.ensemble.points, min(self.settling.longest, brief))
 
     def _open(self, points: Points, which: NDArray[np.bool_]) -> Points:
-        """Those of some points that run and have no label yet, and for which something holds."""
+        """Those of some points that run, have no label yet, and fulfil a condition."""
         return points[self._left(points) & which[points] & self.ensemble.running[points]]
 
     def _left(self, points: Points) -> NDArray[np.bool_]:
@@ -151,7 +152,7 @@ class LabelledPoints:
             turn=e.period[points], ranges=self._ranges(points), execution=Execution(e.workers),
         )  # fmt: skip
         tangent.turns[:] = e.turns[points]
-        judged = judge_open_points(
+        judged = judge_nonperiodic_points(
             tangent, self.longest, self.cyclic, self.progress, ranges=self._ranges(points),
             tolerance=self.settling.tolerance, contraction_ends=contraction_ends,
         )
@@ -175,7 +176,7 @@ class LabelledPoints:
         return np.asarray((extremes["maximum"] - extremes["minimum"])[: self.ensemble.model.dimension, points])
 
     def _label_trends(self, points: Points) -> None:
-        """Label open points that die away, grow or drift for ever."""
+        """Label non-periodic points that die away, grow or drift for ever."""
         e, found, returns = self.ensemble, self.found, self.returns
         parts = (found.growth, found.drift, found.centre, found.reach, found.exponent, found.error)
         endless = label_trends(e, points, Trends(*(a[..., points] for a in parts)), self._ranges(points))
@@ -253,9 +254,9 @@ class LabelledPoints:
         self.returns = replace(self.returns, section=section, extremes=extremes)
 
     def _settle_on(self, points: Points) -> None:
-        """Settle points on whose motion contracts but has not returned, for the time that this takes at most.
+        """Continue the search for points whose motion contracts but has not returned, for the time that this takes at most.
 
-        The time of each is a power of two of common periods: points of like exponents are looked at together.
+        The time of each is a power of two of common periods: points of like exponents are checked together.
         """
         e = self.ensemble
         needed = np.log(FORGOTTEN) / (self.found.exponent[points] * (e.strobe * e.period)[points])
@@ -265,7 +266,7 @@ class LabelledPoints:
         self._settle_longer(points, extra + extra // 4)
 
     def _follow(self, points: Points) -> None:
-        """See whether chaos goes on: one that is a transient returns at last, or ends."""
+        """Check whether chaos persists: transient chaos returns at last, or ends."""
         if not points.size:
             return
         part, start = self.ensemble.subset(points), self.ensemble.x[:, points]
@@ -280,7 +281,7 @@ class LabelledPoints:
             self._take(ended, points[over], found, np.flatnonzero((found.regime != Regime.undecided) | ~ended.running))
 
     def _settle_longer(self, points: Points, transient: Integers) -> None:
-        """Settle points on for so many common periods more."""
+        """Continue the steady-state search of points for so many common periods more."""
         part, settling = self.ensemble.subset(points), self.settling
         self._take(part, points, self._settle(part, transient + settling.longest - settling.transient))
 

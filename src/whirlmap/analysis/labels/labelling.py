@@ -1,6 +1,6 @@
-"""Operating points measured and labelled: what diagrams, maps, attractors, speeds and `diagnose` all rest on.
+"""Labelling of operating points, with all options: used by diagrams, maps, attractors, speeds and `diagnose`.
 
-How a point comes to its label: `labelled_points`.
+The steps by which a point gets its label are in `labelled_points`.
 
 The numbers of a point depend on its own parameters and start alone: not on the points computed with it, their number or
 order, nor on the number of threads.

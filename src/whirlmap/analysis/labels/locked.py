@@ -1,4 +1,4 @@
-"""After how many turns of its forcing a locked motion returns, where the forcing has no reasonable common period.
+"""Order of locking: the n of a motion locked to a forcing that has no reasonable common period.
 
 The phases of the forcing are a torus. A motion locked to it is a smooth function of them, or of their n-th parts: it has no
 frequency but sums of the forcing's and sums of their n-th parts.
@@ -21,7 +21,7 @@ from whirlmap.errors import RangeError
 RETURN = 1e-6
 #: Largest scaled misfit of a sum of lines that explains the motion: between the return's 1e-6 and a subharmonic of 1e-4.
 EXPLAINED = 1e-5
-#: Terms of the attempts, as parts of the number of points: three points a term leave chance no room.
+#: Terms of the attempts, as parts of the number of points: with three points a term no fit is by chance.
 ATTEMPTS = (10, 3)
 #: No more terms than this.
 TERMS = 1200

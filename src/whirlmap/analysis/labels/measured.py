@@ -1,4 +1,4 @@
-"""What was measured of operating points, before it becomes a Dataset; joined where it was measured in parts."""
+"""Measured numbers of operating points as plain arrays, before they become a Dataset; joined where measured in parts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
@@ -10,7 +10,7 @@ from whirlmap.analysis.steady.returns import Returns
 
 Array = NDArray[np.float64]
 
-#: Arrays over the points of `Returns` that can be replaced by those of a later look.
+#: Arrays over the points of `Returns` that a later measurement can replace.
 RETURNS = (
     "section", "regime", "period", "multiple", "distance", "waited", "accelerated", "growth", "drift", "thinning", "turning",
 )  # fmt: skip

@@ -1,4 +1,4 @@
-"""The return that a record of section points comes nearest to, and whether its end has reached it."""
+"""The nearest return in a record of section points, and whether the end of the record has reached it."""
 
 from collections.abc import Mapping
 

@@ -1,9 +1,9 @@
-"""Operating points that do not return: exponent, section and verdict of each, run as long as that one needs.
+"""Non-periodic operating points: exponent, section and label, each with an adaptive run length.
 
-A run with one tangent vector gives both, once per T. It goes on in stretches that double, until the rule (`regime`) has a
-label and the error of the exponent is small enough, or to the longest length. A point whose tangent vector shrinks for sure
-is on its way to an orbit, for which it needs no tangent vector, and stops. A point is judged by its whole record where it
-stops. Its numbers depend on its own run alone.
+A run with one tangent vector gives exponent and section points, once per T. Its length is doubled until the rule (`regime`)
+has a label and the error of the exponent is small enough, or to the longest length. A point whose tangent vector shrinks for
+sure approaches a periodic orbit, for which it needs no tangent vector, and stops. A point is judged by its whole record.
+Its numbers depend on its own run alone.
 """
 
 from collections.abc import Callable, Mapping
@@ -16,7 +16,7 @@ from whirlmap.analysis.indicators.section_indicators import LEAST, evidence_of
 from whirlmap.analysis.labels.forgetting import LEFT, forget
 from whirlmap.analysis.labels.locked import locked_multiple
 from whirlmap.analysis.labels.near_return import near_return
-from whirlmap.analysis.labels.open_points import OpenPoints
+from whirlmap.analysis.labels.nonperiodic_results import NonperiodicResults
 from whirlmap.analysis.labels.regime import TURNED, UNKNOWN, Rule, decide
 from whirlmap.analysis.labels.section_record import SectionRecord
 from whirlmap.analysis.labels.votes import SURE, Evidence, contracts
@@ -33,13 +33,13 @@ from whirlmap.results.regime import Regime
 Array = NDArray[np.float64]
 Points = NDArray[np.intp]
 
-#: Error of the largest exponent, relative and in units of 2 pi/T, with which a labelled point stops.
+#: Error of the largest exponent, relative and in units of 2 pi/T, at which a labelled point stops.
 ENOUGH = (0.05, 0.005)
 #: Points that run together, and numbers of their sections that are held until they are judged, about.
 TOGETHER, HELD = 512, 2**23
 #: T that the longest of those records has, in the mean.
 USUAL = 1024
-#: Points whose trends are computed together: what that takes on the way is several times their section points.
+#: Points whose trends are computed together: the working memory is several times their section points.
 TRENDS = 64
 #: Section points, once per common period, that are kept of a point that contracts.
 KEPT = 4096
@@ -49,7 +49,7 @@ SOUGHT = 2048
 SPARSE = 16
 
 
-def judge_open_points(
+def judge_nonperiodic_points(
     tangent: Ensemble,
     most: int,
     cyclic: Mapping[int, float] | None,
@@ -58,7 +58,7 @@ def judge_open_points(
     ranges: Array,
     tolerance: float,
     contraction_ends: bool = False,
-) -> OpenPoints:
+) -> NonperiodicResults:
     """Measure and judge points that have settled but do not return.
 
     Parameters
@@ -77,7 +77,7 @@ def judge_open_points(
         shrinks steadily or to a return.
     """
     n, states = tangent.points, tangent.model.dimension
-    found = OpenPoints.none(tangent.x)
+    found = NonperiodicResults.none(tangent.x)
     together = int(np.clip(HELD // (USUAL * (OBSERVABLES + states // tangent.strobe)), 16, TOGETHER))
     for first in range(0, n, together):
         members = np.arange(first, min(first + together, n))
@@ -87,11 +87,11 @@ def judge_open_points(
 
 
 class _Judge:
-    """Some of the points, on the way to their verdicts."""
+    """Some of the points, while they are judged."""
 
     def __init__(
         self, tangent: Ensemble, members: Points, most: int, cyclic: dict[int, float], ranges: Array,
-        tolerance: float, found: OpenPoints, progress: Callable[[int], None] | None,
+        tolerance: float, found: NonperiodicResults, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
         self.tolerance = tolerance
         self.tangent, self.members, self.cyclic, self.found, self.progress = tangent, members, cyclic, found, progress
@@ -105,7 +105,7 @@ class _Judge:
         self.record = SectionRecord(members.size, tangent.model.dimension, self.every, cyclic, ranges)
 
     def run(self, contraction_ends: bool) -> None:
-        """Run the points to their verdicts."""
+        """Run the points until all have labels or have reached the longest length."""
         carried, found = tuned(self.tangent.subset(self.members)), self.found
         left, run, done, stretch = np.arange(self.members.size), carried.ensemble, 0, self.first
         while left.size:
@@ -146,10 +146,10 @@ class _Judge:
             if run.returns and run.model.forced:
                 self._near_returns(run, left[~stay & run.running])
             left, run = left[stay], run.subset(np.flatnonzero(stay))
-            tell(self.progress, "open_points", left.size + self.tangent.points - 1 - int(self.members[-1]), done)
+            tell(self.progress, "nonperiodic_points", left.size + self.tangent.points - 1 - int(self.members[-1]), done)
 
     def _forget(self, run: Ensemble, lanes: Points, left: Points, done: int) -> None:
-        """Let points whose exponents are known to be negative forget their starts, and judge them."""
+        """Run points whose exponents are known to be negative until their transients have decayed, and judge them."""
         at, found, tangent = self.members[left[lanes]], self.found, self.tangent
         plain, ran = forget(
             run.subset(lanes), found.exponent[at], found.error[at], done=done, most=self.most, progress=self.progress,
@@ -209,7 +209,7 @@ class _Judge:
                 self._locked(run, at[locked], watched[locked], value[locked] * duration[locked], final=final)
 
     def _locked(self, run: Ensemble, at: Points, watched: Array, grown: Array, *, final: bool) -> None:
-        """Find n of locked points, from where nothing is left of their starts on; more of their run may be needed for it."""
+        """Find n of locked points, from the end of their transients on; that may need more of their run."""
         found, rows = self.found, watched.shape[2]
         forgotten = rows * np.log(LEFT) / np.minimum(grown, np.log(LEFT))
         # Few begins, for what begins together is fitted together.

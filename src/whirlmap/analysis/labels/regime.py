@@ -34,7 +34,7 @@ Array = NDArray[np.float64]
 
 
 class Rule(IntEnum):
-    """Which rule decided, or what is known of a point without a label."""
+    """The rule that decided, or what is known of a point without a label."""
 
     none = 0
     returns = 1
@@ -112,20 +112,20 @@ def regime(
     """
     where = np.atleast_1d(np.asarray(status, dtype=np.int8))
     multiples = np.atleast_1d(np.asarray(multiple, dtype=np.int64))
-    open_points = np.flatnonzero((where == Status.ok) & (multiples == 0))
+    nonperiodic = np.flatnonzero((where == Status.ok) & (multiples == 0))
     if section is None:
         section = np.zeros((0, 1, where.size))
-    seen = section[:, :, open_points]
-    judged = evidence_of(Watch(seen, cyclic)(seen, np.arange(open_points.size)), common=common)
+    seen = section[:, :, nonperiodic]
+    judged = evidence_of(Watch(seen, cyclic)(seen, np.arange(nonperiodic.size)), common=common)
     windings = [UNKNOWN] * where.size
     strobed = seen[(section.shape[0] - 1) % common :: common]
     if returns and section.shape[0] >= LEAST and len(strobed) >= TURNED:  # without a common period a section is no curve
-        for k, winding in zip(open_points, windings_of(strobed, cyclic), strict=True):
+        for k, winding in zip(nonperiodic, windings_of(strobed, cyclic), strict=True):
             windings[k] = winding
     given = (exponent, exponent_error, duration)
     value, error, time = (np.broadcast_to(np.asarray(v, dtype=float), where.shape) for v in given)
     late = value * time / 2 if late_growth is None else np.broadcast_to(np.asarray(late_growth, dtype=float), where.shape)
-    said = judged.spread(open_points, where.size)
+    said = judged.spread(nonperiodic, where.size)
     return decide(Evidence(where, multiples, value, error, time, late, said, tuple(windings), final, returns))
 
 

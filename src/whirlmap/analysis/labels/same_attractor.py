@@ -8,7 +8,7 @@ at whichever of its m phases a run stands, and two motions that a shift by T tak
 the same after T are two.
 
 - Periodic orbits are one where they have a point in common at such a phase. Runs settle to a tolerance only; so orbits are
-  closed by Newton's method first (`closed_orbit`), and one that still approaches flows into the orbit that it comes to.
+  closed by Newton's method first (`closed_orbit`), and one that still approaches belongs to the orbit to which it converges.
 - Tori and strange attractors (and sampled cycles of unforced models) are one where the points of the one lie on the other
   (`on_set`, which needs a few points of a run), or where nothing tells their distributions apart (`distribution.compare`,
   which needs thousands). They are two where both say so, and say it again of longer records.

@@ -1,4 +1,4 @@
-"""The votes of the indicators of a regime: what return, exponent, 0-1 test and averages say, each by itself."""
+"""Votes of the single indicators of a regime: return, exponent, 0-1 test, Birkhoff averages, multipliers."""
 
 from dataclasses import dataclass
 from enum import IntEnum
@@ -109,7 +109,7 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
 
 
 def contracts(exponent: Array, error: Array, duration: Array, late_growth: Array) -> NDArray[np.bool_]:
-    """Whether tangent vectors shrink for sure, and go on to: neutral ones shrink while they turn into place."""
+    """Whether tangent vectors shrink for sure and persistently: neutral ones shrink while they align."""
     with np.errstate(invalid="ignore"):
         grown = exponent * duration
         shrinks: NDArray[np.bool_] = (exponent < -SURE * error) & (late_growth <= GOES_ON * grown)

@@ -1,1 +1,1 @@
-"""Small motions about the static equilibrium: eigenvalues, Campbell diagram, film coefficients, stability threshold."""
+"""Linear analysis about the static equilibrium: eigenvalues, Campbell diagram, film coefficients, stability threshold."""

@@ -1,4 +1,4 @@
-"""Small motions about the static equilibrium of a whole system: damped eigenvalues with all forcing off."""
+"""Linearisation of a whole system about its static equilibrium: damped eigenvalues with all forcing off."""
 
 from dataclasses import dataclass
 
@@ -21,7 +21,7 @@ KINK = 1e-3
 
 
 class NotLinearError(RangeError):
-    """An equilibrium at which the rates have no derivative: an answer, for who asks for small motions about it."""
+    """An equilibrium at which the rates have no derivative. It is an answer, no wrong input: there is no linear system."""
 
 
 @dataclass(frozen=True)
@@ -97,14 +97,13 @@ def linearised(
     """
     if model.equilibrium:
         raise NotLinearError(
-            "no eigenvalues: the film of a damper carries nothing at rest, and resists the smallest motion by a force that"
-            " is proportional to its speed, but with another factor in each direction (the pressure is positive on the side"
-            " to which the ring moves); no linear system stands for that"
+            "no eigenvalues: the film of a damper carries nothing at rest, and its damping of small motions depends on their"
+            " direction (the pressure is positive on the side to which the ring moves); no linear system describes that"
         )
     if model.start != "equilibrium":
         raise RangeError(
-            f"{model.name} declares no static equilibrium to linearise about (start = {model.start}): diagnose says how it"
-            " moves, and bifurcation how that changes along a parameter"
+            f"{model.name} declares no static equilibrium to linearise about (start = {model.start}): use diagnose"
+            " for its motion, and bifurcation for the change of its motion along a parameter"
         )
     x, found = start_states(model, values)
     n = x.shape[0]

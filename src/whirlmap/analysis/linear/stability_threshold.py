@@ -13,7 +13,7 @@ VALUES = 33
 
 
 class NoThresholdError(RangeError):
-    """A bracket in which no stability is lost: an answer, for who asks whether some is."""
+    """A bracket in which no stability is lost. It is an answer, and no wrong input."""
 
 
 def stability_threshold(system: System, name: str, bracket: tuple[float, float], *, tolerance: float = 1e-9) -> float:

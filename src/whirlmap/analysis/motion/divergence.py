@@ -1,7 +1,7 @@
-"""Mean divergence along a motion: the trace of the Jacobian, which the sum of all Lyapunov exponents must equal.
+"""Mean divergence along a motion: the mean trace of the Jacobian, which the sum of all Lyapunov exponents must equal.
 
-It needs no tangent vectors, so that it checks them (Liouville's formula): all exponents add up to it; some of them, the
-largest, can only be as small as it leaves room for, since no exponent that was not measured exceeds the smallest that was.
+It needs no tangent vectors, so that it checks them (Liouville's formula): all exponents add up to it. Where only the largest
+were measured it bounds them from below, since no exponent that was not measured exceeds the smallest that was.
 """
 
 from fractions import Fraction
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 ZERO = 1e-3
 #: Parts of a record whose means give the error, and steps that are kept at once.
 PARTS, TOGETHER = 8, 4096
-#: T of the record of a swarm, about.
+#: T of the record of a perturbed ensemble, about.
 LENGTH = 128
 #: Errors that a sum of exponents may be away from the mean divergence.
 SURE = 3.0
@@ -84,7 +84,7 @@ def shrinks_areas(ensemble: Ensemble) -> NDArray[np.bool_]:
 
 
 def swarm_divergence(ensemble: Ensemble, good: NDArray[np.bool_], multiple: int = 0) -> tuple[float, float]:
-    """Mean divergence over the good runs of a swarm, and its standard error, over whole returns after ``multiple``."""
+    """Mean divergence over the good runs of a perturbed ensemble and its standard error, over whole returns."""
     if not good.any():
         return np.nan, np.nan
     whole = max(multiple, 1)

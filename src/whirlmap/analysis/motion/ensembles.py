@@ -1,4 +1,4 @@
-"""Operating points from a system: the ensemble that every analysis starts with."""
+"""Ensembles of operating points of a system, with start states, steps and tolerances: the beginning of every analysis."""
 
 import json
 from collections.abc import Mapping
@@ -35,8 +35,8 @@ Array = NDArray[np.float64]
 ACCURACY, UNFORCED_ACCURACY = 1e-6, 1e-9
 #: Least steps per T of tangent vectors where steps are chosen: exponents then sum to the divergence to 1e-6.
 TANGENT_STEPS = 16
-#: Start states of one swarm differ by this part of the sizes of their states, so that they end on one attractor but
-#: decorrelate in chaos.
+#: Start states of one perturbed ensemble differ by this part of the sizes of their states, so that they end on one attractor
+#: but decorrelate in chaos.
 SWARM = 1e-6
 
 
@@ -76,7 +76,7 @@ def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
 
 
 def _follow_defaults(system: System, columns: Mapping[str, Array], values: Array) -> None:
-    """Parameters that follow from others by default go on following the varied ones."""
+    """Values of parameters whose default is an expression of varied ones."""
     from sympy import sympify
 
     for parameter, rule in system.model.defaults.items():
@@ -163,7 +163,7 @@ def make_ensemble(
     options["sizes"] = sizes
     ensemble = Ensemble(system.model, values, x, steps=np.maximum(rungs.steps, least), tangents=tangents, **options)
     ensemble.step_error[:], ensemble.step_verdict[:] = rungs.error, rungs.verdict
-    if system.model.bound is None:  # of a start at rest the motion itself says what is large
+    if system.model.bound is None:  # for a start at rest the sizes come from the motion itself
         unknown = ~np.isfinite(ensemble.limits) & np.isfinite(rungs.size) & ~cyclic
         ensemble.limit(np.where(unknown, GROWTH * rungs.size, ensemble.limits))
     return ensemble, found

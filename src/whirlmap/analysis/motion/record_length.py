@@ -1,8 +1,8 @@
-"""How long a run is that a person looks at: some turns of the slowest clock, in whole periods T.
+"""Record lengths of time series, sections and spectra: some turns of the slowest clock, in whole periods T.
 
-A machine with hunting teeth repeats after thousands of T, with two hunting pairs after hundreds of thousands. Nothing that
-is looked at asks for that: a series shows some turns of the slowest shaft, and a spectrum tells lines apart that lie one
-such turn from each other.
+A machine with hunting teeth repeats after thousands of T, with two hunting pairs after hundreds of thousands. No series,
+section or spectrum needs that: a series shows some turns of the slowest shaft, and a spectrum resolves lines whose distance
+is the frequency of one such turn.
 """
 
 from collections.abc import Callable, Sequence
@@ -19,7 +19,7 @@ from whirlmap.kernels.writing.routine import LANES
 
 #: Turns of the slowest clock, and least T, of a time series whose length is not given; numbers that it holds at most.
 SHOWN, LEAST_SHOWN, NUMBERS = 20, 20, 3_000_000
-#: Turns of the slowest clock after which a motion whose transient is not given is looked at.
+#: Turns of the slowest clock in a transient whose length is not given.
 SETTLED = 200
 #: T of that transient at most.
 LONGEST_SETTLED = 100_000

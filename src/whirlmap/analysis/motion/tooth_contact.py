@@ -14,7 +14,7 @@ from whirlmap.kernels.writing.routine import LANES
 
 Array = NDArray[np.float64]
 
-#: Least steps per T at which the teeth are looked at.
+#: Least steps per T at which tooth contact is evaluated.
 LEAST_STEPS = 48
 #: Numbers of saved states that are in memory at once.
 KEPT = 8_000_000

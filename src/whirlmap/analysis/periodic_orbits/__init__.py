@@ -1,1 +1,1 @@
-"""Periodic orbits: closed by Newton's method, and which runs arrive at them. Their multipliers are in `variational`."""
+"""Periodic orbits: found by Newton's method, and which runs converge to them. Their multipliers are in `variational`."""

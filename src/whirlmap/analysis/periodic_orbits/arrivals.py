@@ -1,4 +1,4 @@
-"""Runs that have not settled, followed while they approach orbits that are known."""
+"""Runs still in their transients: which of the known periodic orbits each converges to."""
 
 from collections.abc import Callable, Mapping, Sequence
 
@@ -21,7 +21,7 @@ def arrivals(
     allowed: NDArray[np.bool_] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> NDArray[np.int64]:
-    """Run on until it is known which orbit each run flows into.
+    """Run on until it is known to which orbit each run converges.
 
     Parameters
     ----------
@@ -38,8 +38,8 @@ def arrivals(
     Returns
     -------
     array of int, shape (run,)
-        Index of the orbit; -1 where a run does not come nearer to one from one look to the next, ends, or has not arrived
-        in the longest time. Each look comes after as many rows as were run before.
+        Index of the orbit; -1 where a run does not come nearer to one from one check to the next, ends, or has not arrived
+        in the longest time. Each check comes after as many rows as were run before.
     """
     into = np.full(ensemble.points, -1)
     allowed = np.ones((into.size, len(orbits)), dtype=bool) if allowed is None else allowed

@@ -1,8 +1,8 @@
-"""Orbits that runs settle on, and whether a run that has not settled flows into one.
+"""Closed orbits to which runs converge, and whether a run still in its transient converges to a known one.
 
 A run that settles slowly returns to the tolerance long before it stands on its orbit: what is left is the last difference
 over 1 - rho, rho the largest multiplier. Two such runs are therefore compared by the orbits that they settle on, as Newton's
-method closes them (`closing`).
+method closes them (`newton`).
 
 A run that has not settled yet is on its way to a known orbit where the map is as good as linear about it: with the
 eigenvectors of the monodromy matrix as coordinates, w, one return must take w to L w (L the multipliers) up to half of

@@ -1,10 +1,10 @@
-"""Periodic orbits closed by Newton's method, also those that motions approach too slowly to wait for.
+"""Periodic orbits by Newton's method, also those that motions approach too slowly for integration.
 
 F is the map over m common periods, M its Jacobian, the monodromy matrix, and x goes to x + (I - M)^-1 (F(x) - x) until it
 stands still [parker1989, ch. 5]. It converges quadratically: what the last step leaves is of the order of its square.
 
-A motion that contracts by 1e-5 in a period takes two million of them to return to 1e-9. Its orbit is found from where it
-stands, and counts only if all of these hold:
+A motion that contracts by 1e-5 in a period takes two million of them to return to 1e-9. Its orbit is found from its present
+state, and counts only if all of these hold:
 
 1. It closes to rounding, and all its multipliers lie inside the unit circle by three times what the steps leave of error.
 2. The motion goes there: its distance from the orbit has fallen, over the record that is given, at least half as fast as
@@ -34,8 +34,8 @@ ROUNDS, CLOSED = 8, 1e-9
 ROUNDED = 1e-13
 #: Scaled last step: at a multiplier of 1 - 1e-5 it is a hundred thousand residuals, and a residual alone closes nothing.
 STILL = 1e-6
-#: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the way
-#: to it, but what asks for more has lost it.
+#: Largest step of Newton's method, over the sizes of the states over one round: an orbit may be far smaller than the
+#: distance to it, but a larger step shows that the iteration has left it.
 FARTHEST = 1e6
 #: Errors of the multiplier that the circle must be away, and part of the circle within which they are measured.
 SURE, NEAR = 3.0, 0.02

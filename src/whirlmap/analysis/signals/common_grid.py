@@ -24,7 +24,7 @@ SUMS = 6
 #: Largest number of grids.
 GRIDS = 200_000
 
-Kind = Literal["grid", "chance", "none"]
+GridKind = Literal["grid", "chance", "none"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,7 @@ class CommonGrid:
         That a line somewhere would have fitted a grid as coarse as this one, or a coarser one.
     """
 
-    kind: Kind
+    kind: GridKind
     fundamental: float
     error: float
     multiples: NDArray[np.int64]

@@ -1,4 +1,4 @@
-"""Diagnosis of a recorded signal: the indicators that need no equations, and what they say together."""
+"""Diagnosis of a recorded signal: the indicators that need no equations, and the regime that they give together."""
 
 import json
 from math import ceil
@@ -180,8 +180,8 @@ def _swing(raw: Array, spectrum: Findings, rate: float) -> float:
     swing = 1.0 / float(np.sqrt(np.average(squares, weights=power[held])))
     if raw.size < FEWEST_SWINGS * swing:
         raise RangeError(
-            f"the signal holds {raw.size / swing:.3g} swings of its mean frequency, {rate / swing:.4g}:"
-            f" at least {FEWEST_SWINGS} are needed. Record longer, or take off a slow drift."
+            f"the signal holds {raw.size / swing:.3g} oscillations of its mean frequency, {rate / swing:.4g}:"
+            f" at least {FEWEST_SWINGS} are needed. Record longer, or remove a slow drift."
         )
     return swing
 

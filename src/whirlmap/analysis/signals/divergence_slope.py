@@ -1,6 +1,6 @@
-"""The scaling range of a curve of growing distances: where neighbours part exponentially, and how fast.
+"""Scaling range and slope of a divergence curve: where the distance of neighbours grows exponentially, and at which rate.
 
-Shared by `rosenstein` and `kantz`, which differ in how they make the curve.
+Shared by `rosenstein` and `kantz`, which differ in how they compute the curve.
 """
 
 import numpy as np

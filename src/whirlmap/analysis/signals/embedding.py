@@ -258,7 +258,7 @@ def _checked(series: ArrayLike) -> NDArray[np.float64]:
     if x.ndim != 2 or 0 in x.shape:
         raise RangeError(f"series has shape {x.shape}: (time,) or (time, lane) is needed.")
     if not np.isfinite(x).all():
-        raise RangeError("the series holds numbers that are not finite: leave out lanes that diverged.")
+        raise RangeError("the series holds numbers that are not finite: leave out points that diverged.")
     return x
 
 

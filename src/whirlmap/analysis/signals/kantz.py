@@ -1,4 +1,4 @@
-"""Largest Lyapunov exponent of a recorded signal from the parting of whole neighbourhoods."""
+"""Largest Lyapunov exponent of a recorded signal from the divergence of neighbourhoods (Kantz)."""
 
 from typing import Any
 
@@ -39,8 +39,8 @@ def kantz_exponent(
     Returns
     -------
     xr.Dataset
-        As `stretching.exponent_of`, of the neighbourhood size whose range grows by most, if most of the sizes have one;
-        ``exponent_error`` also holds half the spread of the exponent between sizes with a range.
+        As `divergence_slope.exponent_of`, of the neighbourhood size whose range grows by most, if most of the sizes have
+        one; ``exponent_error`` also holds half the spread of the exponent between sizes with a range.
 
     Raises
     ------
@@ -53,8 +53,8 @@ def kantz_exponent(
     several sizes of neighbourhoods, which must agree. Three things differ from it, each because it biased the exponent:
     neighbourhoods hold a number of neighbours instead of a radius, for only dense places have enough within a radius, and
     their references are no average over the attractor (Lorenz: slopes from 0.25 to 2.2 of the exponent); distances are of
-    the vectors across the flow (`parting`); and the mean over neighbours is that of logarithms, for a mean distance follows
-    the few pairs that have parted most (10 to 30 % too high).
+    the vectors across the flow (`neighbour_divergence`); and the mean over neighbours is that of logarithms, for a mean
+    distance follows the few pairs that have parted most (10 to 30 % too high).
     """
     x = checked(series)
     if not neighbours or min(neighbours) < 1 or blocks < 2:

@@ -1,4 +1,4 @@
-"""How the distance of neighbouring pieces of one recorded motion grows, measured across the flow.
+"""Divergence of neighbours in one recorded motion: the growth of their distance, measured across the flow.
 
 Shared by `rosenstein` and `kantz`, which differ in what they average.
 

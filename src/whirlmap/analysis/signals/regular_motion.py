@@ -1,4 +1,4 @@
-"""Regular motion by its lines: whether they hold the power and have a common fundamental, and whether the signal returns."""
+"""Test for regular motion by spectral lines: share of the power, common fundamental, and return of the signal."""
 
 from dataclasses import dataclass, replace
 from fractions import Fraction
@@ -23,7 +23,7 @@ FAINT, FINER = 1e-6, 1e-8
 MOST = 40
 #: Largest distance after a return, beyond the power outside of lines.
 RETURNED = 0.02
-#: Periods after which a signal is held against itself at most, where one period shows too much.
+#: Periods after which a signal is compared with itself at most, where one period shows too much.
 LATER = 16
 #: Beats of two neighbouring lines that a record must hold, for fewer may be a slow change.
 BEATS = 4.5

@@ -1,4 +1,4 @@
-"""Largest Lyapunov exponent of a recorded signal from the parting of nearest neighbours."""
+"""Largest Lyapunov exponent of a recorded signal from the divergence of nearest neighbours (Rosenstein)."""
 
 from typing import Any
 
@@ -39,25 +39,25 @@ def rosenstein_exponent(
     steps : int
         Samples over which neighbours are followed.
     flow : bool
-        The samples follow a smooth motion in time, as `parting.is_flow` tells, and distances are taken across it; False for
-        the points of a map or of a section.
+        The samples follow a smooth motion in time, as `neighbour_divergence.is_flow` tells, and distances are taken across
+        it; False for the points of a map or of a section.
     rate : float
         Samples per unit of time.
     least_distance : float
         Neighbours nearer than this do not count: twice the distance by which noise parts equal points, for those that are
-        nearer by chance part as the noise does.
+        nearer by chance diverge as the noise does.
     references : int
         Points whose neighbours are followed, evenly spaced.
     tolerance, least_growth
-        Of the scaling range, as in `stretching.exponent_of`.
+        Of the scaling range, as in `divergence_slope.exponent_of`.
     blocks : int
         Parts of the series whose scatter gives the error.
 
     Returns
     -------
     xr.Dataset
-        ``exponent``, ``exponent_error``, ``divergence(step)`` and ``status``, as `stretching.exponent_of` says. Where there
-        is no straight range of growth the answer is ``no-scaling-range``: regular motion, or noise.
+        ``exponent``, ``exponent_error``, ``divergence(step)`` and ``status``, as `divergence_slope.exponent_of` says. Where
+        there is no straight range of growth the answer is ``no-scaling-range``: regular motion, or noise.
 
     Raises
     ------
@@ -68,8 +68,8 @@ def rosenstein_exponent(
     -----
     [rosenstein1993], each vector's one nearest neighbour outside the Theiler window and the Euclidean distance of the
     vectors averaged in the logarithm, with one difference: the part of the distance along a flow, which does not grow, is
-    taken off (`parting`). Pairs that coincide exactly are left out; where most do (a cycle without noise) the status is
-    ``neighbours-coincide``. Limits: noise above the small scales hides the range; the growth saturates at
+    taken off (`neighbour_divergence`). Pairs that coincide exactly are left out; where most do (a cycle without noise) the
+    status is ``neighbours-coincide``. Limits: noise above the small scales hides the range; the growth saturates at
     the size of the attractor, so that few points (below 10^dimension) leave no range.
     """
     x = checked(series)

@@ -1,4 +1,4 @@
-"""Rosenstein's and Kantz's exponents of a recorded signal, with the choices that they leave open."""
+"""Rosenstein's and Kantz's exponents of a recorded signal, with the choice of their parameters."""
 
 import numpy as np
 import xarray as xr
@@ -8,8 +8,8 @@ from whirlmap.analysis.signals.kantz import kantz_exponent
 from whirlmap.analysis.signals.neighbour_divergence import is_flow, resolved
 from whirlmap.analysis.signals.rosenstein import rosenstein_exponent
 
-#: Samples whose parting is looked at.
-PARTING = 48_000
+#: Samples whose neighbours are followed.
+FOLLOWED = 48_000
 #: Swings over which neighbours are followed.
 FOLLOWED = 12
 
@@ -38,11 +38,12 @@ def signal_exponents(
 
     Notes
     -----
-    A smooth signal is interpolated to 40 samples per swing and smoothed over a quarter swing (`parting.resolved`); its
-    vectors span half a swing at most, for longer ones hold growth already, and neighbours nearer than twice the distance
-    by which noise parts equal points do not count: those that are, are near by chance.
+    A smooth signal is interpolated to 40 samples per swing and smoothed over a quarter swing
+    (`neighbour_divergence.resolved`); its vectors span half a swing at most, for longer ones hold growth already, and
+    neighbours nearer than twice the distance by which noise parts equal points do not count: those that are, are near by
+    chance.
     """
-    part, least, factor, flow = x[:PARTING], 0.0, 1, is_flow(x)
+    part, least, factor, flow = x[:FOLLOWED], 0.0, 1, is_flow(x)
     if flow:
         part, factor, noise = resolved(part, swing)
         across = max(dimension - 1, 1)

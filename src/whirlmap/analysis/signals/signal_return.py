@@ -1,4 +1,4 @@
-"""Whether a signal returns: x(t + P) held against x(t), directly."""
+"""Return of a signal: x(t + P) compared with x(t), directly."""
 
 import numpy as np
 from numpy.typing import NDArray

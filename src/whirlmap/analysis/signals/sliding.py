@@ -1,4 +1,4 @@
-"""The verdict of a long record, window by window."""
+"""Diagnosis of a long record in sliding windows."""
 
 from collections.abc import Callable
 

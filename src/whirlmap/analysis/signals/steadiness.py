@@ -1,4 +1,4 @@
-"""Whether a record is steady: level, frequency and mean of its parts, held against how they scatter."""
+"""Stationarity of a record: level, frequency and mean of its parts, compared with their scatter."""
 
 from dataclasses import dataclass
 
@@ -54,7 +54,7 @@ class Steadiness:
 
 
 def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float) -> Steadiness:
-    """Hold level, frequency and mean of the thirds of a record against their scatter within.
+    """Compare level, frequency and mean of the thirds of a record with their scatter within.
 
     Parameters
     ----------

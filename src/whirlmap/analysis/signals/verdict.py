@@ -1,4 +1,4 @@
-"""What the indicators of a signal say together, and in words."""
+"""The regime of a signal from the votes of its indicators, and the sentences that state it."""
 
 from collections.abc import Mapping
 from typing import Any
@@ -24,7 +24,7 @@ def decide(votes: Mapping[str, Any]) -> tuple[Regime, float]:
     if wanders == "chaotic" and any(structure[:2]) and sum(structure) >= 2 and lines not in ("periodic", "quasi-periodic"):
         speaks = [True, *structure, lines == "broadband"]
         return Regime.chaotic, sum(speaks) / len(speaks)
-    if lines == "periodic":  # it was held against itself a period later
+    if lines == "periodic":  # it was compared with itself a period later
         return Regime.periodic, (1 + (wanders != "chaotic")) / 2
     # On a torus whole neighbourhoods shear apart for a while, so that Kantz's curve alone is no veto.
     if lines == "quasi-periodic" and (broad < CLEAN or (wanders != "chaotic" and grows[0] != "positive")):
@@ -65,7 +65,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
             text.append(
                 f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} per {unit}."
                 if v["value"] is not None
-                else f"After {name.capitalize()} neighbours do not part exponentially ({v['vote']})."
+                else f"After {name.capitalize()} neighbours do not diverge exponentially ({v['vote']})."
             )
     d = votes.get("dimension")
     if d:
@@ -100,11 +100,11 @@ def _reasons(votes: Mapping[str, Any]) -> list[str]:
     out = []
     if spectrum["slow_fraction"] > DRIFT:
         out.append(
-            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: take it off, or judge a shorter part."
+            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: remove it, or judge a shorter part."
         )
     elif 0.02 < spectrum["broadband_fraction"] < 0.5:
         decibel = 10 * np.log10((1 - spectrum["broadband_fraction"]) / spectrum["broadband_fraction"])
-        out.append(f"The lines stand {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
+        out.append(f"The lines are {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
     if grid == "chance":
         out.append("The lines fit a common fundamental that any lines might fit by chance in a record of this length.")
     elif grid == "none" and spectrum["vote"] == "none":

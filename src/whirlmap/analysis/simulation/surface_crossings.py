@@ -1,4 +1,4 @@
-"""When a time series crosses the surfaces at which its model changes form: teeth that part, a journal that rubs."""
+"""Times at which a series crosses discontinuity surfaces of its model: loss of tooth contact, begin of rub."""
 
 import numpy as np
 import xarray as xr
@@ -45,7 +45,9 @@ def switchings(system: System, series: xr.Dataset) -> xr.Dataset:
     """
     model = system.model
     if not model.switchings:
-        raise RangeError(f"{model.name} with these switches changes its form nowhere: it declares no switchings")
+        raise RangeError(
+            f"{model.name} with these switches declares no discontinuity surface (Switching): there is no crossing to locate"
+        )
     if [str(s) for s in series["state"].values] != [s.name for s in model.states]:
         raise RangeError(f"the time series is not one of {model.name} with these switches: it has other states")
     good = np.isfinite(series["x"].values).all(axis=1)

@@ -1,1 +1,1 @@
-"""Spectra, their lines and the names of these."""
+"""Power spectra, their lines, and the names of the lines."""

@@ -1,4 +1,4 @@
-"""Names of spectral lines: multiples, fractions and sums of the orders that a machine declares."""
+"""Names of spectral lines: harmonics, subharmonics and combinations of the orders that a machine declares."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The lines in a spectrum, told from the broadband floor under them."""
+"""Detection of spectral lines above the broadband floor of a spectrum."""
 
 from typing import TYPE_CHECKING, Any
 

@@ -194,7 +194,7 @@ def _checked(x: NDArray[Any], rate: float, window: str) -> NDArray[np.float64]:
             f"the series has shape {x.shape}: at least 8 samples along the first axis are needed."
         )
     if not np.isfinite(x).all():
-        raise RangeError("the series holds numbers that are not finite: leave out lanes that diverged.")
+        raise RangeError("the series holds numbers that are not finite: leave out points that diverged.")
     if not 0 < rate < np.inf:
         raise RangeError(f"rate = {rate}: a positive number of samples per unit is needed.")
     if window not in LOBE:

@@ -1,1 +1,1 @@
-"""The search for steady motion: transients, returns of the section, numbers of steps. Labels are in `labels`."""
+"""The steady-state search: transients, returns of the section, numbers of steps. Labels are in `labels`."""

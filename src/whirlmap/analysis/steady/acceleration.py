@@ -1,17 +1,17 @@
-"""Short cuts of weakly damped motion to its periodic orbit, each proved by a plain run or taken back.
+"""Convergence acceleration: extrapolate to the periodic orbit, verify by integration, else restore.
 
-A point whose section approaches an orbit slowly is put where its own last differences lead (`extrapolation.step_to_limit`),
-and goes on as plainly as before. It has settled there only if all of these hold:
+A point whose section approaches an orbit slowly is moved to its extrapolated orbit (`extrapolation.step_to_limit`) and
+integrated from there. It has converged only if all of these hold:
 
 1. The multipliers that its approach shows lie inside the unit circle, and its last three differences shrink as they say.
-2. `STAYS` returns of the plain run from there stay within the tolerance, and what is left of the approach at the rate of the
-   largest multiplier seen is within it too.
+2. `STAYS` returns of the verification run stay within the tolerance, and so does what is left of the approach at the rate of
+   the largest multiplier seen.
 3. The multiple is the smallest: no shorter return is within ten tolerances.
 4. All Floquet multipliers of the orbit lie inside the unit circle: it is stable. The approach was no slower than the largest
    of them: the orbit is the one that the point was contracting to. What is left of the approach at the rate of the largest
    of all is within the tolerance as well.
 
-Otherwise the point goes back to the state before, and plain settling goes on as though nothing had been tried.
+Otherwise the state before is restored, and integration continues as without the attempt.
 
 The multipliers cost as much as 13 to 17 common periods for the twenty states of the gear pair, so they are asked last, of
 all points together that have passed the rest (`Trials.refuse_unproved`).
@@ -34,15 +34,15 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 
-#: Returns that the plain run from an accepted point stays within the tolerance.
+#: Returns of the verification run that stay within the tolerance.
 STAYS = 5
-#: After a trial that failed, plain periods until the next one, over those run so far.
+#: After a failed extrapolation attempt, periods of plain integration until the next one, over those run so far.
 PAUSE = 0.15
 
 
 @dataclass(frozen=True)
 class _Passed:
-    """Points that the plain run has passed, their returns, last scaled differences over one, and states before the trial."""
+    """Points that passed the verification run: returns, last scaled differences over one, and states before the attempt."""
 
     points: Points
     multiple: NDArray[np.int64]
@@ -90,18 +90,18 @@ def _distances(
 
 
 class Trials:
-    """Points of a pool that are on trial, and what they go back to.
+    """Points of a pool under an extrapolation attempt, and the states to which failed ones are restored.
 
     Parameters
     ----------
     ensemble : Ensemble
         Points without tangent vectors.
     slot : array of int, shape (point,)
-        Place of each point in the pool, kept by the pool.
+        Slot of each point in the pool, kept by the pool.
     size : int
-        Places of the pool.
+        Slots of the pool.
     every : int
-        Common periods between two looks at a point.
+        Common periods between two convergence checks of a point.
     tolerance : float
     period : array, shape (state,)
         Of cyclic states; infinite for the others.
@@ -109,13 +109,13 @@ class Trials:
     Attributes
     ----------
     multiple : array of int, shape (point,)
-        Return of each point that is on trial, in common periods; 0 of the others.
+        Return of each point under an attempt, in common periods; 0 of the others.
     ran : array of int, shape (point,)
-        Common periods of its trial.
+        Common periods of its attempt.
     needed : array of int
-        Common periods that a trial of each multiple takes.
-    points : array, shape (place, row, state)
-        Section points of the trials, the first one where it began.
+        Common periods that an attempt takes, by multiple.
+    points : array, shape (slot, row, state)
+        Section points of the attempts, the first one where each began.
     """
 
     def __init__(
@@ -136,15 +136,15 @@ class Trials:
         self._passed: list[_Passed] = []
 
     def needs(self, multiple: int) -> int:
-        """Common periods that a trial takes."""
+        """Common periods that an attempt takes."""
         return -(-STAYS * multiple // self.every) * self.every
 
     def left(self, points: Points) -> NDArray[np.int64]:
-        """Common periods until the trials of points end."""
+        """Common periods until the attempts of points end."""
         return np.asarray(self.needed[self.multiple[points]] - self.ran[points])
 
     def begin(self, members: Points, ran: Integers, history: Array, size: Array) -> None:
-        """Put the points on trial for which it is worth it.
+        """Extrapolate the points for which that is expected to save time.
 
         Parameters
         ----------
@@ -152,7 +152,7 @@ class Trials:
             Points that run and have not returned.
         ran : array of int, shape (all points,)
             Plain common periods.
-        history : array, shape (place, ring, state)
+        history : array, shape (slot, ring, state)
             Their last section points.
         size : array, shape (state, all points)
             Range of each state.
@@ -177,9 +177,9 @@ class Trials:
         e.put(points, x)
 
     def look(self, members: Points, size: Array) -> tuple[Points, NDArray[np.int64], Array]:
-        """Judge points whose trial is over, or whose run has ended; return those that have settled, multiples and distances.
+        """Judge points whose attempt is over, or whose run has ended; return those that converged, multiples and distances.
 
-        ``size`` has shape (state, all points). Points that failed are as they were before their trial.
+        ``size`` has shape (state, all points). Points that failed are as they were before their attempt.
         """
         distance, change = np.full(members.size, np.inf), np.full(members.size, np.inf)
         multiple = self.multiple[members]
@@ -201,7 +201,7 @@ class Trials:
         return members[passed], multiple[passed], distance[passed]
 
     def refuse_unproved(self) -> Points:
-        """Ask the multipliers of all points that have passed; put back, and return, those whose orbit they refuse."""
+        """Compute Floquet multipliers of all accepted points; restore, and return, those whose orbit is not stable."""
         if not self._passed:
             return np.zeros(0, dtype=np.intp)
         points, multiple, change, before = (

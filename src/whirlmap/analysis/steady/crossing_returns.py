@@ -1,4 +1,4 @@
-"""Returns of an unforced motion, in crossings of its section, that are not part of an approach to an orbit.
+"""Returns of an unforced motion, counted in crossings of its section.
 
 As for forced motion (`return_search.search_windows`), but crossings fall between the steps and scatter by their error: small
 differences do not shrink steadily, so that the largest of each half of a section are compared.

@@ -1,4 +1,4 @@
-"""Ends of runs that are believed: those that more steps find again.
+"""Confirmation of the ends of runs: by runs with more steps.
 
 Steps are chosen where a motion begins. A stop that is reached later, a wall or a stiff contact may ask for many more, and a
 run with too few of them ends in a divergence, or at a wall, that is its own. So a point that has ended is run again from
@@ -21,7 +21,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.accuracy import Verdict, choose_steps
+from whirlmap.integrate.accuracy import StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import start_sizes
 from whirlmap.integrate.trials import ALIKE, motion_sizes
@@ -79,7 +79,7 @@ def confirm_ends(
             alike = (part.status == status) & (apart <= SAME_TIME + np.where(status == Status.diverged, ALIKE / coarse, 0.0))
         # Before a pole no steps are enough.
         doubt = stiff & (part.status == Status.diverged) & (part.end_stop < len(part.model.stops))
-        ensemble.status[left[doubt]], ensemble.step_verdict[left[doubt]] = Status.unresolved, Verdict.stiff
+        ensemble.status[left[doubt]], ensemble.step_verdict[left[doubt]] = Status.unresolved, StepVerdict.stiff
         left = left[(part.status != Status.ok) & ~alike & ~doubt]
     different = (np.array(every)[:, left] != every[-1][left]).any(axis=0)
     ensemble.status[left[different]] = Status.unresolved
@@ -112,7 +112,7 @@ def confirm_growth(
         same = np.abs(np.log(now.max(axis=0) / before)) < np.log(SAME_SIZE)
         left = left[part.running & ~same]
         left = left[_grown(ensemble, left, start, began, moved()[:, left])]
-    ensemble.status[left], ensemble.step_verdict[left] = Status.unresolved, Verdict.stiff
+    ensemble.status[left], ensemble.step_verdict[left] = Status.unresolved, StepVerdict.stiff
 
 
 def _grown(ensemble: Ensemble, members: Points, start: Array, began: NDArray[np.int64], moved: Array) -> NDArray[np.bool_]:
@@ -143,7 +143,7 @@ def _refuse_explosions(ensemble: Ensemble, start: Array, began: NDArray[np.int64
     fine = part.subset(np.arange(away.size), steps=np.minimum(FINE * part.point_steps, MOST))
     fine.advance(2 * SPAN * fine.strobe)
     explodes = away[fine.status != Status.diverged]
-    ensemble.status[explodes], ensemble.step_verdict[explodes] = Status.unresolved, Verdict.stiff
+    ensemble.status[explodes], ensemble.step_verdict[explodes] = Status.unresolved, StepVerdict.stiff
 
 
 def restarted(
@@ -165,7 +165,7 @@ def _steps_before_the_end(
     steps, stiff = np.zeros(members.size, dtype=np.int64), np.zeros(members.size, dtype=bool)
     at = np.flatnonzero(part.running)
     rungs = choose_steps(part, ensemble.accuracy, members=at, least=part.point_steps[at], span=SPAN)
-    steps[at], stiff[at] = rungs.steps, rungs.verdict == Verdict.stiff
+    steps[at], stiff[at] = rungs.steps, rungs.verdict == StepVerdict.stiff
     return steps, stiff
 
 

@@ -6,8 +6,8 @@ states, are fitted by least squares; the roots of p(z) = z^q - c_(q-1) z^(q-1) -
 is p(S) x / p(1), S the shift (minimal polynomial extrapolation, Smith, Ford and Sidi 1987, SIAM Review 29, 199; here with
 more equations than unknowns, so that the last differences also test the fit).
 
-These are parts of loops (`compiled`), for one lane: its differences (DIFFERENCES, state), scaled, oldest first, and the
-largest of each over the states.
+These are parts of loops (`kernels.running.loops`), for one lane: its differences (DIFFERENCES, state), scaled, oldest first,
+and the largest of each over the states.
 """
 
 import numpy as np

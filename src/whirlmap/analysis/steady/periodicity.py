@@ -1,4 +1,4 @@
-"""Whether section points return, and after how many periods: the evidence behind the label ``periodic(n)``.
+"""Return of section points, and its number of periods: the evidence for the label ``periodic(n)``.
 
 Two steps, because only points one *common* period apart see the same forcing: ``return_multiple`` finds after
 how many common periods the motion repeats, ``period_in_T`` then finds the smallest number of T which divides

@@ -1,7 +1,7 @@
-"""Settle many operating points, say which of them are periodic, and after how many T, and record their sections.
+"""Steady-state search for many operating points: which are periodic, after how many T, with sections and extremes recorded.
 
-Points settle with steps that meet the asked accuracy (`settling_accurately`), forced ones as `settling` says, unforced ones
-as `settling_unforced`. Then all points record their section once per T for the diagram; in periodic points it gives the
+The steps of each point meet the asked accuracy (`settling_accurately`); forced points are searched by `settling`, unforced
+ones by `settling_unforced`. Then all points record their section once per T for the diagram; in periodic points it gives the
 smallest number of T. Extremes: `record_extremes`.
 
 The tolerance is relative to each state's range (`periodicity.return_multiple`).
@@ -51,7 +51,7 @@ class Returns:
     waited : array of int
         Common periods that each point ran before the record (of an unforced model: typical times).
     accelerated : array of bool
-        Whether its approach was cut short (`acceleration`).
+        Whether its convergence was accelerated (`acceleration`).
     growth : array
         Rate of the amplitude per unit of time: of what grows (zero where in proportion to time), and of small motions about
         a place of rest; NaN elsewhere.
@@ -88,7 +88,7 @@ def settle_and_record(
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Returns:
-    """Settle an ensemble and record it, in place.
+    """Run the steady-state search on an ensemble and record it, in place.
 
     Parameters
     ----------
@@ -114,7 +114,7 @@ def record(
     cyclic: dict[int, float] | None = None,
     progress: Callable[[int], None] | None = None,
 ) -> Returns:
-    """Record and label points that have settled, in place.
+    """Record and label points after the steady-state search, in place.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Whether the steps of settled points meet the accuracy, over the whole of their return; and how much that widens a return.
+"""Check of the steps on the settled motion, over the whole of its return, and the tolerance of returns that follows from it.
 
 The start says little of a whirl that has grown since, and a stop may be reached late in a return of many common periods.
 """
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.motion.section_crossing import turns_of
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.steady.turn_times import OPEN, moves
-from whirlmap.integrate.accuracy import LADDER, Verdict, choose_steps
+from whirlmap.integrate.accuracy import LADDER, StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -39,7 +39,7 @@ def steps_of_settled(
     steps, first = ensemble.point_steps[members].copy(), np.zeros(members.size)
     # Few different numbers of sections, for points with the same are tried together: 1, `OPEN` and `CHECKED`.
     sections = np.where(multiple[members] == 1, 1, np.where(multiple[members] <= OPEN, OPEN, CHECKED))
-    met = ensemble.step_verdict[members] == Verdict.met
+    met = ensemble.step_verdict[members] == StepVerdict.met
     for count in np.unique(sections[met]):
         at = np.flatnonzero(met & (sections == count))
         here: NDArray[np.intp] = members[at]
@@ -50,7 +50,7 @@ def steps_of_settled(
         rungs = choose_steps(ensemble, ensemble.accuracy, members=here, least=steps[at], progress=progress, **how)
         ensemble.step_error[here], ensemble.step_verdict[here] = rungs.error, rungs.verdict
         steps[at], first[at] = np.maximum(steps[at], rungs.steps), rungs.first
-    rough = np.flatnonzero(ensemble.step_verdict[members] == Verdict.nonsmooth)
+    rough = np.flatnonzero(ensemble.step_verdict[members] == StepVerdict.nonsmooth)
     steps[rough] = np.maximum(steps[rough], CONFIRMED)
     there = rough[ensemble.point_steps[members[rough]] >= CONFIRMED]
     if there.size:

@@ -1,7 +1,7 @@
-"""Settling without waste: every point runs until its section has provably repeated, and the next one takes its place.
+"""Steady-state search for forced models: every point runs until its section returns; then the next point takes its lane.
 
-Forced models. All points share a pool of lanes. In each round the points in the pool run until the first of them is due for
-a look. A point is looked at on its own, by its own history, every `ROUND` common periods, and less often the longer it has
+All points share a pool of lanes. In each round the points in the pool advance until the first is due for a convergence
+check. A point is checked on its own, by its own history, every `ROUND` common periods, and less often the longer it has
 run (`looks`):
 
 1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever a longer
@@ -9,8 +9,8 @@ run (`looks`):
 2. A return counts once what is left of the transient is small as well: where successive differences shrink by a factor r
    from one return to the next, the distance to the limit is the last difference times r / (1 - r); and once no shorter
    return is still on its way.
-3. A point that approaches its orbit slowly is put where its differences lead, and stays if that is proved
-   (`acceleration`); where not it is put back, and the trial counts for nothing but time.
+3. A point that approaches its orbit slowly is moved to its extrapolated orbit, and kept there if the verification run
+   succeeds (`acceleration`); otherwise it is restored, and the attempt costs nothing but time.
 4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
@@ -39,8 +39,8 @@ from whirlmap.results.status import Status
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: Common periods between two looks at a point, at first; later the largest power of two that is at most a
-#: `SELDOM`-th of those it has run, up to `MOST`: what Python does for a look costs a small model more than the periods.
+#: Common periods between two convergence checks of a point, at first; later the largest power of two that is at most a
+#: `SELDOM`-th of those it has run, up to `MOST`: for small models one check costs more than the periods between two checks.
 ROUND, SELDOM, MOST = 4, 8, 32
 #: Part of the largest magnitude that a state has had at all which counts as its magnitude: one that has died out
 #: does not return by its own size.
@@ -67,7 +67,7 @@ class Settled:
     waited : array of int
         Common periods run, trials included.
     accelerated : array of bool
-        Whether the approach was cut short.
+        Whether convergence was accelerated.
     moved : array, shape (state, point)
         Largest range of each state between two looks, from the start on.
     growth : array
@@ -75,7 +75,8 @@ class Settled:
     drift : array, shape (state, point)
         Speed per common period of the mean of points that drifted beyond the bound; zero in others.
     thinning, turning : array
-        Power of time with which a gap fell where steps failed at last, and rotation number (`thinning`); NaN in others.
+        Power of time with which a gap fell where steps failed at last, and rotation number (`trends.film_thinning`); NaN in
+        others.
     """
 
     multiple: Integers
@@ -187,7 +188,7 @@ def _take_over(
 ) -> None:  # fmt: skip
     """Take over the section points of the active points, shape (row, state, active), and the extremes (state, active).
 
-    Points on trial have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be looked at.
+    Points under an attempt have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be checked.
     """
     for j in range(chosen):
         p = active[j]

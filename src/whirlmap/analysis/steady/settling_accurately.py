@@ -1,4 +1,4 @@
-"""Settle many operating points with steps that meet the asked accuracy on the motion that they settle on.
+"""Steady-state search with steps that meet the asked accuracy on the steady motion.
 
 The settled motion is asked whether its steps do (`settled_steps`): a point that needs more of them settles on with these,
 and a point that has ended is run again with more (`endings`). Where the accuracy is not met, a return is one to the error of
@@ -15,7 +15,7 @@ from whirlmap.analysis.steady.settled_steps import CHECKED, LOST, steps_of_settl
 from whirlmap.analysis.steady.settling import Settled, Settling, settle
 from whirlmap.analysis.steady.settling_unforced import settle_unforced, trends_beyond
 from whirlmap.analysis.steady.settling_without_returns import settle_without_returns
-from whirlmap.integrate.accuracy import Verdict, choose_steps
+from whirlmap.integrate.accuracy import StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -23,8 +23,8 @@ Integers = NDArray[np.int64]
 
 #: How often a point may be given more steps after it has settled.
 MORE_STEPS = 3
-#: Error over the accuracy up to which an open motion goes on with more steps as it is: so little is not why it does not
-#: return.
+#: Error over the accuracy up to which a non-periodic motion goes on with more steps as it is: so little is not why it does
+#: not return.
 SLACK = 10.0
 
 
@@ -93,12 +93,12 @@ def settle_accurately(
 
 def _take_fewer_steps(ensemble: Ensemble, members: NDArray[np.intp]) -> None:
     """Give points that go on without a return the steps that their motion asks for: their starts may have asked for more."""
-    members = members[ensemble.step_verdict[members] == Verdict.met]
+    members = members[ensemble.step_verdict[members] == StepVerdict.met]
     if not (members.size and ensemble.model.forced):
         return
     assert ensemble.accuracy is not None
     now = choose_steps(ensemble, ensemble.accuracy, members=members, sections=CHECKED)
-    fewer = (now.verdict == Verdict.met) & (now.steps < ensemble.point_steps[members])
+    fewer = (now.verdict == StepVerdict.met) & (now.steps < ensemble.point_steps[members])
     if fewer.any():
         here = members[fewer]
         ensemble.absorb(ensemble.subset(here, steps=now.steps[fewer]), here)

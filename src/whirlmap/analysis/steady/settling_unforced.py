@@ -1,4 +1,4 @@
-"""Settle many operating points of an unforced model: the return of each is counted in crossings of the declared section.
+"""Steady-state search for unforced models: returns are counted in crossings of the declared section.
 
 A point runs its transient, and is then cut at the section. Windows are as many typical times as would be common periods,
 each twice the one before, for the points that have not returned; those that still approach an orbit go on.

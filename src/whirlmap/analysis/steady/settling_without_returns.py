@@ -1,4 +1,4 @@
-"""Settle many operating points of a forced model whose forcing has no common period: there is no return to wait for.
+"""Transients of forced models whose forcing has no common period, so that no return can be sought.
 
 Points run for the time that is given, and the size of their motion is that of the last half of it. Whether they have
 settled, the rule sees from the run with a tangent vector that follows (`labels`), until nothing is left of the start.

@@ -1,4 +1,4 @@
-"""Which points approach an orbit so slowly that a short cut is worth its trial, and where their approach leads."""
+"""Points that approach an orbit so slowly that extrapolation is expected to save time, and their extrapolated orbits."""
 
 from collections.abc import Mapping
 
@@ -15,7 +15,7 @@ Integers = NDArray[np.int64]
 
 #: Largest return, in common periods, that is extrapolated.
 LONGEST_RETURN = 4
-#: A short cut is tried where plain settling is expected to take this many times what the trial costs.
+#: Extrapolation is attempted where plain integration is expected to take this many times what the attempt costs.
 WORTH = 1.5
 #: Above this scaled size differences are not those of a linear approach.
 LINEAR = 0.1
@@ -26,7 +26,7 @@ CONFIRMED = 8
 
 
 def worth_it(m: int, largest: Array, needed: int, tolerance: float) -> bool:
-    """Whether differences over m shrink so slowly that a trial of ``needed`` common periods is expected to pay."""
+    """Whether differences over m shrink so slowly that an attempt of ``needed`` common periods is expected to save time."""
     first, last = 0.0, 0.0
     for j in range(END):
         first, last = max(first, largest[j]), max(last, largest[DIFFERENCES - END + j])

@@ -1,4 +1,4 @@
-"""The time of a turn of an unforced motion, from crossings of its section: T of the point in place of its typical time.
+"""Period of an unforced motion from crossings of its section: T of the point in place of its typical time.
 
 A typical time is a guess of the model's; steps and windows that are parts of it are wrong where a turn takes far longer or
 shorter.

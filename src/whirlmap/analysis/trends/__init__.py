@@ -1,1 +1,1 @@
-"""Sections that change steadily: decay to rest, growth, drift, a film that thins."""
+"""Trends of sections: decay to rest, growth, drift, a film that thins."""

@@ -1,4 +1,4 @@
-"""Whether a gap closes as a power of time: a film that thins without ever settling, such as that of a whirl in oil whip.
+"""Power-law thinning of a film: a gap that closes as a power of time and reaches no steady state, such as in oil whip.
 
 A journal that whirls at half the speed of its shaft turns with the mean speed of its film, which then carries nothing: the
 eccentricity creeps to one, about as one less a multiple of t^-1/2 (the stock rotor: t^-0.68 after 260 T, t^-0.5 after

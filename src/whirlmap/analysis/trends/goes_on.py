@@ -1,6 +1,6 @@
-"""Whether a motion that grows or drifts goes on without bound: it is followed from states further out on its way.
+"""Unbounded growth and drift: verified by copies of the motion that start further out.
 
-A transient grows or creeps for a while, and comes to rest on something large; a motion without bound goes on as it does at
+A transient grows or creeps for a while and ends on a large attractor; an unbounded motion behaves in the same way at
 every size. So copies of the motion are started at 10, 100, ... times its present distance, up to the bound of the model, and
 every one of them must go on at least half as fast as the one before. That takes a few windows of time for all copies
 together, where running to the bound would take ln(bound) / rate.

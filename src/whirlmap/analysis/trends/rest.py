@@ -1,7 +1,7 @@
-"""Whether a motion is at rest, or on its way there: an equilibrium, at all phases of the forcing, that attracts it.
+"""Motion at rest or approaching rest: an equilibrium at all phases of the forcing that attracts the motion.
 
-A small motion is no rest by its size alone, for a forced one may be small beside its start. What makes it one is that the
-equations hold still there: a forced model comes to rest only where its forcing has no amplitude, or is parametric.
+A small motion is no rest by its size alone, for a forced one may be small beside its start. At rest the rates must vanish: a
+forced model comes to rest only where its forcing has no amplitude, or is parametric.
 """
 
 import numpy as np

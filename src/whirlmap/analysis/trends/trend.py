@@ -1,4 +1,4 @@
-"""Whether a motion grows, dies away or drifts steadily, from its section points alone.
+"""Trends of a motion, from its section points alone: steady growth, decay or drift.
 
 The sections of a bounded motion (a cycle, a torus, chaos) have spreads that do not change from one part of a long record to
 the next, and a mean that stands still. A steady change is a candidate only: whether it goes on without end is another

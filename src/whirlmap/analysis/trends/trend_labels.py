@@ -1,4 +1,4 @@
-"""Labels of open motion whose section changes steadily: it dies away to rest, grows or drifts, each with its rate."""
+"""Labels of non-periodic motion whose section changes steadily: at rest, growing or drifting, each with its rate."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -34,7 +34,7 @@ class Trends:
     drift : array, shape (state, point)
         Speed of the mean per unit of time; zero where it does not move steadily.
     centre, reach : array, shape (state, point)
-        Middle of the first part of the section, and how far it has to go, at its rate, to where it would stand still.
+        Middle of the first part of the section, and its remaining distance, at its rate, to the limit.
     exponent, error : array, shape (point,)
         Largest Lyapunov exponent; NaN where it is not known.
     """
@@ -92,7 +92,7 @@ def approach_to_rest(
     Notes
     -----
     The record's amplitude must fall at that rate (`label_trends`). Where it has hardly changed, it moves at a constant
-    speed, which must be the rate times the way that is left.
+    speed, which must be the rate times the remaining distance.
     """
     period, unknown = ensemble.period[points], np.full(points.size, np.nan)
     trends = Trends.of(ensemble.model, period, record, period, unknown, unknown, cyclic)

@@ -1,4 +1,4 @@
-"""One run that gives both exponents and section points: the evidence about operating points that do not return."""
+"""Lyapunov exponents and section points from one run, for non-periodic operating points."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Array = NDArray[np.float64]
 ENOUGH = (0.02, 0.002)
 #: Error of every exponent over the largest one, or over 2 pi/T, at least: rounding.
 ROUNDING = 1e-13
-#: T in the first stretch of its run, which doubles until the error is small enough; T before, while vectors turn into place.
+#: T in the first stretch of its run, which doubles until the error is small enough; T before, while vectors align.
 FIRST_STRETCH, ALIGN = 512, 16
 
 
@@ -74,7 +74,7 @@ def run_with_section(
     periods : int
         T that count (for an unforced model: typical times).
     align : int
-        Those run before, while the tangent vectors turn into place.
+        Those run before, while the tangent vectors align.
 
     Returns
     -------
@@ -106,7 +106,7 @@ def _shared(section: Array, running: NDArray[np.bool_]) -> Array:
 def exponents_to_error(
     ensemble: Ensemble, *, least: int, most: int, multiple: int, progress: Callable[[int], None] | None = None
 ) -> TangentRun:
-    """Run a swarm of one operating point until the error of its largest exponent is small enough.
+    """Run a perturbed ensemble of one operating point until the error of its largest exponent is small enough.
 
     Parameters
     ----------
@@ -121,7 +121,7 @@ def exponents_to_error(
     -----
     The run doubles until the error is below `ENOUGH` of the exponent, or of 2 pi/T. The error is the largest of the
     scatter between runs, the block error within them, a quarter of the difference between the halves of the record, which
-    shows tangent vectors that still turn into place, and what the steps leave (`tangent_accuracy`); and of what the sum of
+    shows tangent vectors that have not aligned yet, and what the steps leave (`tangent_accuracy`); and of what the sum of
     all exponents misses of the mean divergence, and the time direction of a cycle of zero.
     """
     carried = tuned(ensemble, FINE, returns=multiple > 0)

@@ -1,4 +1,4 @@
-"""Lyapunov exponents from the tangent dynamics, with an honest error."""
+"""Lyapunov exponents from the tangent dynamics, with an error that covers correlated and periodic records."""
 
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Unpack
@@ -28,8 +28,8 @@ def exponents(ensemble: Ensemble, periods: int, *, align: int, progress: Callabl
     """Local exponents of every point in successive stretches, largest vector first.
 
     The tangent vectors are carried through the kernel and orthonormalised (modified Gram-Schmidt) [benettin1980] as
-    often as they part, at least once per T (`tangent_accuracy`); the first ``align`` common periods let them turn into place
-    and do not count.
+    often as needed, at least once per T (`tangent_accuracy`); the vectors align in the first ``align`` common periods, which
+    do not count.
 
     Parameters
     ----------

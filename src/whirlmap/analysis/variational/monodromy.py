@@ -1,8 +1,8 @@
-"""One return of many orbits at once, with its derivative: the monodromy matrix, and the largest multipliers.
+"""Monodromy matrices of many orbits at once, and their largest multipliers.
 
-All tangent vectors of an orbit go once round it, from the unit vectors and without orthonormalisation; they end as the
-columns of its monodromy matrix. The largest modulus of its eigenvalues is good to rounding relative to itself, the small
-ones drown in that rounding: `floquet` finds these, for one orbit.
+The tangent vectors of an orbit begin as the unit vectors and are integrated over one return without orthonormalisation;
+they end as the columns of its monodromy matrix. The largest modulus of its eigenvalues is good to rounding relative to
+itself, the small ones drown in that rounding: `floquet` finds these, for one orbit.
 """
 
 from collections.abc import Iterator
@@ -17,7 +17,8 @@ from whirlmap.integrate.scales import scales_between
 Array = NDArray[np.float64]
 Points = NDArray[np.intp]
 
-#: Orbits that go round together: a matrix of twenty states takes 3 kB, the points of a long return twenty times as much.
+#: Orbits that are integrated together: a matrix of twenty states takes 3 kB, the points of a long return twenty times as
+#: much.
 BATCH = 512
 
 

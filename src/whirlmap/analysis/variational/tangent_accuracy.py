@@ -1,14 +1,14 @@
-"""How tangent vectors are carried: steps and orthonormalisations per T of each point, and the error that these steps leave.
+"""Accuracy of tangent vectors: steps and orthonormalisations per T of each point, and the error that these steps leave.
 
-Two things spoil exponents without a trace in their scatter. Vectors that are orthonormalised too seldom all turn into the
+Two errors of exponents do not show in their scatter. Vectors that are orthonormalised too seldom all turn into the
 fastest direction: once they have grown apart by more than doubles hold, the smaller exponents are rounding. And steps that
 are good enough for the motion may be too long for directions that contract faster than it moves; where the record is in
 step with the motion, every block of it then has the same error, and the scatter is none.
 
-Both are measured on a trial from each point's own state, so that its numbers depend on nothing else:
+Both are measured on a test run from each point's own state, so that its numbers depend on nothing else:
 
-1. With the vectors orthonormalised in every step, the growths of one trial say how often that is needed.
-2. The same trial with twice the steps, T by T from the same states, says how far the exponents are from theirs. Steps are
+1. With the vectors orthonormalised in every step, the growths of one test run say how often that is needed.
+2. The same run with twice the steps, T by T from the same states, says how far the exponents are from theirs. Steps are
    doubled until that is small; what is left is the least error of each exponent.
 """
 
@@ -22,7 +22,7 @@ from whirlmap.integrate.ensemble import Ensemble
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
-#: T of a trial.
+#: T of a test run.
 TRIAL = 4
 #: Difference of the vectors' growths between two orthonormalisations, on average; of a double's 36 that leaves enough where
 #: a motion contracts several times as fast in some parts of its period as in others.
@@ -57,7 +57,7 @@ class Tuned:
     def of_swarm(self) -> Array:
         """Error of each exponent where all points are runs of one operating point.
 
-        The median: in chaos some runs part from their finer ones within the trial.
+        The median: in chaos some runs diverge from their finer ones within the test run.
         """
         seen = self.error[:, np.isfinite(self.error).all(axis=0)]
         return np.median(seen, axis=1) if seen.size else np.zeros(len(self.error))
@@ -108,7 +108,7 @@ def tuned(ensemble: Ensemble, wanted: tuple[float, float] = COARSE, *, returns: 
 def _trial(ensemble: Ensemble, points: NDArray[np.intp], steps: Integers) -> tuple[Array, Array]:
     """Growth of the vectors in each T of a trial with these steps, and with twice as many, shape (T, vector, point).
 
-    In each T both begin at the same states and vectors: in chaos they would part, and show that instead of their errors.
+    In each T both begin at the same states and vectors: in chaos they would diverge, and show that instead of their errors.
     """
     coarse, finer = (ensemble.subset(points, steps=n, orth=n) for n in (steps, 2 * steps))
     growths = []

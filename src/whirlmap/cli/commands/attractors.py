@@ -1,4 +1,4 @@
-"""``whirlmap attractors``: what motions coexist at one operating point, and how many starts lead to each."""
+"""``whirlmap attractors``: coexisting attractors at one operating point, and the share of starts that lead to each."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -46,7 +46,7 @@ def attractors(
             " the motion from the default start.",
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Of the drawing.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Seed of the starts.")] = 0,
     changes: options.Changes = None,
     start: options.Start = None,
     labelling: Labelling = LABELLING,

@@ -1,4 +1,4 @@
-"""``whirlmap basins``: which attractor each start state of a slice leads to."""
+"""``whirlmap basins``: the attractor of each start state of a slice."""
 
 from dataclasses import replace
 from typing import Annotated

@@ -40,7 +40,7 @@ def bench(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
-    """Time whirlmap beside heyoka, SciPy and plain C on the gear pair, on one core, at equal error.
+    """Compare the speed of whirlmap with heyoka, SciPy and plain C on the gear pair, on one core, at equal error.
 
     A ratio above 1 means that whirlmap is faster. Errors are those after 8T, median over 512 speeds (64 for SciPy),
     against heyoka at a tolerance of 1e-15; time is processor time, the shortest of several turns that all take in one run,

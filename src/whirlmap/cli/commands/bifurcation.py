@@ -76,9 +76,9 @@ def bifurcation(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
-    """Sweep one parameter of CASE and say where the motion is periodic, and where it is not.
+    """Sweep one parameter of CASE and label the regime of every point.
 
-    Each point settles, is tested for a return, and gives its Poincaré section once per T. Ctrl-C keeps the
+    Each point is integrated until its section returns, and gives its Poincaré section once per T. Ctrl-C keeps the
     points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
     mm/s, N, rpm and 1/s.
     """

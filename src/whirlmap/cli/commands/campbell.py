@@ -44,7 +44,7 @@ def campbell(
     force: options.Force = False,
     json: options.Json = False,
 ) -> None:  # fmt: skip
-    """Follow the damped frequencies of CASE about its static equilibrium, and say where order lines cross them.
+    """Compute the damped frequencies of CASE against a parameter, and the critical speeds at which order lines cross them.
 
     Each mode has the name of the part that moves most in it and its sense of whirl, and the shape: how far every part moves
     over that one. A case with dimensions is shown in rpm and Hz.

@@ -1,4 +1,4 @@
-"""``whirlmap diagnose``: everything about one operating point, and what its regime is."""
+"""``whirlmap diagnose``: the regime of one operating point, with all indicators."""
 
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any
@@ -85,9 +85,9 @@ def diagnose(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
-    """Say what the motion of one operating point of CASE is, with the evidence.
+    """Diagnose the regime of one operating point of CASE, with the evidence.
 
-    Many start states settle, and each is tested for a return. Lyapunov exponents and, where the motion does
+    Many start states are integrated until their section returns. Lyapunov exponents and, where the motion does
     not return, its correlation dimension and spectrum are the evidence; where it does not agree, the motion
     is undecided. A recorded signal has no equations: delay embedding, exponents of neighbours, dimension, 0-1
     test and spectrum are its evidence.

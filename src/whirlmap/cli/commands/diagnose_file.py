@@ -1,4 +1,4 @@
-"""Recorded signals on the command line: what ``diagnose --series`` and ``show --series`` print."""
+"""Recorded signals on the command line: the output of ``diagnose --series`` and ``show --series``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any

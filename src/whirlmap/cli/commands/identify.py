@@ -1,4 +1,4 @@
-"""``whirlmap identify``: the paper's claims, asked of every plausible set of the parameters that it does not give."""
+"""``whirlmap identify``: the paper's claims, judged for every plausible set of the parameters that it does not give."""
 
 import time
 from os.path import relpath
@@ -92,7 +92,7 @@ def identify(
     linear: Annotated[
         int,
         typer.Option("--linear", metavar="N", min=0, max=512, rich_help_panel=SEARCH,
-                     help="With --out: sets of each variant that linear theory is asked about, too; 0: none."),
+                     help="With --out: sets of each variant whose linear stability is computed as well; 0: none."),
     ] = 256,
     page: Annotated[
         Path | None,
@@ -103,7 +103,7 @@ def identify(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
-    """Ask every plausible machine whether the paper's claims hold for it.
+    """Judge the paper's claims for every plausible set of its unpublished parameters.
 
     The paper gives no parameters but psi and s. This draws sets of all others from plausible ranges, computes a coarse
     labelled diagram of each for every reading of the equations that the text allows, and says how often each claim holds,

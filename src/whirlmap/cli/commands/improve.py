@@ -73,10 +73,10 @@ def improve(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
-    """Compare values of one or two design parameters of CASE by what they do to its safe speeds.
+    """Compare values of one or two design parameters of CASE by the safe speeds that they give.
 
-    Every design runs at the same speeds of the first shaft. Said are its widest window of safe speeds and its largest
-    amplitude over the whole range; around the best designs more values are tried. Ctrl-C keeps the designs that are
+    Every design runs at the same speeds of the first shaft. The report gives its widest window of safe speeds and its
+    largest amplitude over the whole range; around the best designs more values are tried. Ctrl-C keeps the designs that are
     finished: they are reported and written, marked as incomplete.
     """
     ranges, units = _ranges(vary)

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.maps.run_sweep import Progress as Chunks
+    from whirlmap.sweep.maps.run_sweep import ChunkReport
     from whirlmap.sweep.parameters.ranges import Range
     from whirlmap.sweep.parameters.space import Space
 
@@ -96,12 +96,12 @@ def map(  # noqa: A001 (the command's name)
         bool,
         typer.Option(
             "--resume", rich_help_panel=STORE,
-            help="Go on with what the store holds; begin it where it is absent, empty or half-made.",
+            help="Continue the store; create it where it is absent, empty or incomplete.",
         ),
     ] = False,
     status: Annotated[
         Path | None,
-        typer.Option("--status", metavar="DIR", rich_help_panel=STORE, help="Say how far a store is, running or dead."),
+        typer.Option("--status", metavar="DIR", rich_help_panel=STORE, help="Print how far a store is, running or not."),
     ] = None,
     share: Annotated[
         str | None,
@@ -153,7 +153,7 @@ def map(  # noqa: A001 (the command's name)
 ) -> None:  # fmt: skip
     """Label the regime of every point of a grid over parameters of CASE.
 
-    Every point says its regime, exponent, amplitudes, largest eccentricity and thinnest film, and how its run ended. Chunks
+    Every point has its regime, exponent, amplitudes, largest eccentricity, thinnest film, and status. Chunks
     of points are committed one by one: after a crash, a kill or Ctrl-C the same command with --resume goes on, and the
     result is the same to the bit. The picture of a case with dimensions is in rpm and um.
     """
@@ -221,9 +221,10 @@ def map(  # noqa: A001 (the command's name)
 
 def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
     """Say how many points do not meet the accuracy, and what to try."""
-    from whirlmap.integrate.accuracy import Verdict
+    from whirlmap.integrate.accuracy import StepVerdict
 
-    return "; ".join(f"{n} points: {Verdict(v).advice(model)}" for v, n in sorted(verdicts.items()) if v != Verdict.met)
+    doubtful = {v: n for v, n in sorted(verdicts.items()) if v != StepVerdict.met}
+    return "; ".join(f"{n} points: {StepVerdict(v).advice(model)}" for v, n in doubtful.items())
 
 
 class _Watch:
@@ -231,10 +232,10 @@ class _Watch:
 
     def __init__(self, points: int, *, quiet: bool) -> None:
         self.bar = Progress("map", points, quiet=quiet, unit="points", rate_unit="points/s")
-        self.last: Chunks | None = None
+        self.last: ChunkReport | None = None
         self.told = 0
 
-    def __call__(self, now: "Chunks") -> None:
+    def __call__(self, now: "ChunkReport") -> None:
         """Take over what a chunk has added."""
         for message in now.messages[self.told :]:
             say(message)

@@ -82,7 +82,7 @@ def longest(quality: str, cases: Sequence[str] | None = None) -> int:
     from whirlmap.analysis.diagnosis.diagnosis import RUNS
     from whirlmap.integrate.loading import load
     from whirlmap.studies.gear_psfd.claims.labelled import PSI
-    from whirlmap.studies.gear_psfd.reproduction.evidence import EDITIONS, edition_of, quality_named, speeds
+    from whirlmap.studies.gear_psfd.reproduction.edition_data import EDITIONS, edition_of, quality_named, speeds
 
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling

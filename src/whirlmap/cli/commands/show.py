@@ -1,4 +1,4 @@
-"""``whirlmap show``: everything that is in a case, before it is run."""
+"""``whirlmap show``: all parameters, switches and assumptions of a case."""
 
 import re
 from fractions import Fraction
@@ -12,7 +12,7 @@ from whirlmap.cli.common import series_options as signals
 from whirlmap.errors import InputError
 
 if TYPE_CHECKING:
-    from whirlmap.cases import Settled
+    from whirlmap.cases import Resolved
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
@@ -47,11 +47,11 @@ def show(
     skip: signals.Skip = 0,
     json: options.Json = False,
 ) -> None:
-    """Print every symbol of CASE with its value, unit, meaning and where the value comes from.
+    """Print every symbol of CASE with its value, unit, meaning and source.
 
     Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches,
-    the start state, the clocks and periods, and what is worth a warning. Nothing is simulated. Of a recorded
-    signal it prints what was understood of the file: table, columns with unit and range, rate.
+    the start state, the clocks and periods, and warnings. Nothing is simulated. For a recorded
+    signal it prints the layout of the file: table, columns with unit and range, rate.
     """
     if series is not None:
         for name, value in {"CASE": case, "--set": changes, "--start": start, "--equations": equations}.items():
@@ -136,7 +136,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     return facts
 
 
-def _mark(settled: "Settled", name: str) -> dict[str, Any]:
+def _mark(settled: "Resolved", name: str) -> dict[str, Any]:
     """What a number was before it was changed by hand, and which numbers its reason was written for."""
     mark = settled.marks.get(name)
     return {"instead_of": mark.instead_of or None, "written_for": dict(mark.written_for)} if mark else {}

@@ -74,7 +74,7 @@ def simulate(
     json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
-    """Integrate one operating point of CASE and report how each state and output moves.
+    """Integrate one operating point of CASE and report the range of each state and output.
 
     T is the period of the fastest forcing; `whirlmap show` says how many of them a turn of each clock takes. Ctrl-C keeps
     what was recorded until then. --out NAME.csv writes time, states and outputs as a table. A case with dimensions is shown

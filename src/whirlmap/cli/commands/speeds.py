@@ -1,4 +1,4 @@
-"""``whirlmap speeds``: where may this machine run, within a limit of vibration, and why not elsewhere."""
+"""``whirlmap speeds``: safe speed windows within a limit of vibration, and the reason for every other speed."""
 
 import json as js
 from dataclasses import replace
@@ -67,11 +67,11 @@ def speeds(
         list[str] | None,
         typer.Option(
             "--tolerance", metavar="NAME=PERCENT", rich_help_panel=SPEEDS,
-            help="Half width of the range from which a parameter or a dimensional input is drawn; may be repeated.",
+            help="Parameter or input and its tolerance, half the width of the range of its draws; may be repeated.",
         ),
     ] = None,
     draws: Annotated[int, typer.Option("--draws", metavar="N", min=1, rich_help_panel=SPEEDS, help="Machines drawn.")] = 64,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SPEEDS, help="Of the draws.")] = 0,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SPEEDS, help="Seed of draws.")] = 0,
     changes: options.Changes = None,
     start: options.Start = None,
     labelling: Labelling = LABELLING,
@@ -87,8 +87,9 @@ def speeds(
 ) -> None:  # fmt: skip
     """Find the windows of speed in which CASE runs periodically and within a limit of vibration.
 
-    Each speed is judged from a cold start and in a run-up and a run-down. Said are the windows, how far the machine's own
-    speed is from their ends, what forbids the speeds between them, and the thinnest film and the largest bearing load.
+    Each speed is judged from a cold start and in a run-up and a run-down. The report gives the windows, how far the
+    machine's own speed is from their ends, what forbids the speeds between them, the thinnest
+    film and the largest bearing load.
     """
     tolerances = tolerances_of(tolerance)
     destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)

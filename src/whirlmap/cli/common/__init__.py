@@ -1,1 +1,1 @@
-"""What several commands share: options, ranges, outputs, messages, reports. Nothing here computes a result."""
+"""Shared parts of the commands: options, ranges, outputs, messages, reports. Nothing here computes a result."""

@@ -1,4 +1,4 @@
-"""Which picture goes with which command: panels of `whirlmap.plot` put together, nothing drawn here."""
+"""The figure of each command, composed of panels of `whirlmap.plot`; nothing is drawn here."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING

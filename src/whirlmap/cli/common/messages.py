@@ -1,4 +1,4 @@
-"""What the command line says to people: on standard error, in one piece, in plain words."""
+"""Messages of the command line to people, on standard error."""
 
 import codecs
 import io

@@ -124,13 +124,13 @@ Transient = Annotated[
     int,
     typer.Option(
         "--transient", metavar="N",
-        help="Common periods run before the last look at a point that does not return; one that returns stops earlier.",
+        help="Common periods of the transient of a point that does not return; a point that returns stops earlier.",
         rich_help_panel=COMPUTING,
     ),
 ]  # fmt: skip
 _LYAPUNOV = (
     "T over which points that do not return run with a tangent vector, which gives their largest Lyapunov exponent"
-    " and tells quasi-periodic from chaotic, at most: each stops when it is labelled and sure enough. Where absent: as"
+    " and tells quasi-periodic from chaotic, at most: each stops when its label is decided. Where absent: as"
     " long as labels may need. "
 )
 Lyapunov = Annotated[

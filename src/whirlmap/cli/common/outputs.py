@@ -1,4 +1,4 @@
-"""Where a command's results go: refused before anything is computed, written complete or not at all."""
+"""Output files of commands: checked before anything is computed, written complete or not at all."""
 
 import re
 from collections.abc import Callable, Sequence

@@ -1,4 +1,4 @@
-"""Progress of commands: `whirlmap.progress`, whose lines come as often as is said here."""
+"""Progress of commands: `whirlmap.progress`, with the intervals of its lines."""
 
 from whirlmap import progress
 from whirlmap.progress import clock as clock

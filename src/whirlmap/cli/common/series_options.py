@@ -57,7 +57,7 @@ Decimal = Annotated[
     typer.Option("--decimal", metavar="C", rich_help_panel=PANEL, help="Decimal mark, . or , ; found where absent."),
 ]
 Skip = Annotated[
-    int, typer.Option("--skip", metavar="N", min=0, rich_help_panel=PANEL, help="Lines at the top that are not looked at.")
+    int, typer.Option("--skip", metavar="N", min=0, rich_help_panel=PANEL, help="Lines at the top to skip.")
 ]
 Missing = Annotated[
     list[str] | None,

@@ -1,4 +1,4 @@
-"""What ``whirlmap speeds`` says: windows and what lies between them, in engineering units where the case has them."""
+"""Report of ``whirlmap speeds``: windows and the ranges between them, in engineering units where the case has them."""
 
 import json as js
 from math import isfinite, nan, pi

@@ -1,4 +1,4 @@
-"""What ``whirlmap map --status`` says of a store."""
+"""Report of ``whirlmap map --status`` about a store."""
 
 from pathlib import Path
 

@@ -4,12 +4,13 @@ Differentiating the whole expressions and sharing subexpressions afterwards take
 table; going through assignments that are shared already takes a second, and gives the shorter code. Derivatives are taken
 by *seeds*: the states, and every assignment that is a linear form of states with constant coefficients (a shaft's
 deflection), so that the parts of a linear form are not differentiated one by one. An assignment that depends on several
-seeds and serves several others (the square of the eccentricity) is a seed on the way: what depends on it is differentiated
-by it alone, and the chain rule is applied once at the end. Along a single direction there is one seed, the direction itself.
+seeds and serves several others (the square of the eccentricity) is an intermediate seed: what depends on it is
+differentiated by it alone, and the chain rule is applied once at the end. A directional derivative has one seed, the
+direction itself.
 
-Two habits of calculation by hand spare a tenth of a film's derivatives. A sum inside of a product is differentiated as one
-thing. And a product of roots and reciprocals stands in its own derivative, times the sum of its factors' *rates*: each
-factor's derivative over the factor itself.
+Two rules save a tenth of the operations in a film's derivatives. A sum inside of a product is differentiated as one term.
+A product of roots and reciprocals is differentiated logarithmically: its derivative is the product times the sum of its
+factors' *rates*, each factor's derivative over the factor itself.
 """
 
 from collections import Counter
@@ -22,13 +23,13 @@ from whirlmap.kernels.lowering.guards import Guards
 from whirlmap.kernels.lowering.lower import Hoisted, Read, Straight
 from whirlmap.kernels.lowering.powers import inverse, root
 
-Slopes = dict[Symbol, Expr]
+Gradient = dict[Symbol, Expr]
 
 
 #: Derivatives of results: by number of the result, and by seed.
 Entries = dict[tuple[int, Symbol], Expr]
 #: Linear forms of states: by seed, the weight of each state.
-Forms = dict[Symbol, Slopes]
+Forms = dict[Symbol, Gradient]
 
 
 def jacobian_code(
@@ -66,12 +67,12 @@ def jacobian_code(
     return _needed(Straight(tuple(writer.steps), (*lines.results, *moving))), entries, forms
 
 
-#: The seed of derivatives along one direction.
+#: The seed of directional derivatives (Jacobian-vector products).
 DIRECTION = Symbol("direction", real=True)
 
 
 def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol], hoisted: Hoisted) -> Straight:
-    """Differentiate straight-line code along one direction.
+    """Differentiate straight-line code in one direction: a Jacobian-vector product.
 
     Parameters
     ----------
@@ -84,7 +85,7 @@ def along_code(lines: Straight, variables: list[Symbol], direction: list[Symbol]
         Its results are those of the code, then the derivative of each. For one direction this costs four fifths of the
         Jacobian and its product with the direction; for two, the Jacobian is cheaper.
     """
-    seeds: dict[Symbol, Slopes] = {v: {DIRECTION: d} for v, d in zip(variables, direction, strict=True)}
+    seeds: dict[Symbol, Gradient] = {v: {DIRECTION: d} for v, d in zip(variables, direction, strict=True)}
     writer = _Forward(seeds, hoisted, lines)
     for step in lines.steps:
         writer.read(step) if isinstance(step, Read) else writer.assign(*step)
@@ -96,15 +97,15 @@ class _Forward:
     """Derivatives of assignments by seeds, each put into an assignment of its own unless it is trivial."""
 
     def __init__(
-        self, by_seed: dict[Symbol, Slopes], hoisted: Hoisted, lines: Straight, *, uses: Counter[Symbol] | None = None
+        self, by_seed: dict[Symbol, Gradient], hoisted: Hoisted, lines: Straight, *, uses: Counter[Symbol] | None = None
     ) -> None:
         self.hoisted, self.roots, self.guards = hoisted, _roots(lines), Guards(lines)
         self.steps: list[tuple[Symbol, Expr] | Read] = []
         self.variables = set(by_seed)
         self.by_seed = by_seed
-        self.linear: dict[Symbol, Slopes] = {}
-        self.on_the_way: dict[Symbol, Slopes] = {}
-        self.rates: dict[Symbol, Slopes] = {}
+        self.linear: dict[Symbol, Gradient] = {}
+        self.intermediate: dict[Symbol, Gradient] = {}
+        self.rates: dict[Symbol, Gradient] = {}
         self.uses = uses
         self.count = 0
 
@@ -124,7 +125,7 @@ class _Forward:
         else:
             slopes = {seed: self._name(slope) for seed, slope in self.slopes(self._parted(e)).items()}
         if self.uses is not None and len(slopes) > 1 and self.uses[symbol] > 1 and symbol not in self.guards.hidden:
-            self.on_the_way[symbol], slopes = slopes, {symbol: Integer(1)}
+            self.intermediate[symbol], slopes = slopes, {symbol: Integer(1)}
         if slopes:
             self.by_seed[symbol] = slopes
 
@@ -132,7 +133,7 @@ class _Forward:
         """Take over a table reading, with the derivatives of its outputs by its coordinates."""
         outputs = list(step.outputs)
         for output, orders, symbol in step.outputs:
-            slopes: Slopes = {}
+            slopes: Gradient = {}
             for axis, coordinate in enumerate(step.coordinates):
                 seeds = self.by_seed.get(coordinate, {})
                 if not seeds:
@@ -147,21 +148,21 @@ class _Forward:
         for _, _, symbol in step.outputs:
             self.by_seed[symbol] = {seed: self._name(e) for seed, e in self.by_seed[symbol].items()}
 
-    def slopes(self, e: Expr) -> Slopes:
+    def slopes(self, e: Expr) -> Gradient:
         """Derivatives of an expression by every seed that it depends on (chain rule over its symbols)."""
         terms = self.guards.terms(e)
         if terms == [e]:
             return self._by_branch(e)
         e = e.xreplace({term: self._part(term) for term in terms})
-        out: Slopes = {}
+        out: Gradient = {}
         for symbol in sorted(e.free_symbols & set(self.by_seed), key=str):
             partial = self._name(derivative(e, symbol))
             for seed, inner in self.by_seed[symbol].items():
                 out[seed] = out.get(seed, Integer(0)) + partial * inner
         return {seed: slope for seed, slope in out.items() if slope != 0}
 
-    def _by_branch(self, e: Piecewise) -> Slopes:
-        """Derivatives of a guarded term: each branch by itself, so that the slope of none is multiplied by zero."""
+    def _by_branch(self, e: Piecewise) -> Gradient:
+        """Derivatives of a guarded term, branch by branch: an infinite slope is never multiplied by zero."""
         branches = [(self.slopes(pair.expr), pair.cond) for pair in e.args]
         seeds = sorted({seed for slopes, _ in branches for seed in slopes}, key=str)
         chosen = {
@@ -170,19 +171,19 @@ class _Forward:
         }  # fmt: skip
         return {seed: slope for seed, slope in chosen.items() if slope != 0}
 
-    def by_last_seeds(self, e: Expr) -> Slopes:
-        """Derivatives of an expression by the states and linear forms, through the seeds on the way to them."""
+    def by_last_seeds(self, e: Expr) -> Gradient:
+        """Derivatives of an expression by the states and linear forms, by the chain rule through the intermediate seeds."""
         out = self.slopes(self._parted(e))
-        for seed, inner in reversed(self.on_the_way.items()):
+        for seed, inner in reversed(self.intermediate.items()):
             if seed in out:
                 slope = self._name(out.pop(seed))
                 for other, weight in inner.items():
                     out[other] = out.get(other, Integer(0)) + slope * weight
         return {seed: slope for seed, slope in out.items() if slope != 0}
 
-    def _linear_form(self, e: Expr) -> Slopes:
+    def _linear_form(self, e: Expr) -> Gradient:
         """Weights of the states in a linear form with constant coefficients and any constant; empty where it is none."""
-        out: Slopes = {}
+        out: Gradient = {}
         for symbol in e.free_symbols & set(self.by_seed):
             weight = e.diff(symbol)
             parts = {symbol: Integer(1)} if symbol in self.variables else self.linear.get(symbol)
@@ -193,7 +194,7 @@ class _Forward:
         return out
 
     def _parted(self, e: Expr) -> Expr:
-        """An expression in whose products the sums, and what has rates, are assignments of their own."""
+        """The expression with assignments of their own for sums inside of products and for factors that have rates."""
         if isinstance(e, Add):
             return e.func(*[self._parted(term) for term in e.args])
         if not isinstance(e, Mul):
@@ -215,12 +216,12 @@ class _Forward:
         self.assign(symbol, e)
         return symbol
 
-    def _rates(self, e: Expr) -> Slopes:
-        """Rates of a product by seed; empty where no factor is a root or a reciprocal, or where one has none."""
+    def _rates(self, e: Expr) -> Gradient:
+        """Logarithmic derivatives of a product by seed; empty where no factor is a root or a reciprocal."""
         factors = [base_and_exponent(f) for f in Mul.make_args(e)]
         if not any(isinstance(base, root | inverse) or base in self.rates for base, _ in factors):
             return {}
-        out: Slopes = {}
+        out: Gradient = {}
         for base, exponent in factors:
             rate = self._rate(base)
             if rate is None:
@@ -229,8 +230,8 @@ class _Forward:
                 out[seed] = out.get(seed, Integer(0)) + exponent * value
         return out
 
-    def _rate(self, e: Expr) -> Slopes | None:
-        """Derivatives of a factor over the factor, by seed; nothing where that would take a division of its own."""
+    def _rate(self, e: Expr) -> Gradient | None:
+        """Logarithmic derivatives of a factor by seed, or None if a new division would be needed."""
         if e in self.rates or not e.free_symbols & set(self.by_seed):
             return self.rates.get(e, {})
         inner = e.args[0] if isinstance(e, root | inverse) else e

@@ -1,4 +1,4 @@
-"""Expressions of a model as NumPy functions, written by SymPy once and read from the cache from then on.
+"""Expressions of a model as NumPy functions: printed by SymPy once, then read from the cache.
 
 SymPy takes longer to print the expressions of a film than an orbit takes to integrate.
 """

@@ -1,4 +1,4 @@
-"""Guarded terms that hide what is infinite or no number where it is not chosen: ``when(x > 1, sqrt(x - 1))``.
+"""Guarded terms with a branch that is infinite or not a number where it does not apply: ``when(x > 1, sqrt(x - 1))``.
 
 A kernel computes every branch and selects. That is right for values; by the chain rule, however, the slope of a branch that
 is not chosen would be multiplied by zero, and zero times infinity is no number. Such terms are differentiated branch by

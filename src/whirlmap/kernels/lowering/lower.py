@@ -89,7 +89,7 @@ def hoist(expression: Expr, hoisted: Hoisted) -> Expr:
             moving = [walk(a) for a in e.args if not constant(a)]
             together = e.func(*still)
             if isinstance(e, Mul) and together.free_symbols and together.could_extract_minus_sign():
-                moving.append(Integer(-1))  # products that differ in sign alone share the input, and what is made of it
+                moving.append(Integer(-1))  # products that differ in sign alone share the input and the terms around it
                 together = -together
             if together.free_symbols:
                 together = hoisted.symbol(together)

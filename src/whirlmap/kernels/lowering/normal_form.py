@@ -1,4 +1,4 @@
-"""One form for every term that has a kink or a jump: ``sign``, ``Abs`` and ``Piecewise`` alone.
+"""Normal form of nonsmooth terms: every kink and jump is written with ``sign``, ``Abs`` and ``Piecewise`` alone.
 
 ``Max``, ``Min`` and ``Heaviside`` are written in these three, and so are the conditions of a ``Piecewise``: as ``And``,
 ``Or`` and ``Not`` of relations. What follows (lowering, differentiation, a search for surfaces at which the rates have a

@@ -1,9 +1,9 @@
 """Poles of a model: denominators of its equations that vanish at some state, where a rate grows without bound.
 
 A step may jump over a pole and end at finite numbers behind it, as though nothing had been there. So the sign of such a
-denominator must be the same at both ends of a step. Which denominators are poles is found by trying, from a fixed set of
-states and parameter values: along lines of all magnitudes, the first change of sign is located, and it is
-a pole if a rate grows towards it. That leaves out denominators that never vanish (``x^2 + a^2``), zeros that the numerator
+denominator must be the same at both ends of a step. Poles are found numerically, from a fixed set of states and
+parameter values: along lines of all magnitudes the first change of sign of a denominator is located, and it is a pole
+if a rate grows towards it. That leaves out denominators that never vanish (``x^2 + a^2``), zeros that the numerator
 shares (``sin(x)/x``), and those behind a closed gap, where the run has ended before (the films at an eccentricity of one).
 """
 
@@ -39,7 +39,7 @@ def poles(model: Model) -> list[Expr]:
 
 
 def pole_guards(model: Model) -> list[Expr]:
-    """Of every pole what must keep its sign: the denominator, or one where parameters make all that it divides zero."""
+    """For every pole what must keep its sign: the denominator, or one where parameters make its numerators zero."""
     out = []
     for base in poles(model):
         terms = [e for rate in model.equations.values() for e in Add.make_args(sympify(rate)) if base in _denominators(e)]

@@ -1,4 +1,4 @@
-"""Surfaces at which a model's rates have a kink or a jump, found in its expressions.
+"""Discontinuity surfaces of a model: where its rates have a kink or a jump, found in its expressions.
 
 ``sign(g)``, ``Abs(g)`` and every comparison inside of a condition change at ``g = 0``. Each such ``g`` that depends on
 states or time is a *surface*. The expressions are rewritten for one side of it: the sign of ``g`` becomes a symbol of its
@@ -68,7 +68,7 @@ class Sided:
 
     @property
     def holds(self) -> list[list[int]]:
-        """Other surfaces that a motion which slides on a surface stays on: dry friction of the mass on that stop."""
+        """Other surfaces on which a motion stays while it slides on a surface: dry friction of the mass on that stop."""
         return [
             [j for j, g in enumerate(self.surfaces) if j != k and 0 in ((g - held).expand(), (g + held).expand())]
             for k, held in enumerate(self.held)

@@ -1,10 +1,10 @@
-"""Fill a table: in every cell a polynomial, in powers of the distance from the cell's centre.
+"""Fit a table: one polynomial per cell, in powers of the distance from the cell's centre.
 
 With one coordinate it is the polynomial through Chebyshev-Lobatto points, so that neighbouring cells join. With two it is
 the Chebyshev series of what such points give, cut off at the total degree: as accurate as the whole tensor product with
 half of its terms, but neighbours join only to the table's accuracy.
 
-A table that is dear to fit has panels (`Table.panel`): the coefficients of each cell, in its own coordinate from -1 to 1,
+A table that is costly to fit has panels (`Table.panel`): the coefficients of each cell, in its own coordinate from -1 to 1,
 are analytic in the logarithm of the parameter, and a new value takes its own from those of `NODES` Chebyshev points of the
 panel, fitted once and kept on disk. Every value is interpolated, so that its bits depend on nothing else.
 """
@@ -32,12 +32,12 @@ EDGES = 3
 NODES = 10
 #: Layers whose source decides what a fitted panel holds.
 SOLVERS = ("equations", "films", "kernels")
-#: Bytes of tables, and of fitted panels, that a process keeps at hand.
+#: Bytes of tables, and of fitted panels, that a process keeps in memory.
 KEPT = 96_000_000
 
 
 class Shelf:
-    """Arrays at hand; beyond a number of bytes those go that were not asked for the longest."""
+    """Cache of arrays in memory; beyond a number of bytes the least recently used are dropped."""
 
     def __init__(self, most: int) -> None:
         self.most, self.size = most, 0
@@ -45,7 +45,7 @@ class Shelf:
         self._lock = threading.Lock()
 
     def get(self, key: Any, make: Callable[[], Array]) -> Array:
-        """Return the array of a key, made where it is not at hand; it cannot be written to."""
+        """Return the array of a key, computed where it is not in memory; it is read-only."""
         with self._lock:
             if key in self._arrays:
                 self._arrays.move_to_end(key)
@@ -159,7 +159,7 @@ def _panel(table: Table, panel: tuple[float, float]) -> Array:
 
 
 def _alone(table: Table, parameter: float) -> Array:
-    """`fitted` of a table that is dear to fit, at a value of the parameter that lies in no panel."""
+    """`fitted` of a table that is costly to fit, at a value of the parameter that lies in no panel."""
     return _on_disk(table, f"{parameter!r}", _shape(table, parameter), lambda: fitted(table, parameter))
 
 
@@ -170,7 +170,7 @@ def _shape(table: Table, parameter: float) -> tuple[int, ...]:
 
 
 def _on_disk(table: Table, what: str, shape: tuple[int, ...], solve: Callable[[], Array]) -> Array:
-    """Solve, or read what was solved before.
+    """Solve, or read an earlier solution from disk.
 
     Tables of this package are kept on disk under the hash of its source; the source of others is not known well enough.
     """

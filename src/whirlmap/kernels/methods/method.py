@@ -1,4 +1,4 @@
-"""What an explicit Runge-Kutta method is to the kernels: numbers, and where they come from."""
+"""An explicit Runge-Kutta method as the kernels need it: its coefficients, and their reference."""
 
 from dataclasses import dataclass
 from fractions import Fraction
@@ -31,8 +31,8 @@ class Method:
         return len(self.b)
 
     @property
-    def twice(self) -> tuple[tuple[Fraction, ...], ...]:
-        """Coefficients of what is integrated twice: the weights of the slopes' own slopes, at every stage and at the end.
+    def nystroem(self) -> tuple[tuple[Fraction, ...], ...]:
+        """Nystroem coefficients A^2: positions directly from accelerations, at every stage and at the end of the step.
 
         Order conditions make some of them zero; what rounded coefficients leave of those is dropped.
         """
@@ -45,18 +45,18 @@ class Method:
             found.append(tuple(s if abs(s) > 1e-12 else Fraction(0) for s in sums))
         return tuple(found)
 
-    def homes(self, *, twice: bool) -> tuple[int, ...]:
-        """Place of each stage's slopes: a place is free again once no later stage needs what lies there.
+    def slope_slots(self, *, nystroem: bool) -> tuple[int, ...]:
+        """Storage slot of each stage derivative, reused after its last use.
 
-        ``twice`` says whether something is integrated twice.
+        ``nystroem`` says whether positions are integrated directly from accelerations.
         """
-        tables = ((*self.a, self.b), self.twice) if twice else ((*self.a, self.b),)
+        tables = ((*self.a, self.b), self.nystroem) if nystroem else ((*self.a, self.b),)
         last = list(range(self.stages))
         for table in tables:
             for i, row in enumerate(table):
                 last = [max(end, i) if j < len(row) and row[j] else end for j, end in enumerate(last)]
-        homes: list[int] = []
+        slots: list[int] = []
         for i in range(self.stages):
-            taken = {homes[j] for j in range(i) if last[j] >= i}
-            homes.append(min(set(range(self.stages)) - taken))
-        return tuple(homes)
+            taken = {slots[j] for j in range(i) if last[j] >= i}
+            slots.append(min(set(range(self.stages)) - taken))
+        return tuple(slots)

@@ -1,4 +1,4 @@
-"""The fifth-order formula of Tsitouras' 5(4) pair."""
+"""The fifth-order formula of the 5(4) pair of Tsitouras."""
 
 from whirlmap.kernels.methods.method import Method
 

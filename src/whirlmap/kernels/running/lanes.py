@@ -25,7 +25,7 @@ Integers = NDArray[np.int64]
 
 #: Rows of the longest table of a harmonic, and parts of a turn that are counted.
 LONGEST, COUNTED = 1 << 17, 1 << 62
-#: Side of a surface of a point that has been put somewhere: the kernel finds it from the state.
+#: Side of a surface for a point whose state was set from outside: the kernel finds it from the state.
 UNKNOWN = 2.0
 
 
@@ -90,7 +90,7 @@ class Inputs:
 
 
 def slopes_for(tangents: int) -> Slopes:
-    """What a kernel computes beside the rates for so many tangent vectors."""
+    """Which derivatives a kernel computes beside the rates, for so many tangent vectors."""
     return "none" if tangents == 0 else "along" if tangents == 1 else "jacobian"
 
 
@@ -107,7 +107,7 @@ def _compiled(model: Model, method: Method, slopes: Slopes, kind: Time, estimate
 
 @dataclass(frozen=True)
 class Waves:
-    """Cosines and sines of the harmonics at every stage time of their own cycles.
+    """Harmonic tables: cosines and sines of the harmonics at every stage time of their own cycles.
 
     A harmonic of order p/q (over the fastest one) repeats after q periods T, so its table has q times the steps per T;
     the tables stay short whatever the common period is. Where q itself is large, a table of more than `LONGEST` rows, the

@@ -1,6 +1,6 @@
-"""Loops that Numba compiles once: their machine code is kept with that of the kernels, and called without Numba.
+"""Loops compiled by Numba once: their machine code is cached with that of the kernels, and called without importing Numba.
 
-Importing Numba takes longer than most of what is asked for.
+Importing Numba takes longer than most commands.
 """
 
 import hashlib
@@ -77,7 +77,7 @@ def _object_code(
     known: dict[str, Any] = {}
 
     def seeing(function: Callable[..., Any]) -> FunctionType:
-        """The function, which finds the parts under their names, compiled."""
+        """The function, with its compiled parts under their names."""
         return FunctionType(function.__code__, {**function.__globals__, **known}, function.__name__, function.__defaults__)
 
     for part in parts:

@@ -1,6 +1,6 @@
-"""Which way kernels compute roots and reciprocals, by estimates or by divisions: chosen by the model of the processor.
+"""How kernels compute roots and reciprocals, by estimates or by divisions: chosen by the model of the processor.
 
-The two ways differ in the last bits of a result, so the choice follows from a table of measurements and never from a
+The two algorithms differ in the last bits of a result, so the choice follows from a table of measurements and never from a
 measurement at run time: the bits would depend on what else the machine does. A store of a sweep keeps the choice that it was
 begun with, and is continued with that one (`using`).
 """
@@ -22,7 +22,7 @@ OVERRIDE = "WHIRLMAP_ROOTS"
 
 
 class RootChoice(NamedTuple):
-    """Way of roots and reciprocals, by the kind of kernel.
+    """Algorithm for roots and reciprocals, by the kind of kernel.
 
     Attributes
     ----------

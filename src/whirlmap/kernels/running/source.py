@@ -1,4 +1,4 @@
-"""The module of a kernel: one model, one method, one way to know time, with or without tangent dynamics.
+"""The module of a kernel: one model, one method, phase-locked or per-lane time, with or without tangent dynamics.
 
 Two kinds of module are written. A *locked* module steps many lanes at one phase of the forcing and reads the harmonics from
 a table; a *free* module gives each lane its own time and computes them. Both share everything else. A module is
@@ -44,16 +44,16 @@ ATTRIBUTES = (
 )
 
 
-Kind = Literal["constant", "input", "slot"]
+TermKind = Literal["constant", "input", "slot"]
 
 
-class Entry(NamedTuple):
+class JacobianTerm(NamedTuple):
     """A term of an entry of the Jacobian: its weight, and a constant (its value), an input or a slot (its index)."""
 
     row: int
     column: int
     weight: float
-    kind: Kind
+    kind: TermKind
     value: float
 
 
@@ -69,7 +69,7 @@ class KernelSource:
         Rows of its arrays.
     hoisted : HoistedFunction
         Inputs of the kernel, computed from the parameters.
-    entries : tuple of Entry
+    entries : tuple of JacobianTerm
         The Jacobian; terms of the same row and column add up.
     tables : dict of str to (str or float)
         Tables that it reads, in the order of its offsets, each with the name or the value of its parameter.
@@ -80,7 +80,7 @@ class KernelSource:
     text: str
     sizes: Sizes
     hoisted: HoistedFunction
-    entries: tuple[Entry, ...]
+    entries: tuple[JacobianTerm, ...]
     tables: dict[str, str | float]
     nodes: tuple[float, ...]
 
@@ -95,7 +95,7 @@ class KernelSource:
     @classmethod
     def from_data(cls, data: dict[str, Any]) -> "KernelSource":
         """Read what `as_data` wrote."""
-        entries = tuple(Entry(*entry) for entry in data["entries"])
+        entries = tuple(JacobianTerm(*entry) for entry in data["entries"])
         hoisted = HoistedFunction(data["inputs"], data["hoisted"])
         sizes = Sizes(**{**data["sizes"], "runs": tuple(Run(*run) for run in data["sizes"]["runs"])})
         return cls(data["text"], sizes, hoisted, entries, dict(data["tables"]), tuple(data["nodes"]))
@@ -157,8 +157,9 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, e
     sizes = Sizes(
         states=model.dimension, outputs=len(model.outputs), inputs=len(hoisted.symbols) + 2 * model.dimension,
         tables=len(model.tables),
-        harmonics=len(model.harmonics), slots=len(slots), scratch=routines.places.rows, stages=method.stages,
-        homes=1 + max(method.homes(twice=bool(runs))), along=slopes == "along", runs=runs, surfaces=len(found.surfaces),
+        harmonics=len(model.harmonics), slots=len(slots), scratch=routines.readings.rows, stages=method.stages,
+        slope_slots=1 + max(method.slope_slots(nystroem=bool(runs))), along=slopes == "along", runs=runs,
+        surfaces=len(found.surfaces),
     )  # fmt: skip
     between = Between(module, sizes, routines.observed_along(observed_along))
     through = turns = of_sides = None
@@ -231,9 +232,9 @@ def _text(module: ir.Module, model: Model) -> str:
 
 def _terms(
     entries: Entries, slots: dict[tuple[int, Symbol], int], forms: Forms, names: list[Symbol], hoisted: Hoisted
-) -> Iterator[Entry]:
+) -> Iterator[JacobianTerm]:
     """Terms of the Jacobian by states, from its entries by seeds."""
-    kind: Kind
+    kind: TermKind
     value: float
     for (row, seed), e in entries.items():
         if (row, seed) in slots:
@@ -245,7 +246,7 @@ def _terms(
         weights = forms.get(seed, {seed: Integer(1)})
         for column, name in enumerate(names):
             if name in weights:
-                yield Entry(row, column, float(weights[name]), kind, value)
+                yield JacobianTerm(row, column, float(weights[name]), kind, value)
 
 
 def _table_parameters(model: Model) -> dict[str, str | float]:

@@ -1,15 +1,15 @@
-"""One step through the surfaces at which rates have a kink or a jump, with every crossing located inside the step.
+"""Event location: one step through discontinuity surfaces, with every crossing located inside the step.
 
 A step is taken with the sides of all surfaces held constant, so that its rates are smooth. Where it ends behind a surface,
-the crossing is sought between: first guess by inverse cubic Hermite interpolation of the surface, then Newton's method with
-bisection as its safeguard. Each trial is a step of the method from the same start, so that the state at the crossing is as
-accurate as any other. The side is changed there, and the rest of the step is taken from there.
+the crossing is located in between: first guess by inverse cubic Hermite interpolation of the surface, then Newton's method
+with bisection as its safeguard. Each iteration is a step of the method from the same start, so that the state at the
+crossing is as accurate as any other. The side is changed there, and the rest of the step is taken from there.
 
 Where the rates jump, tangent vectors are multiplied by the saltation matrix (Aizerman and Gantmakher 1958). Where they point
 at the surface from both sides the motion slides on it: its rates are the mean of both sides that stays on the surface
 (Filippov 1988), until one side pulls away; a single tangent vector slides with it, where the surface's gradient is constant.
-A lane that slides on two surfaces at once, or with other tangent vectors, is lost with `STICKS`; one that needs more than
-`MOST` crossings in a step with `CHATTERS`.
+A lane that slides on two surfaces at once, or with other tangent vectors, ends with `STICKS`; one that needs more than
+`MOST` crossings in a step ends with `CHATTERS`.
 
 A short contact begins and ends within one step, or at the phase at which all runs begin. Steps of any number per T would
 take it in one piece, with one and the same error, which no comparison of steps could see. So what a step takes before,
@@ -18,7 +18,7 @@ behind and between crossings is divided into ``pieces``, whose number differs be
 Between its ends a step may dip behind a surface and come back. Where the cubic through values and rates of the surface comes
 near to zero, the step is cut at its lowest point, which then is a common end of a step.
 
-Lanes that are done wait for those that still locate: it costs them time, and changes none of their bits.
+Lanes that have finished the step wait for those that still locate a crossing: that costs time and changes no bit.
 """
 
 from llvmlite import ir
@@ -29,7 +29,7 @@ from whirlmap.kernels.writing.routine import INTS, Kind, Routine, Value, integer
 from whirlmap.kernels.writing.saltation import CHATTERS, LIMITS, MOST, Surfaces, SurfaceStep
 from whirlmap.kernels.writing.stepping import Sizes
 
-#: Trials for each of the most crossings of a step (`saltation.MOST`).
+#: Iterations of event location for each of the most crossings of a step (`saltation.MOST`).
 TRIALS = 8
 #: Pieces beside a crossing by the odd part of the number of steps per T; else, and without such a number, `PIECES`.
 BY_STEPS, PIECES = {1: 2, 3: 1, 5: 3}, 2
@@ -39,7 +39,7 @@ LOCATED = 1e-13
 FINE = 8
 #: Part of the step below which nothing is divided.
 SHORT = 1e-9
-#: A dip to below this part of the larger of the surface's values at both ends is looked at, so often in a step.
+#: A dip to below this part of the larger of the surface's values at both ends is checked, at most so many times in a step.
 NEAR, DIPS = 0.05, 2
 
 THROUGH: dict[str, Kind] = {
@@ -50,7 +50,7 @@ THROUGH: dict[str, Kind] = {
 
 
 def pieces(steps: int) -> int:
-    """Number of pieces for so many steps per T: another one for each two neighbours of 6, 8, 10, 12, 16, 20, 24, 32, ..."""
+    """Number of pieces for so many steps per T: it differs between neighbours of 6, 8, 10, 12, 16, 20, 24, 32, ..."""
     return BY_STEPS.get(steps // (steps & -steps), PIECES)
 
 
@@ -105,7 +105,7 @@ class _Locator(SurfaceStep):
     # --- parts -------------------------------------------------------------------------------------------------
 
     def _trial(self, trial: Value) -> None:
-        """Write one trial: a step of every pending lane to where its crossing may be, or to the end, and what follows."""
+        """Write one iteration: a step of every pending lane to its estimated crossing or to the end, and its evaluation."""
         r, b, a = self.r, self.r.b, self.r.at
         done, to = r.load(self.done), r.load(self.to)
         h = r.mul(r.load(a["h"]), r.sub(to, done))
@@ -192,7 +192,7 @@ class _Locator(SurfaceStep):
         self, sought: Value, hit: Value, seeking: Value, trial: Value, value: Value, slope: Value, before: Value,
         slope_before: Value, h: Value,
     ) -> Value:  # fmt: skip
-        """Narrow the bracket of lanes that seek a crossing, and say where they try next; gives the lanes that have it."""
+        """Narrow the bracket of lanes that seek a crossing, and set their next iterate; returns those that converged."""
         r, b = self.r, self.r.b
         done, to = r.load(self.done), r.load(self.to)
         whole = r.load(self.r.at["h"])
@@ -207,7 +207,7 @@ class _Locator(SurfaceStep):
         near = b.fcmp_ordered("<=", r.absolute(move), number(LOCATED))
         tight = b.fcmp_ordered("<=", r.sub(high, low), number(LOCATED))
         found = b.and_(sought, b.or_(near, tight))
-        # The next trial: Newton's point where it lies inside, else the secant's or the middle, in turns.
+        # The next iterate: Newton's point where it lies inside, else the secant's or the middle, in turns.
         middle = r.mul(number(0.5), r.add(low, high))
         newton = r.add(to, move)
         inside = b.and_(r.less(low, newton), r.less(newton, high))

@@ -1,7 +1,7 @@
 """Kernels in which every lane has its own time: single evaluations and short runs.
 
-They serve what the phase-locked kernel cannot: the right-hand side at a given time, shorter steps where a step failed, and
-the bracketing of events.
+They serve where the phase-locked kernel cannot: the right-hand side at a given time, shorter steps where a step failed, and
+the bracketing of terminal events.
 """
 
 from llvmlite import ir

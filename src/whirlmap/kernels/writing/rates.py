@@ -15,12 +15,12 @@ from whirlmap.kernels.lowering.surfaces import side_name
 from whirlmap.kernels.writing.roots import Roots
 from whirlmap.kernels.writing.routine import Kind, Routine, Value, integers, number
 from whirlmap.kernels.writing.sines import Sines
-from whirlmap.kernels.writing.table_cells import Places, fetch
+from whirlmap.kernels.writing.table_cells import TableReadings, fetch
 from whirlmap.kernels.writing.vector import VectorCode
 
 #: How time is known: every lane at the same phase of the forcing, or each at its own time.
 Time = Literal["locked", "free"]
-#: What else than the rates a kernel computes: nothing, their derivative along one vector, or their Jacobian.
+#: Which derivatives a kernel computes beside the rates: none, a Jacobian-vector product, or the Jacobian.
 Slopes = Literal["none", "along", "jacobian"]
 
 
@@ -47,7 +47,7 @@ class ModelRoutines:
     def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots, sines: Sines) -> None:
         self.module, self.model, self.hoisted, self.time = module, model, hoisted, time
         self.roots, self.sines = roots, sines
-        self.places = Places(model.tables)
+        self.readings = TableReadings(model.tables)
         self.fetch = fetch(module) if model.tables else None
         self.waves: Kind = "doubles" if time == "locked" else "rows"
         self.surfaces = 0
@@ -75,7 +75,7 @@ class ModelRoutines:
             code.names[symbol.name] = code.value(e)
         assert not reads or self.fetch
         for read in reads:
-            place = self.places.of(read)
+            place = self.readings.of(read)
             place.examine(r, [code.names[z.name] for z in read.coordinates], self.fetch)  # type: ignore[arg-type]
         if reads:
             code.names |= self._inputs(r, lines.names())
@@ -87,7 +87,7 @@ class ModelRoutines:
                 if symbol in pending:  # else it came with another output of its table
                     source = pending.pop(symbol)
                     if isinstance(source, Read):
-                        code.names |= self.places.of(source).polynomials(r, source)
+                        code.names |= self.readings.of(source).polynomials(r, source)
                         for output in source.outputs:
                             pending.pop(output[2], None)
                     else:
@@ -166,7 +166,7 @@ class ModelRoutines:
         return r
 
     def same_side(self, lines: Straight) -> Routine:
-        """Write ``same_side``: no lane stays good for which one of these expressions (`poles`) has another sign."""
+        """Write ``same_side``: clear ``good`` in every lane in which one of these expressions (`poles`) changes sign."""
         r = Routine(self.module, "same_side", {"before": "rows", "y": "rows", "p": "rows", "good": "flags"})
         begin, end = self._results(r, lines, states="before"), self._results(r, lines)
         good = r.b.icmp_signed("!=", r.load(r.at["good"]), integers(0))
@@ -240,7 +240,7 @@ class ModelRoutines:
         return r
 
     def harmonics(self, count: int) -> Routine:
-        """Write ``harmonics``: cosine and sine of every harmonic turned on by a ``part`` of the angle ``turn``."""
+        """Write ``harmonics``: cosine and sine of every harmonic, advanced by a ``part`` of the angle ``turn``."""
         r = Routine(self.module, "harmonics", dict.fromkeys(("c", "turn", "part", "out"), "rows"))
         for i in range(count):
             sine, cosine = self.sines.pair(r, r.mul(r.load(r.at["turn"], i), r.load(r.at["part"])))

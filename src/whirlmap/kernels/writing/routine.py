@@ -1,6 +1,6 @@
 """Writing one LLVM function: vectors of lanes, rows of them in memory, and loops.
 
-Numbers of all lanes of a block stand side by side in one vector, so that LLVM has nothing to find out about: a kernel is
+Numbers of all lanes of a block stand side by side in one vector, so that LLVM need not vectorise: a kernel is
 vector code because it is written as vector code. An array is a pointer to its first row; row ``i`` is one vector.
 """
 

@@ -1,4 +1,4 @@
-"""Sides of the surfaces where a run begins, and their change at a crossing: sliding, and saltation where rates jump."""
+"""Sides of discontinuity surfaces at the start of a run, and their change at a crossing: sliding, or saltation at a jump."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from whirlmap.kernels.writing.hermite import Between
 from whirlmap.kernels.writing.routine import INTS, LANE, Routine, Value, integer, integers, number
 from whirlmap.kernels.writing.stepping import Sizes, Stepper
 
-#: Causes for which a lane is lost.
+#: Causes for which a step of a lane fails.
 LIMITS, STICKS, CHATTERS = 1, 2, 3
 #: Most crossings of a lane in one step.
 MOST = 64
@@ -21,7 +21,7 @@ GRAZING = 1e-3
 
 @dataclass(frozen=True)
 class Surfaces:
-    """What a step through surfaces is made of.
+    """Surfaces of a model, and the routines that a step through them calls.
 
     Attributes
     ----------
@@ -110,7 +110,7 @@ class SurfaceStep:
         return self.r.b.fcmp_ordered("==", self.r.load(self.modes, k), number(0.0))
 
     def _first_sides(self) -> None:
-        """Take the sides of lanes that do not know them yet from where they stand, or on a surface from where they go."""
+        """Set unknown sides of lanes: by the value of the surface, or by its rate where the value is zero."""
         r, b, a = self.r, self.r.b, self.r.at
         unknown = [r.less(number(1.5), r.load(self.modes, k)) for k in range(self.sizes.surfaces)]
         asked = unknown[0]
@@ -164,7 +164,7 @@ class SurfaceStep:
             self._cross(found, which, slope)
 
     def _return(self, x: Value) -> None:
-        """Put lanes that slide back on their surface: what rounding and locating leave would be kept for good.
+        """Project sliding lanes back on their surface: errors of rounding and location would otherwise stay for ever.
 
         A mass that sticks would creep on at that speed for ever.
         """
@@ -206,7 +206,7 @@ class SurfaceStep:
         r.store(b.sext(b.and_(pending, b.not_(b.or_(lost, stuck))), INTS), self.pending)
 
     def _jump(self, here: list[Value], old: list[Value]) -> Value:
-        """Slide where both sides point at the surface, else carry tangent vectors over the jump; gives lanes that stick."""
+        """Slide where both sides point at the surface, else apply the saltation matrix; returns the lanes that stick."""
         r, b, a = self.r, self.r.b, self.r.at
         zero = number(0.0)
         self._moves(a["y"], self.c1, self.f2)

@@ -1,6 +1,6 @@
 """Sine and cosine of vectors: Cody and Waite's reduction, the polynomials of fdlibm, quadrants by selection.
 
-The C library works on one lane at a time, and a pendulum's right-hand side is little else than a sine. Here all lanes take
+The C library works on one lane at a time, and most of a pendulum's right-hand side is a sine. Here all lanes take
 the same path: the nearest multiple of pi/2 is subtracted in three parts, both functions of what is left are polynomials,
 and the quadrant chooses between them and their signs. Products go into sums without rounding (`Routine.fused`), and no
 instruction may be reassociated: the reduction is built of differences that algebra would cancel.
@@ -71,7 +71,7 @@ class Sines:
         return found[0], found[1]
 
     def _far_lanes(self) -> Routine:
-        """Write ``far_lanes``: angles, sines and cosines are rows; those of far angles are put right by the C library."""
+        """Write ``far_lanes``: angles, sines and cosines are rows; beyond `LIMIT` they are computed by the C library."""
         if self._far is None:
             r = self._far = Routine(self.module, "far_lanes", {"rows": "rows"})
             functions = [r.library(name) for name in ("sin", "cos")]

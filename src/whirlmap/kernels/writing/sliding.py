@@ -72,7 +72,7 @@ def sliding_rates(
                 stays = r.sub(r.load(rates, i), r.mul(back, r.load(apart, i)))
                 r.store(b.select(anywhere, stays, r.load(out, i)), out, i)
 
-        kept(a["dy"], a["dy"])  # the mean is rounded by the size of the rates on one side: a mass that sticks would creep
+        kept(a["dy"], a["dy"])  # the mean has the rounding error of one side: a mass that sticks would creep
         if sizes.along:
             for run in sizes.runs:  # their rows are not written: they are the vector's velocities
                 with r.loop(run.rows) as i:

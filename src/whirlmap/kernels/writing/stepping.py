@@ -29,8 +29,8 @@ class Sizes:
         Entries of the Jacobian that are computed at every state.
     scratch : int
         Rows that stay from one stage to the next.
-    stages, homes : int
-        Of the method, and places for their slopes.
+    stages, slope_slots : int
+        Stages of the method, and storage slots for their derivatives.
     along : bool
         Whether the slopes of the one tangent vector are computed with those of the state.
     runs : tuple of Run
@@ -47,14 +47,14 @@ class Sizes:
     slots: int
     scratch: int
     stages: int
-    homes: int
+    slope_slots: int
     along: bool
     runs: tuple[Run, ...]
     surfaces: int
 
     @property
     def others(self) -> list[range]:
-        """States in no run, those that follow one another together."""
+        """Maximal ranges of states that are neither positions nor velocities of a `Run`."""
         taken = {row + i for run in self.runs for row in (run.position, run.velocity) for i in range(run.rows)}
         edges = [i for i in range(self.states + 1) if (i in taken or i == self.states) != (i - 1 in taken or i == 0)]
         return [range(*pair) for pair in zip(edges[::2], edges[1::2], strict=True)]
@@ -66,12 +66,12 @@ class Sizes:
     @property
     def work(self) -> int:
         """Rows of working memory."""
-        tracks = self.states * (3 + self.homes) * (2 if self.along else 1)
+        tracks = self.states * (3 + self.slope_slots) * (2 if self.along else 1)
         return tracks + self.slots * self.stages + self.scratch + 2 * self.harmonics + self.outputs
 
 
 class Track(NamedTuple):
-    """Where the state, or a tangent vector, goes through the stages: the stage's place, a part of the next one, slopes."""
+    """Working arrays of the state or a tangent vector: its value at the stage, part of the next one, stage derivatives."""
 
     z: Value
     ahead: Value
@@ -81,15 +81,16 @@ class Track(NamedTuple):
 class Stepper:
     """Writes single steps of a method into a routine.
 
-    A single tangent vector goes through the stages side by side with the state (`Sizes.along`). Where there may be more, the
-    state goes first and leaves the stages' Jacobians; each vector then goes through them with slopes of one vector's size,
-    and to its end in place, so that all stays in the first level of cache whatever the number of vectors.
+    A single tangent vector is advanced together with the state (`Sizes.along`). With more vectors, the state is advanced
+    first and stores the Jacobian of each stage; each vector is then advanced with these, in place and with stage derivatives
+    of one vector's size, so that the working set stays in the first level of cache whatever the number of vectors.
 
-    A vector's positions need no slopes of their own: those are its velocities at the stages, which are sums of the
-    velocities' slopes. So the velocities' slopes are read once and serve both, and the positions' are never written.
+    The positions of a tangent vector need no stage derivatives of their own: those are its velocities at the stages, which
+    are sums of the velocities' stage derivatives. So these are read once and serve both, and those of the positions are
+    never written (Nystroem).
 
-    Combining slopes waits for loads as much as for products. So the slopes that two successive stages share are read once:
-    with the place of each odd stage, all of the next one is written but the share of the slope that is yet to come.
+    Combining stage derivatives is bound by loads as much as by products. So those that two successive stages share are read
+    once: with each odd stage the next one is written too, but for the term whose derivative is not known yet.
     """
 
     def __init__(
@@ -97,7 +98,7 @@ class Stepper:
         same_side: Routine | None = None,
     ) -> None:  # fmt: skip
         self.r, self.sizes, self.method, self.rates, self.tangent = r, sizes, method, rates, tangent
-        self.homes, self.same_side = method.homes(twice=bool(sizes.runs)), same_side
+        self.slope_slots, self.same_side = method.slope_slots(nystroem=bool(sizes.runs)), same_side
         self.side = r.local(INTS) if same_side else None
         at = 0
 
@@ -108,7 +109,7 @@ class Stepper:
             return place
 
         def track() -> Track:
-            return Track(take(sizes.states), take(sizes.states), take(sizes.states * sizes.homes))
+            return Track(take(sizes.states), take(sizes.states), take(sizes.states * sizes.slope_slots))
 
         self.track = track()
         if sizes.along:
@@ -118,7 +119,7 @@ class Stepper:
         self.x = take(sizes.states * (2 if sizes.along else 1))
 
     def clear(self) -> None:
-        """Forget the cells of tables: another block's lanes begin."""
+        """Forget the cells of tables, before the lanes of another block."""
         with self.r.loop(self.sizes.scratch) as i:
             self.r.store(number(0.0), self.scratch, i)
 
@@ -156,7 +157,7 @@ class Stepper:
         return self.x
 
     def within(self, good: Value) -> None:
-        """Let no lane stay good whose last step left, in a stage or at its end, the side of a pole on which it began."""
+        """Clear the flag of every lane whose last step crossed a pole, in a stage or at its end."""
         if self.same_side:
             self.r.store(self.r.b.and_(self.r.load(good), self.r.load(self.side)), good)
 
@@ -165,7 +166,7 @@ class Stepper:
             self.r.call(self.same_side, before=y, y=place, p=p, good=self.side)
 
     def vectors(self, y: Value, h: Value, p: Value, count: Value, runs: Value | None = None) -> None:
-        """Take the tangent vectors behind ``y`` through the last step, in place, in the lanes of ``runs`` (absent: all)."""
+        """Advance the tangent vectors behind ``y`` over the last step, in place, in the lanes of ``runs`` (absent: all)."""
         r, n = self.r, self.sizes.states
         if self.tangent is None:
             return
@@ -178,20 +179,20 @@ class Stepper:
             self.replace(vector, end, n, runs)
 
     def replace(self, old: Value, new: Value, rows: int, runs: Value | None) -> None:
-        """Put new rows in the place of old ones, in the lanes of ``runs`` (absent: all)."""
+        """Replace old rows by new ones, in the lanes of ``runs`` (absent: all)."""
         r = self.r
         with r.loop(rows) as i:
             value = r.load(new, i)
             r.store(value if runs is None else r.b.select(runs, value, r.load(old, i)), old, i)
 
     def _slopes(self, track: Track, stage: int) -> Value:
-        return self.r.row(track.k, self.homes[stage] * self.sizes.states)
+        return self.r.row(track.k, self.slope_slots[stage] * self.sizes.states)
 
     def _jacobian(self, stage: int) -> Value:
         return self.r.row(self.jac, stage * self.sizes.slots)
 
     def _place(self, stage: int, y: Value, track: Track, h: Value, out: Value | None = None) -> Value:
-        """Write the place of a stage, or of the step's end behind the last one, to ``out`` (absent: the track's own)."""
+        """Write the state at a stage, or at the step's end behind the last one, to ``out`` (absent: the track's own row)."""
         out = track.z if out is None else out
         if stage == 0:
             return y
@@ -199,7 +200,7 @@ class Stepper:
         return out
 
     def _place_along(self, stage: int, vector: Value, track: Track, h: Value, out: Value | None = None) -> Value:
-        """Write the place of a tangent vector, as `_place` does that of the state."""
+        """Write the tangent vector at a stage, as `_place` does for the state."""
         out = track.z if out is None else out
         if stage == 0:
             return vector
@@ -210,7 +211,7 @@ class Stepper:
         return out
 
     def _combine(self, stage: int, y: Value, track: Track, h: Value, out: Value, rows: range) -> None:
-        """Write ``y + h (weighted slopes)`` in some rows; with the place of an odd stage, a part of the next one too."""
+        """Write ``y + h (weighted slopes)`` in some rows; with an odd stage, a part of the next one too."""
         r, tables = self.r, (*self.method.a, self.method.b)
         sums = [(tables[stage], out)]
         if stage % 2 == 0:
@@ -236,7 +237,7 @@ class Stepper:
     def _integrate(self, stage: int, y: Value, track: Track, h: Value, out: Value, run: Run) -> None:
         """Write the velocities of a run, and its positions as integrals of them."""
         r, weights = self.r, (*self.method.a, self.method.b)[stage]
-        once, twice = self._scaled(h, weights), self._scaled(r.mul(h, h), self.method.twice[stage])
+        once, nystroem = self._scaled(h, weights), self._scaled(r.mul(h, h), self.method.nystroem[stage])
         time = r.mul(h, number(float(sum(weights))))
 
         def write(rows: Sequence[Value]) -> None:
@@ -245,10 +246,10 @@ class Stepper:
             for velocity, position in places:
                 begin = r.load(y, velocity)
                 totals.append([begin, r.increased(r.load(y, position), time, begin)])
-            for j in sorted({*once, *twice}):
+            for j in sorted({*once, *nystroem}):
                 for total, row in zip(totals, rows, strict=True):
                     slope = r.load(self._slopes(track, j), row)
-                    for i, part in enumerate((once, twice)):
+                    for i, part in enumerate((once, nystroem)):
                         if j in part:
                             total[i] = r.increased(total[i], part[j], slope)
             for total, place in zip(totals, places, strict=True):
@@ -262,7 +263,7 @@ class Stepper:
         return {j: self.r.mul(factor, number(float(w))) for j, w in enumerate(weights) if w != 0}
 
     def _by_two(self, rows: range, write: Callable[[Sequence[Value]], None]) -> None:
-        """Write something for rows, for two of them at once: they wait less for their slopes."""
+        """Write something for rows, two at a time: that hides the latency of loads."""
         r = self.r
         with r.loop(len(rows) // 2) as pair:
             first = r.b.add(r.b.mul(pair, integer(2)), integer(rows.start))

@@ -1,4 +1,4 @@
-"""Readings of tables: the cell that each lane is in, kept at hand, and the polynomials in it.
+"""Table readings: the record of the cell that each lane is in, kept in scratch, and the polynomials in it.
 
 Every reading has rows of scratch of its own, which stay from one stage to the next: the lane's coordinates, and the record
 of its cell (edges, centre, coefficients). Reading a table through an index would cost more than the polynomial that it
@@ -51,7 +51,7 @@ def fetch(module: ir.Module) -> Routine:
 
 
 @dataclass(frozen=True)
-class Place:
+class TableReading:
     """Rows of one reading.
 
     Attributes
@@ -85,8 +85,8 @@ class Place:
     def examine(self, r: Routine, coordinates: Sequence[Value], fetch: Routine) -> None:
         """Keep the lanes' coordinates, and fetch the records of those that have left their cells (NaN is in no cell).
 
-        No register outlives the fetch. LLVM would put all that was read before it on the stack, for every evaluation to read
-        it from there; now it is read again from where it lies.
+        No register is kept across the fetch: LLVM would spill all of them to the stack in every evaluation. What was read
+        before is read again from its array.
         """
         b, scratch = r.b, r.at["scratch"]
         within = None
@@ -146,23 +146,23 @@ class Place:
         return rows
 
 
-class Places:
-    """The places of all readings of a kernel."""
+class TableReadings:
+    """Rows of all table readings of a kernel."""
 
     def __init__(self, tables: tuple[Table, ...]) -> None:
         self.tables = {table.name: (i, table) for i, table in enumerate(tables)}
-        self.made: dict[tuple[str, tuple[Symbol, ...]], Place] = {}
+        self.made: dict[tuple[str, tuple[Symbol, ...]], TableReading] = {}
 
     @property
     def rows(self) -> int:
-        """Rows of all places so far."""
-        return sum(place.rows for place in self.made.values())
+        """Rows of all readings so far."""
+        return sum(reading.rows for reading in self.made.values())
 
-    def of(self, read: Read) -> Place:
-        """Place of a reading; the same table at the same coordinates is the same place."""
+    def of(self, read: Read) -> TableReading:
+        """The reading of a table; the same table at the same coordinates is one reading."""
         key = (read.table, read.coordinates)
         if key not in self.made:
-            self.made[key] = Place(*self.tables[read.table], self.rows)
+            self.made[key] = TableReading(*self.tables[read.table], self.rows)
         return self.made[key]
 
 

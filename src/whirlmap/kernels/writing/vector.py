@@ -153,7 +153,7 @@ class VectorCode:
 
 
 def _real(constant: Expr) -> float:
-    """A constant of a branch: what is complex there is no real number, and the reciprocal of zero is infinite."""
+    """A constant of a branch: NaN where it is complex, infinite where it is a reciprocal of zero."""
     if constant.has(zoo):
         return float("inf")
     value = complex(constant)

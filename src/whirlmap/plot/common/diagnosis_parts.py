@@ -1,4 +1,4 @@
-"""The parts of a diagnosis, taken out of its one Dataset in the shape that each drawing function reads."""
+"""Parts of a diagnosis: the one Dataset divided into the Datasets that the drawing functions read."""
 
 import json
 from collections.abc import Mapping
@@ -16,7 +16,7 @@ from whirlmap.results.status import Status
 
 @dataclass(frozen=True)
 class Parts:
-    """What a Dataset holds for a sheet of pictures, and why the rest is absent.
+    """The parts of a Dataset for a sheet of panels, and why the others are absent.
 
     Attributes
     ----------

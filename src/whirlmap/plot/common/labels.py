@@ -1,4 +1,4 @@
-"""Symbols and axis labels: the ASCII names of a Dataset as a reader of the papers expects them."""
+"""Symbols and axis labels: the ASCII names of a Dataset in mathematical type."""
 
 import json
 import re

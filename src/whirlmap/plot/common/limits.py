@@ -1,7 +1,7 @@
-"""Limits of axes that tell a point from a line, and the cells that stand for swept values.
+"""Limits of axes that show a point as a point, and the cells of swept values.
 
 A settled period-1 orbit has section points that differ by 1e-11. On axes scaled to that range they look like
-a line or a cloud; here no axis is shorter than a share of how far the motion swings.
+a line or a cloud; here no axis is shorter than a share of the peak-to-peak of the motion.
 """
 
 import numpy as np

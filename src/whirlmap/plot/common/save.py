@@ -1,4 +1,4 @@
-"""Write a figure to a file: whole or not at all, and the same bytes for the same figure."""
+"""Writing of a figure to a file: complete or not at all, and with the same bytes for the same figure."""
 
 import os
 from io import BytesIO

@@ -1,4 +1,4 @@
-"""One house style for every picture: sizes, fonts, colours, and how a regime looks.
+"""The style of all figures: sizes, fonts, colours, and the colour and marker of each regime.
 
 Nothing here touches matplotlib's global settings for longer than a call: drawing functions carry `styled`,
 which sets `house` around them: the settings of `HOUSE` that the user has left at matplotlib's own values. The colours

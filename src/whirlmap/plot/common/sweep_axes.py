@@ -1,4 +1,4 @@
-"""What the panels of a diagram share: its parameter, its sweeps, the values at which no run ended well."""
+"""Shared parts of the panels of a diagram: the varied parameter, its sweeps, the values without a complete run."""
 
 import numpy as np
 import xarray as xr

@@ -1,4 +1,4 @@
-"""The orbit of a motion as it moves: a short film that repeats."""
+"""Animation of an orbit: a short GIF that repeats."""
 
 import os
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Design parameters compared as a picture: width of the safe window and worst amplitude, and what one costs the other."""
+"""Design parameters compared as a picture: width of the safe window, worst amplitude, and their Pareto front."""
 
 from typing import Any
 

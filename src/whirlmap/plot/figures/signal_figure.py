@@ -34,7 +34,7 @@ DECADES = 10
 
 @styled
 def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
-    """Six panels of a signal: time, delay portrait, spectrum, embedding, parting of neighbours, correlation sum."""
+    """Six panels of a signal: time, delay portrait, spectrum, embedding, divergence of neighbours, correlation sum."""
     slides = "window_regime" in ds
     fig = new_figure(WIDE, 7.4 if slides else 5.6)
     grid = fig.add_gridspec(3 if slides else 2, 3)
@@ -53,7 +53,7 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
     axes[1].set(xlabel="$x(t)$", ylabel=f"$x(t + {lag}\\,\\Delta)$", title="delay portrait")
     draw_series_spectrum(ds, ax=axes[2])
     draw_embedding(ds, ax=axes[3])
-    draw_parting(ds, ax=axes[4])
+    draw_divergence(ds, ax=axes[4])
     if "dimension_status" in ds:
         names = [str(n) for n in ds.variables if str(n).startswith("dimension_")]
         draw_correlation_sum(ds[names].rename({n: n.removeprefix("dimension_") for n in names}), ax=axes[5])
@@ -141,7 +141,7 @@ def draw_embedding(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 @styled
-def draw_parting(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def draw_divergence(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Mean logarithm of the distance of neighbours over time, with the fitted ranges of both methods."""
     ax = axes_or_new(ax)
     votes = json.loads(ds.attrs["indicators"])
@@ -158,6 +158,6 @@ def draw_parting(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             a, b = vote["range"]
             level = np.mean(curve[a : b + 1] - vote["value"] * time[a : b + 1])
             ax.plot(time[[a, b]], level + vote["value"] * time[[a, b]], color=INK, lw=1.2, ls="--", gid=f"fit-{name}")
-    ax.set(xlabel=f"time [{ds.attrs['unit']}]", ylabel=r"$\langle \ln d \rangle$", title="parting of neighbours")
+    ax.set(xlabel=f"time [{ds.attrs['unit']}]", ylabel=r"$\langle \ln d \rangle$", title="divergence of neighbours")
     ax.legend(loc="lower right", fontsize=text_size(6.5))
     return ax

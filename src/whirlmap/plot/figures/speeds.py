@@ -1,4 +1,4 @@
-"""Safe speed windows as a picture: amplitude, film and load against speed, with what forbids the speeds between them."""
+"""Figure of safe speed windows: amplitude, film thickness and load against speed, with the reasons between the windows."""
 
 import json
 from typing import Any

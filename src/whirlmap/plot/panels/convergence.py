@@ -1,4 +1,4 @@
-"""Lyapunov exponents as they settle: the mean up to each period, and the final value with its error."""
+"""Convergence of Lyapunov exponents: the running mean, and the final value with its error."""
 
 import numpy as np
 import xarray as xr

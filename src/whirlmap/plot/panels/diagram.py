@@ -72,7 +72,7 @@ def _points(ax: Axes, at: NDArray[np.float64], values: NDArray[np.float64], colo
 
 
 def _swing(ds: xr.Dataset, state: str) -> float:
-    """Largest peak-to-peak range of the state at any one value, over the record; zero where not given."""
+    """Largest peak-to-peak of the state at any one value, over the record; zero where not given."""
     if "maximum" not in ds or state not in ds["quantity"].values:
         return 0.0
     size = (ds["maximum"] - ds["minimum"]).sel(quantity=state).values

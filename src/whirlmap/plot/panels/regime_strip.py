@@ -1,4 +1,4 @@
-"""What stands under a bifurcation diagram: the strip of regimes, the exponents, the legend."""
+"""Panels under a bifurcation diagram: the strip of regimes, the exponents, the legend."""
 
 from typing import Any
 

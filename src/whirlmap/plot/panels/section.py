@@ -32,15 +32,15 @@ def draw_section(
 ) -> Axes:
     """Poincaré map of two states; runs and periods together are one cloud.
 
-    Reads ``section(..., period, state)`` and ``status``. The axes are never shorter than a share of how far
-    the motion swings, so that a periodic orbit is its few points.
+    Reads ``section(..., period, state)`` and ``status``. The axes are never shorter than a share of the
+    peak-to-peak of the motion, so that a periodic orbit is its few points.
 
     Parameters
     ----------
     x, y : str
         States; the velocity of ``x`` where ``y`` is absent.
     orbit : xr.Dataset, optional
-        The time series of the same motion, which tells how far it swings.
+        The time series of the same motion, which gives its peak-to-peak.
     """
     ax = axes_or_new(ax, 3.4, 3.2)
     y = velocity_of(ds, x) if y is None else y

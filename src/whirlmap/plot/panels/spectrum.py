@@ -160,7 +160,7 @@ def mark_orders(ax: Axes, orders: Orders) -> None:
 
 
 def _apart(places: list[float], gap: float) -> list[float]:
-    """Ascending places moved as little as needs be, to stand a gap from each other."""
+    """Ascending positions, moved as little as needed to keep a gap between neighbours."""
     out = list(places)
     for _ in range(200):
         moved = False

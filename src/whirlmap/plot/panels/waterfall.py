@@ -1,4 +1,4 @@
-"""Waterfalls: amplitude spectra against speed, with the lines that orders of the machine follow."""
+"""Waterfall diagrams: amplitude spectra against speed, with order lines of the machine."""
 
 from typing import Literal
 

@@ -1,7 +1,7 @@
-"""Many start states settled as one batch, and gathered into the attractors that they come to.
+"""Search for coexisting attractors: many start states in one batch, grouped by the attractor that they reach.
 
 1. Starts that return are gathered into orbits, closed by Newton's method.
-2. The others are on an attractor that is known where they flow into its orbit, or their points lie on its trace. What is
+2. The others are on an attractor that is known where they converge to its orbit, or their points lie on its trace. What is
    left is labelled, 8 starts and then twice as many each time; those that come out chaotic or quasi-periodic are traced.
 3. What has no label then settles on while it approaches a known orbit, and is traced.
 4. Sets are compared with each other, by their traces and where these differ by longer ones.

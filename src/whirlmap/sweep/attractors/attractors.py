@@ -16,7 +16,7 @@ from whirlmap.analysis.steady.returns import settle_and_record
 from whirlmap.analysis.variational.exponents_with_section import run_with_section
 from whirlmap.analysis.variational.lyapunov import mean_and_error
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import LADDER, Verdict, doubtful
+from whirlmap.integrate.accuracy import LADDER, StepVerdict, doubtful
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Integration, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -92,7 +92,7 @@ def attractors(
        the forcing that is the same: orbits are closed by Newton's method (`periodic_orbits.closed_orbit`), and compared to
        ten tolerances of settling. Angles are compared modulo their period. The phases are those of the common period, or of
        what is left of it where a harmonic has no amplitude (`repeat_time`).
-    2. Those that do not return belong to a known orbit where they flow into it. Of the others, `LANES` and then twice as
+    2. Those that do not return belong to a known orbit where they converge to it. Of the others, `LANES` and then twice as
        many each time are labelled (`label_points`). Those that come out chaotic, quasi-periodic or locked (and cycles of
        unforced models) are traced over 2048 section points (`attractor_search.TRACE`), and the others are on the same
        attractor where 32 of their section points (`RECORD`) lie on the trace (`on_set`). What has no label then runs on
@@ -202,7 +202,7 @@ def _one_step(
     settling = replace(labelling.settling, keep=1)
     settle_and_record(ensemble, settling, cyclic=cyclic_states(system), progress=execution.progress)
     steps = int(max(ensemble.point_steps.max(), TANGENT_STEPS))
-    if (ensemble.step_verdict == Verdict.nonsmooth).any():
+    if (ensemble.step_verdict == StepVerdict.nonsmooth).any():
         steps = LADDER[-1]
     integration = Integration(labelling.integration.method, steps)
     return replace(labelling, integration=integration), doubtful(ensemble.step_verdict, system.model) or None

@@ -1,4 +1,4 @@
-"""What an interrupted search knows of the attractors that it has found: whether they return, and their section points."""
+"""Result of an interrupted search: the attractors found, whether they return, and their section points."""
 
 from typing import Any
 

@@ -1,4 +1,4 @@
-"""The attractors that a search has found, and which of them a state, an orbit or a trace is on."""
+"""The attractors that a search has found, and the assignment of states, orbits and traces to them."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -60,7 +60,7 @@ class KnownAttractors:
     def comes_to(
         self, trace: Array, smooth: bool, sets: Mapping[int, tuple[Array, bool]] | None = None
     ) -> int | None:
-        """Number of the orbit that a trace (time, state) flows into, or of the first set that it traces as well.
+        """Number of the orbit that a trace (time, state) converges to, or of the first set that it traces as well.
 
         ``sets`` are compared instead of the known ones.
         """

@@ -1,4 +1,4 @@
-"""The time after which the equations are the same: which shifts in time take motions to motions."""
+"""The time after which the equations repeat: by which shifts in time solutions are mapped to solutions."""
 
 import numpy as np
 from numpy.typing import NDArray

@@ -1,4 +1,4 @@
-"""Where a sweep up and a sweep down come to different motions."""
+"""Hysteresis: values at which a sweep up and a sweep down reach different motions."""
 
 import numpy as np
 import xarray as xr

@@ -1,4 +1,4 @@
-"""Long work in parts, so that Ctrl-C keeps what was done: diagrams in batches, simulations in stretches.
+"""Diagrams in batches and simulations in stretches, so that Ctrl-C keeps the finished parts.
 
 The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch
 to the next, and a stretch of a simulation goes on from the end of the one before.
@@ -68,8 +68,8 @@ def diagram_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Points in a batch; where absent as many as take some seconds (`work.batches`), `BATCH` blocks of lanes for each
-        worker at most, or `CHAIN` where the state is followed.
+        Points in a batch; where absent as many as take some seconds (`interruptible.batches`), `BATCH` blocks of lanes for
+        each worker at most, or `CHAIN` where the state is followed.
 
     Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both
     directions was interrupted on its way down, points not reached have ``status`` failed.

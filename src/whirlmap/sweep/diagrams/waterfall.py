@@ -1,4 +1,4 @@
-"""Spectra of one state over a range of a parameter: the waterfall that rotordynamicists read against speed."""
+"""Waterfall diagrams: spectra of one state over a range of a parameter, as a rule the speed."""
 
 import json
 from fractions import Fraction

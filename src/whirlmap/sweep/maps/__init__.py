@@ -1,1 +1,1 @@
-"""Grids and random draws computed chunk by chunk, by threads or a cluster. What lies on the disk is the work of `store`."""
+"""Grids and random draws computed chunk by chunk, by threads or a cluster. The files of a store are in `sweep.store`."""

@@ -1,4 +1,4 @@
-"""Who computes the chunks of a sweep: threads of this process, or the workers of a Dask cluster. One task for both.
+"""Executors of a sweep's chunks: threads of this process, or the workers of a Dask cluster. The task is the same for both.
 
 A task computes one chunk and writes it into the store; only a small outcome comes back.
 """

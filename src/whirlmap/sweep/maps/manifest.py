@@ -1,4 +1,4 @@
-"""What a store was made of, and whether a run may go on with it."""
+"""The manifest of a store: all that decides its numbers, and whether a run may continue it."""
 
 import json
 from collections.abc import Mapping

@@ -1,4 +1,4 @@
-"""Points where they are needed: a coarse lattice first, then its cells with different labels, down to the grid itself."""
+"""Adaptive refinement of a map: a coarse lattice first, then its cells with different labels, down to the full grid."""
 
 from collections.abc import Callable
 

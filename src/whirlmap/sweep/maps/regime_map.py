@@ -14,7 +14,7 @@ from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.options.storage import STORAGE, Storage
 from whirlmap.options.taking import MapParts, takes_options
 from whirlmap.progress import tell
-from whirlmap.sweep.maps.run_sweep import OnChunk, Progress, run_sweep
+from whirlmap.sweep.maps.run_sweep import ChunkReport, OnChunk, run_sweep
 from whirlmap.sweep.parameters.random_draws import Tolerance
 from whirlmap.sweep.parameters.space import Space
 
@@ -44,7 +44,7 @@ def regime_map(
     sections : bool
         Keep ``section(..., period, state)`` of every point, once per T, as a bifurcation diagram has it.
     on_chunk : callable, optional
-        Called with `whirlmap.sweep.maps.run_sweep.Progress` after every chunk.
+        Called with `whirlmap.sweep.maps.run_sweep.ChunkReport` after every chunk.
     labelling : Labelling, optional
         How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
     execution : Execution, optional
@@ -127,7 +127,7 @@ def counting(on_chunk: OnChunk | None, progress: Any) -> OnChunk | None:
         return on_chunk
     counted = 0
 
-    def told(now: Progress) -> None:
+    def told(now: ChunkReport) -> None:
         nonlocal counted
         tell(progress, "expect", now.points_total - now.points_done + now.points)
         progress(now.points - counted)

@@ -1,4 +1,4 @@
-"""Sweeps into a store: begun or gone on with, chunk by chunk, by whichever executor."""
+"""Sweeps into a store: started or resumed, chunk by chunk, by any executor."""
 
 import shutil
 import time
@@ -41,7 +41,7 @@ REFINED = 0.25
 
 
 @dataclass
-class Progress:
+class ChunkReport:
     """How far a sweep is, handed to its callback after every chunk.
 
     Attributes
@@ -57,7 +57,7 @@ class Progress:
     regimes : Counter
         Points of each regime so far, earlier runs included.
     verdicts : Counter
-        Points by whether their steps meet the accuracy (`whirlmap.integrate.accuracy.Verdict`).
+        Points by whether their steps meet the accuracy (`whirlmap.integrate.accuracy.StepVerdict`).
     messages : list of str
         What was found on the way: damaged chunks, failures.
     """
@@ -74,7 +74,7 @@ class Progress:
     messages: list[str] = field(default_factory=list)
 
 
-OnChunk = Callable[[Progress], None]
+OnChunk = Callable[[ChunkReport], None]
 
 
 def run_sweep(
@@ -91,7 +91,7 @@ def run_sweep(
     """Label the points of a space; the options are those of `regime_map`."""
     space.check(system)
     if refine and (len(space.axes) != 2 or space.tolerances):
-        raise RangeError("refine wants exactly two varied parameters, and no random draws")
+        raise RangeError("refine needs exactly two varied parameters, and no random draws")
     if storage.store is None:
         if execution.cluster is not None:
             raise RangeError("a cluster writes into a store: give one")
@@ -211,7 +211,7 @@ def _work(job: Job, share: tuple[int, int] | None, computing: Any, on_chunk: OnC
     store = job.store
     numbers = list(store.chunks.share(*(share or (1, 1))))
     standing = store.standing(numbers)
-    progress = Progress(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
+    progress = ChunkReport(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
     progress.messages += notes
     if swept := store.sweep_away(set(numbers) if share else None):  # other shares may be writing
         progress.messages.append(f"{swept} half-written files of an interrupted run were deleted")
@@ -249,11 +249,11 @@ def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
     return np.asarray(numbers[np.argsort(np.arange(numbers.size) * golden % 1.0, kind="stable")])
 
 
-def _take(job: Job, outcome: Outcome, progress: Progress) -> None:
+def _take(job: Job, outcome: Outcome, progress: ChunkReport) -> None:
     if outcome.stop:
         raise OutputError(
             f"{outcome.fault}\n  {progress.done} of {progress.total} chunks are done and kept;"
-            " --resume (resume=True) goes on once this is mended"
+            " --resume (resume=True) continues once this is repaired"
         )
     points = job.store.chunks.points(outcome.number)
     if outcome.fault:

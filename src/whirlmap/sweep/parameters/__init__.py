@@ -1,1 +1,1 @@
-"""Which points a sweep has: ranges, random draws within tolerances, and the grids made of them."""
+"""The points of a sweep: ranges, random draws within tolerances, and grids made of them."""

@@ -1,4 +1,4 @@
-"""Random draws of parameters within their tolerances: draw number k is the same in any company, order and chunk."""
+"""Random draws of parameters within their tolerances: draw number k depends on no other draw, order or chunk."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What was measured of operating points as variables of a Dataset, and the attributes that say what to doubt."""
+"""Measured numbers of operating points as variables of a Dataset, and attributes that warn of doubtful ones."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
@@ -12,7 +12,7 @@ from whirlmap.analysis.labels.regime import Rule
 from whirlmap.analysis.steady.returns import first_drift
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
-from whirlmap.integrate.accuracy import Verdict, doubtful
+from whirlmap.integrate.accuracy import StepVerdict, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System, common_multiple_attribute
@@ -104,12 +104,12 @@ def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
         "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
         "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),
         "settled_after": variable(dim, r.waited, "1", "common periods run before the record"),
-        "accelerated": variable(dim, r.accelerated.astype(np.int8), "1", "whether the approach was cut short"),
+        "accelerated": variable(dim, r.accelerated.astype(np.int8), "1", "whether convergence was accelerated"),
         "steps": variable(dim, m.steps, "1/T", "steps per T"),
         "step_error": variable(dim, m.step_error, "1", "measured error over one common period"),
         "step_verdict": variable(
             dim, m.step_verdict, "1", "whether the steps meet the accuracy",
-            flag_values=[int(v) for v in Verdict], flag_meanings=" ".join(v.name for v in Verdict),
+            flag_values=[int(v) for v in StepVerdict], flag_meanings=" ".join(v.name for v in StepVerdict),
         ),
         "grazings": variable(dim, m.grazings, "1", "grazing contacts with surfaces at which rates change, in the record"),
     }  # fmt: skip

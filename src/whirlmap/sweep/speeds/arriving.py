@@ -1,4 +1,4 @@
-"""Whether motions met at one speed are one: those that have not settled and flow into a periodic one, and periodic ones."""
+"""Comparison of the motions found at one speed: periodic ones, and transients that converge to a periodic one."""
 
 from collections.abc import Mapping
 
@@ -21,12 +21,12 @@ Places = NDArray[np.intp]
 
 #: Labels of motions that may not have settled.
 UNSETTLED = (Regime.quasi_periodic, Regime.undecided, Regime.not_settled)
-#: Common periods that a run is given at most to flow into an orbit.
+#: Common periods in which a run must converge to an orbit.
 PATIENCE = 1024
 
 
 def arriving(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, fresh: NDArray[np.bool_]) -> NDArray[np.bool_]:
-    """Which motions flow into a periodic one of their place.
+    """Which motions converge to a periodic one at the same speed.
 
     Parameters
     ----------
@@ -59,7 +59,7 @@ def arriving(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, fre
 
 
 def _flow(judge: Judge, values: Mapping[str, Array], motions: xr.Dataset, runs: Places, orbits: Places) -> NDArray[np.bool_]:
-    """Whether each run flows into the orbit beside it; all of one common period."""
+    """Whether each run converges to the orbit beside it; all of one common period."""
     known = _closed(judge, values, motions, orbits, orbits)
     ensemble = _ensemble(judge, values, motions, runs, orbits)
     into = arrivals(

@@ -126,7 +126,7 @@ def judge_machines(
     scales = np.array([shaft_speed(machine) for machine in machines]) / shaft_speed(system)
     scales = np.where(np.isfinite(scales), scales, 1.0)
     if not np.all(scales > 0):
-        raise RangeError("the first shaft of a machine stands still at every s: its speeds cannot be compared")
+        raise RangeError("the first shaft of a machine does not turn at any s: its speeds cannot be compared")
     values = {n: np.repeat([float(m.values[n]) for m in machines], at.size) for n in names if n in differing}
     values[speed] = (at / scales[:, None]).ravel()
     judge, each = Judge(system, quantity, labelling, execution), np.repeat(allowed, at.size)

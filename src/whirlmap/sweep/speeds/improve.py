@@ -127,8 +127,8 @@ def improve_in_batches(
     Parameters
     ----------
     batch : int, optional
-        Designs in a batch; where absent as many as take some seconds (`work.batches`), and `BATCH` blocks of lanes for each
-        worker hold at most.
+        Designs in a batch; where absent as many as take some seconds (`interruptible.batches`), and `BATCH` blocks of lanes
+        for each worker hold at most.
 
     Other parameters are those of `improve`, and so is the Dataset, which carries ``incomplete`` where something is missing.
     """

@@ -1,10 +1,10 @@
-"""Run-up and run-down: every settled motion is carried to the next speeds, until no motion is met that is new there.
+"""Run-up and run-down: every steady motion starts the neighbouring speeds, until no new motion is found.
 
 All speeds start cold, side by side. Then each settled state starts the speed above and the speed below it, all of them
 together; where that ends on another motion than those that are known there, the new one is carried on, and so forth. What a
 run-up from the lowest and a run-down from the highest speed meet is among what is found: their first speed starts cold, and
 every motion that they come to is carried on from each speed to the next as they do. They would do it one speed after the
-other; here most speeds are done in the first round, and the later ones hold only the fronts of the motions that are new.
+other; here most speeds are done in the first round, and later rounds hold only the speeds next to new motions.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -63,8 +63,8 @@ def motions_met(judge: Judge, values: Mapping[str, Array], limits: Array, length
 
     Notes
     -----
-    Motions that do not return count as one at each speed: only the first is carried on. One that has not settled and flows
-    into a periodic motion met there is none of its own (`whirlmap.sweep.speeds.arriving`), unless a cold start came to it.
+    Motions that do not return count as one at each speed: only the first is carried on. One that is in its transient and
+    converges to a periodic motion is none of its own (`whirlmap.sweep.speeds.arriving`), unless a cold start came to it.
     There are as many rounds as speeds at most, which take the last motion from one end of the range to the other.
     """
     cold = met = cold_motions(judge, values, limits)

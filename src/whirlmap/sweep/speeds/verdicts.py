@@ -1,4 +1,4 @@
-"""Whether a machine may run at a speed: its motion is periodic and within a limit, and its teeth stay in contact."""
+"""Verdict on a speed: safe where the motion is periodic and within the limit, and the teeth stay in contact."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Windows of safe speeds and what lies between them: their edges refined, and one row for each stretch of the range."""
+"""Windows of safe speeds with refined edges, the ranges between them, and one table row for each."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""What decides the bits of a sweep beside its parameters: the program, the libraries under it, and the processor."""
+"""Fingerprint of a computation: program, libraries and processor, which decide the bits beside the parameters."""
 
 import hashlib
 import platform

@@ -1,4 +1,4 @@
-"""What a store has lost beside its chunks: axes, and the descriptions of its arrays. Found on the disk, and put back.
+"""Repair of a store: lost axes and descriptions of arrays are detected on the disk and restored.
 
 Chunks guard themselves by receipts. Axes and descriptions (``zarr.json``) are the same in every store of the sweep, so
 that they are copied from one that is made anew beside it.

@@ -1,4 +1,4 @@
-"""Whether a folder is a store, what is left of one, and how one is removed: from names and the manifest alone.
+"""Store folders: whether a folder is a store, complete or damaged, and its removal; from names and the manifest alone.
 
 The manifest, the attribute of the group ``chunks``, stands once more in the description of the whole store, where Zarr
 consolidates all others. A store that has lost the one gets it back from the other.

@@ -1,4 +1,4 @@
-"""How a store stands, running or dead, from what is on the disk alone."""
+"""Status of a store, running or stopped, from the files on disk alone."""
 
 import time
 from collections import Counter

@@ -12,7 +12,7 @@ from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.studies.gear_psfd.claims.claims import JUDGES, WORDS, claims
 from whirlmap.studies.gear_psfd.claims.labelled import PSI, S_ORBIT
-from whirlmap.studies.gear_psfd.reproduction.evidence import EDITIONS, QUALITIES, Evidence, speeds
+from whirlmap.studies.gear_psfd.reproduction.edition_data import EDITIONS, QUALITIES, EditionData, speeds
 from whirlmap.studies.gear_psfd.reproduction.verdicts import judge, labelled, safe_windows
 
 #: What is read of a system here: the paper's clock.
@@ -53,7 +53,7 @@ def in_windows(*windows):
 
 
 def as_the_paper_says():
-    """Evidence in which everything is as the paper says; amplitudes grow with s and fall with psi."""
+    """EditionData in which everything is as the paper says; amplitudes grow with s and fall with psi."""
     fig3 = in_windows((1.18, 1.6), (3.11, 9))
     high = lambda s: 0.2 * s * np.where((s >= 1.48) & (s <= 1.6), 3.0, 1.0)  # noqa: E731
     diagrams = {
@@ -63,7 +63,7 @@ def as_the_paper_says():
         0.1: diagram(in_windows((1.6, 1.62), (3.15, 9)), swing=lambda s: 0.05 * s),
     }
     dims = {(psi, y): dimension(v) for psi in PSI for y, v in (("yp", 1.28), ("y2", 1.41))}
-    return Evidence(EDITIONS[1], SYSTEM, QUALITIES["full"], diagrams, {psi: orbit() for psi in PSI}, dims)
+    return EditionData(EDITIONS[1], SYSTEM, QUALITIES["full"], diagrams, {psi: orbit() for psi in PSI}, dims)
 
 
 def test_every_claim_has_one_judge():
@@ -79,7 +79,7 @@ def test_evidence_in_the_papers_words_satisfies_every_claim():
 
 def test_a_calm_machine_refutes_the_chaos():
     calm = {psi: diagram(lambda s: s < 0, swing=lambda s: 1 / s) for psi in PSI}
-    e = Evidence(
+    e = EditionData(
         EDITIONS[1], SYSTEM, QUALITIES["full"], calm, {psi: orbit(-0.1, 0.01, 4, 0.0) for psi in PSI},
         {(psi, y): {} for psi in PSI for y in ("yp", "y2")},
     )  # fmt: skip
@@ -97,7 +97,7 @@ def test_a_calm_machine_refutes_the_chaos():
 def test_contact_everywhere_is_no_motion_to_judge():
     gone = {psi: diagram(lambda s: s < 0, ended=lambda s: s > 0) for psi in PSI}
     ended = xr.Dataset({"regime": int(Regime.contact)}, attrs={"indicators": "{}"})
-    e = Evidence(
+    e = EditionData(
         EDITIONS[0], SYSTEM, QUALITIES["full"], gone, dict.fromkeys(PSI, ended),
         {(psi, y): {} for psi in PSI for y in ("yp", "y2")},
     )  # fmt: skip
@@ -111,7 +111,7 @@ def test_contact_everywhere_is_no_motion_to_judge():
 def test_the_wrong_dimension_fails():
     e = as_the_paper_says()
     wrong = {key: dimension(1.9) for key in e.dimensions}
-    words = {v.claim.id: v.word for v in judge(Evidence(e.edition, e.system, e.quality, e.diagrams, e.orbits, wrong))}
+    words = {v.claim.id: v.word for v in judge(EditionData(e.edition, e.system, e.quality, e.diagrams, e.orbits, wrong))}
     assert words["fig6-dimension-yp"] == words["fig7-dimension-y2"] == "fails"
 
 

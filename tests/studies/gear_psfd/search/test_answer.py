@@ -11,7 +11,7 @@ import whirlmap
 from whirlmap.errors import OutputError
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.studies.gear_psfd.claims.claims import HOLDS, JUDGES, judge_all
-from whirlmap.studies.gear_psfd.reproduction.evidence import edition_of
+from whirlmap.studies.gear_psfd.reproduction.edition_data import edition_of
 from whirlmap.studies.gear_psfd.search.answer import (
     Answer,
     best_of,

@@ -1,4 +1,4 @@
-"""Every statement of the paper about its results, turned into a verdict and a score.
+"""Judgement of every statement of the paper about its results: a verdict and a score.
 
 The statements are data (`claims.toml`); each has one function here, found by its id, that judges many parameter sets at
 once. `reproduce` asks them about one machine, `identify` about thousands. "Almost all" is taken as `ALMOST_ALL`, a claim

@@ -1,7 +1,7 @@
-"""What the paper's claims read: labelled diagrams of many parameter sets at once, as plain arrays.
+"""Data that the paper's claims are judged by: labelled diagrams of many parameter sets at once, as plain arrays.
 
-A reproduction judges one set with many speeds, a search thousands of sets with a few speeds each; both look the same from
-here. Arrays have the shape (set, psi, speed), or (set, psi) at the speed of Figures 6 and 7.
+A reproduction judges one set with many speeds, a search thousands of sets with a few speeds each; both use these arrays.
+Arrays have the shape (set, psi, speed), or (set, psi) at the speed of Figures 6 and 7.
 """
 
 import math
@@ -88,7 +88,7 @@ class Labelled:
 
     @cached_property
     def kinds(self) -> dict[str, Mask]:
-        """Which points return with the forcing or otherwise, are open (of three kinds), or ended.
+        """Kind of each point: returns with the forcing or otherwise, is non-periodic (of three kinds), or ended.
 
         A point is chaotic here where it is labelled so, or where it is undecided, does not return, and its largest exponent
         lies three standard errors above zero and above `least`.

@@ -15,7 +15,7 @@ from whirlmap.plot.common.save import encode
 from whirlmap.plot.figures.diagnosis_figure import paper_diagram_figure, paper_orbit_figure
 from whirlmap.results.regime import Regime
 from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI, S_ORBIT
-from whirlmap.studies.gear_psfd.reproduction.evidence import Evidence
+from whirlmap.studies.gear_psfd.reproduction.edition_data import EditionData
 
 #: Of the pictures, which the report carries inside: sharp on a screen.
 DPI = 120
@@ -37,7 +37,7 @@ class Plan:
     arguments: tuple[Any, ...]
 
 
-def plans(e: Evidence) -> Iterator[Plan]:
+def plans(e: EditionData) -> Iterator[Plan]:
     """All figures of an edition."""
     name = e.edition.name
     for psi, ds in e.diagrams.items():

@@ -13,8 +13,8 @@ from jinja2 import Environment, StrictUndefined
 
 from whirlmap.assumptions.strained import strained
 from whirlmap.studies.gear_psfd.claims.claims import claims
-from whirlmap.studies.gear_psfd.reproduction.evidence import Evidence
-from whirlmap.studies.gear_psfd.reproduction.verdicts import Verdict
+from whirlmap.studies.gear_psfd.reproduction.edition_data import EditionData
+from whirlmap.studies.gear_psfd.reproduction.verdicts import ClaimVerdict
 
 HERE = files("whirlmap.studies.gear_psfd")
 
@@ -43,7 +43,7 @@ class Picture:
 
 
 def write_report(
-    path: Path, done: Sequence[tuple[Evidence, list[Verdict]]], pictures: Sequence[Picture], *, quality: str
+    path: Path, done: Sequence[tuple[EditionData, list[ClaimVerdict]]], pictures: Sequence[Picture], *, quality: str
 ) -> None:
     """Write the report of the editions computed so far."""
     environment = Environment(autoescape=True, undefined=StrictUndefined, trim_blocks=True, lstrip_blocks=True)
@@ -80,12 +80,12 @@ def _equations() -> list[dict[str, Any]]:
     return list(tomllib.loads(HERE.joinpath("equations.toml").read_text(encoding="utf-8"))["equation"])
 
 
-def _parameters(e: Evidence) -> list[dict[str, str]]:
+def _parameters(e: EditionData) -> list[dict[str, str]]:
     entries = json.loads(e.diagrams[0.0].attrs["parameters"])
     return [{"name": name, **{key: str(p[key]) for key in ("value", "unit", "source")}} for name, p in entries.items()]
 
 
-def _provenance(e: Evidence) -> dict[str, Any]:
+def _provenance(e: EditionData) -> dict[str, Any]:
     attributes = e.diagrams[0.0].attrs
     kept = (
         "whirlmap_version", "model", "model_hash", "case", "case_hash", "switches", "method", "steps_per_period",
@@ -95,7 +95,7 @@ def _provenance(e: Evidence) -> dict[str, Any]:
     return {key: attributes[key] for key in kept if key in attributes}
 
 
-def _amount(e: Evidence) -> str:
+def _amount(e: EditionData) -> str:
     q, ds = e.quality, e.diagrams[0.0]
     return (
         f"{ds.sizes['s']} speeds for each permeability, {q.settling.transient} common periods of transient, returns sought"

@@ -10,11 +10,18 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.results.files import write
 from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI
-from whirlmap.studies.gear_psfd.reproduction.evidence import EDITIONS, Edition, Evidence, edition_of, gather, quality_named
+from whirlmap.studies.gear_psfd.reproduction.edition_data import (
+    EDITIONS,
+    Edition,
+    EditionData,
+    edition_of,
+    gather,
+    quality_named,
+)
 from whirlmap.studies.gear_psfd.reproduction.figures import DIAGRAM_NUMBER, Studio, plans
 from whirlmap.studies.gear_psfd.reproduction.output import Folder
 from whirlmap.studies.gear_psfd.reproduction.report import Picture, write_report
-from whirlmap.studies.gear_psfd.reproduction.verdicts import Verdict, judge
+from whirlmap.studies.gear_psfd.reproduction.verdicts import ClaimVerdict, judge
 
 REPORT = "report.html"
 
@@ -37,7 +44,7 @@ def reproduce(
     out : Path
         Folder; made where it does not exist. Files that an earlier reproduction wrote are replaced, others never.
     quality : {"quick", "full"}
-        How much is computed (`evidence.QUALITIES`).
+        How much is computed (`edition_data.QUALITIES`).
     cases : sequence of str, optional
         Cases of the gear pair, instead of the three editions.
 
@@ -62,7 +69,7 @@ def reproduce(
         raise RangeError(f"several cases are called {', '.join(twice)}, and their files would be, too: rename the cases")
     folder = Folder(Path(out))
     folder.check(file_names(editions))
-    done: list[tuple[Evidence, list[Verdict]]] = []
+    done: list[tuple[EditionData, list[ClaimVerdict]]] = []
     pictures: list[Picture] = []
     with Studio(workers or cores()) as studio:
         for edition in editions:

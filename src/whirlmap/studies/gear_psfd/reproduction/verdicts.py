@@ -20,14 +20,14 @@ from whirlmap.studies.gear_psfd.claims.claims import (
     windows_of,
 )
 from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI, Array, Labelled, Mask, Orbits, least_exponent, median_of
-from whirlmap.studies.gear_psfd.reproduction.evidence import Evidence, dimension_text
+from whirlmap.studies.gear_psfd.reproduction.edition_data import EditionData, dimension_text
 
 #: Regime of a point whose numbers could not be had: it is of no kind.
 NOT_KNOWN = -1
 
 
 @dataclass(frozen=True)
-class Verdict:
+class ClaimVerdict:
     """A word, and the numbers that decided it."""
 
     claim: Claim
@@ -35,14 +35,14 @@ class Verdict:
     found: str
 
 
-def judge(evidence: Evidence) -> list[Verdict]:
+def judge(evidence: EditionData) -> list[ClaimVerdict]:
     """Judge every statement by the evidence of one edition."""
     d = labelled(evidence)
     judged = judge_all(d)
-    return [Verdict(c, WORDS[int(judged[c.id].word[0])], FOUND[c.id](evidence, d, c)) for c in claims()]
+    return [ClaimVerdict(c, WORDS[int(judged[c.id].word[0])], FOUND[c.id](evidence, d, c)) for c in claims()]
 
 
-def labelled(e: Evidence) -> Labelled:
+def labelled(e: EditionData) -> Labelled:
     """Arrange the evidence of one edition as the claims read it: one parameter set."""
     first = e.diagrams[PSI[0]]
 
@@ -71,7 +71,7 @@ def amplitude(ds: xr.Dataset, state: str = "yp") -> Array:
     return np.asarray((ds["maximum"] - ds["minimum"]).sel(quantity=state).values, dtype=float)
 
 
-def _orbits(e: Evidence) -> Orbits:
+def _orbits(e: EditionData) -> Orbits:
     def each(read: Callable[[xr.Dataset], float]) -> Array:
         return np.array([[read(e.orbits[psi]) for psi in PSI]])
 
@@ -108,12 +108,12 @@ def _share(d: Labelled, psi: int, kind: str, where: Mask) -> float:
     return float(d.share(d.kinds[kind][:, psi], where)[0])
 
 
-def _nonperiodic(_e: Evidence, d: Labelled, _claim: Claim) -> str:
+def _nonperiodic(_e: EditionData, d: Labelled, _claim: Claim) -> str:
     everywhere = np.ones(d.s.size, dtype=bool)
     return f"{float(d.open[0, 0].mean()):.0%} of the speeds do not return; {counts(d, 0, everywhere)}"
 
 
-def _amplitude_grows(_e: Evidence, d: Labelled, _claim: Claim) -> str:
+def _amplitude_grows(_e: EditionData, d: Labelled, _claim: Claim) -> str:
     running = int(np.isfinite(d.amplitude[0, 0]).sum())
     rank = float(rank_correlation(d)[0])
     if np.isnan(rank):
@@ -121,8 +121,8 @@ def _amplitude_grows(_e: Evidence, d: Labelled, _claim: Claim) -> str:
     return f"rank correlation of the peak-to-peak of y_p with s: {rank:+.2f} over {running} speeds"
 
 
-def _window(psi: float, low: float, high: float) -> Callable[[Evidence, Labelled, Claim], str]:
-    def found(_e: Evidence, d: Labelled, _claim: Claim) -> str:
+def _window(psi: float, low: float, high: float) -> Callable[[EditionData, Labelled, Claim], str]:
+    def found(_e: EditionData, d: Labelled, _claim: Claim) -> str:
         where = d.between(low, high)
         if not where.any():
             return f"no computed speed in {low:g} .. {high:g}"
@@ -131,12 +131,12 @@ def _window(psi: float, low: float, high: float) -> Callable[[Evidence, Labelled
     return found
 
 
-def _chaos_window(e: Evidence, d: Labelled, claim: Claim) -> str:
+def _chaos_window(e: EditionData, d: Labelled, claim: Claim) -> str:
     both = counts(d, PSI.index(1e-4), d.between(1.61, 1.80))
     return f"{_window(1e-4, 1.18, 1.60)(e, d, claim)}; s = 1.61 .. 1.80, where the paper says both: {both}"
 
 
-def _large_amplitude(_e: Evidence, d: Labelled, _claim: Claim) -> str:
+def _large_amplitude(_e: EditionData, d: Labelled, _claim: Claim) -> str:
     at = PSI.index(1e-4)
     inside, rest = chaotic_windows(d)
     if not (d.kinds["chaotic"][0, at] & (inside | rest)).any():
@@ -145,8 +145,8 @@ def _large_amplitude(_e: Evidence, d: Labelled, _claim: Claim) -> str:
     return f"median peak-to-peak of y_p {a:.3g} in 1.48 .. 1.60, {b:.3g} in 1.18 .. 1.475"
 
 
-def _three_windows(psi: float) -> Callable[[Evidence, Labelled, Claim], str]:
-    def found(_e: Evidence, d: Labelled, _claim: Claim) -> str:
+def _three_windows(psi: float) -> Callable[[EditionData, Labelled, Claim], str]:
+    def found(_e: EditionData, d: Labelled, _claim: Claim) -> str:
         at = PSI.index(psi)
         low, high, other = ((kind, where) for kind, where in windows_of(d))
         return (
@@ -157,25 +157,25 @@ def _three_windows(psi: float) -> Callable[[Evidence, Labelled, Claim], str]:
     return found
 
 
-def _each_psi(tell: Callable[[Evidence, float, int], str]) -> Callable[[Evidence], str]:
+def _each_psi(tell: Callable[[EditionData, float, int], str]) -> Callable[[EditionData], str]:
     return lambda e: "; ".join(f"psi = {psi:g}: {tell(e, psi, k)}" for k, psi in enumerate(PSI))
 
 
-def _label(e: Evidence, psi: float) -> str:
+def _label(e: EditionData, psi: float) -> str:
     return Regime(int(e.orbits[psi]["regime"])).label
 
 
-def _lyapunov(e: Evidence, d: Labelled, _claim: Claim) -> str:
-    def tell(e: Evidence, psi: float, k: int) -> str:
+def _lyapunov(e: EditionData, d: Labelled, _claim: Claim) -> str:
+    def tell(e: EditionData, psi: float, k: int) -> str:
         value, error = float(d.orbits.exponent[0, k]), float(d.orbits.error[0, k])
         return _label(e, psi) if np.isnan(value) else f"{value:+.4f} ± {error:.4f} per radian ({_label(e, psi)})"
 
     return _each_psi(tell)(e)
 
 
-def _dimension(coordinate: str) -> Callable[[Evidence, Labelled, Claim], str]:
-    def found(e: Evidence, _d: Labelled, claim: Claim) -> str:
-        def tell(e: Evidence, psi: float, _k: int) -> str:
+def _dimension(coordinate: str) -> Callable[[EditionData, Labelled, Claim], str]:
+    def found(e: EditionData, _d: Labelled, claim: Claim) -> str:
+        def tell(e: EditionData, psi: float, _k: int) -> str:
             made = e.dimensions[psi, coordinate]
             if not made:
                 return f"no dimension ({_label(e, psi)})"
@@ -186,8 +186,8 @@ def _dimension(coordinate: str) -> Callable[[Evidence, Labelled, Claim], str]:
     return found
 
 
-def _spectrum(e: Evidence, d: Labelled, _claim: Claim) -> str:
-    def tell(e: Evidence, psi: float, k: int) -> str:
+def _spectrum(e: EditionData, d: Labelled, _claim: Claim) -> str:
+    def tell(e: EditionData, psi: float, k: int) -> str:
         if np.isnan(d.orbits.lines[0, k]):
             return f"no spectrum ({_label(e, psi)})"
         return f"{int(d.orbits.lines[0, k])} lines, {d.orbits.broadband[0, k]:.1%} of the power beside them"
@@ -195,14 +195,14 @@ def _spectrum(e: Evidence, d: Labelled, _claim: Claim) -> str:
     return "y_p: " + _each_psi(tell)(e)
 
 
-def _regularises(e: Evidence, d: Labelled, _claim: Claim) -> str:
-    def tell(_e: Evidence, _psi: float, k: int) -> str:
+def _regularises(e: EditionData, d: Labelled, _claim: Claim) -> str:
+    def tell(_e: EditionData, _psi: float, k: int) -> str:
         return f"{float(d.open[0, k].mean()):.0%} non-periodic, {float(d.ended[0, k].mean()):.0%} contact or diverged"
 
     return _each_psi(tell)(e)
 
 
-def _suppresses(e: Evidence, d: Labelled, _claim: Claim) -> str:
+def _suppresses(e: EditionData, d: Labelled, _claim: Claim) -> str:
     shared, median, less = suppressed(d)
     n = int(shared.sum())
     if n == 0:
@@ -218,15 +218,15 @@ def safe_windows(d: Labelled, psi: int) -> list[tuple[float, float, float]]:
     return [(float(d.s[a]), float(d.s[b - 1]), float(pp[a:b].max())) for a, b in zip(edges[::2], edges[1::2], strict=True)]
 
 
-def _safe_speeds(e: Evidence, d: Labelled, _claim: Claim) -> str:
-    def tell(_e: Evidence, _psi: float, k: int) -> str:
+def _safe_speeds(e: EditionData, d: Labelled, _claim: Claim) -> str:
+    def tell(_e: EditionData, _psi: float, k: int) -> str:
         windows = ", ".join(f"{a:.2f} .. {b:.2f} (at most {m:.3g})" for a, b, m in safe_windows(d, k)[:6])
         return windows or "no periodic speed"
 
     return "periodic windows, with the peak-to-peak of y_p: " + _each_psi(tell)(e)
 
 
-FOUND: dict[str, Callable[[Evidence, Labelled, Claim], str]] = {
+FOUND: dict[str, Callable[[EditionData, Labelled, Claim], str]] = {
     "fig2-nonperiodic": _nonperiodic,
     "fig2-amplitude-grows": _amplitude_grows,
     "fig3-low-8T": _window(1e-4, 0.0, 1.1799),

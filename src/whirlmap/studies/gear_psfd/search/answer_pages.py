@@ -49,7 +49,7 @@ def picture_names(edition: str) -> dict[str, str]:
     """Stems of the pictures of an edition, and what they show."""
     return {
         f"shares-{edition}": f"Share of sets under which each claim holds, with its 95 % interval; {edition}",
-        f"together-{edition}": f"How often two claims hold together, against independent ones; {edition}",
+        f"together-{edition}": f"How often two claims hold together, compared with independent ones; {edition}",
         f"marginals-{edition}": f"Where in its range each group lies when a claim holds; {edition}",
     }
 

@@ -1,4 +1,4 @@
-"""The space that is searched: plausible ranges of every group that the paper does not give, and a design that fills it."""
+"""The search space: plausible ranges of every group that the paper does not give, and a space-filling design."""
 
 import hashlib
 import json

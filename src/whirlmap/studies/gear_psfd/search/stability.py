@@ -1,4 +1,4 @@
-"""Linear theory beside the search: whether the machine at rest in its films stays there, and how it leaves.
+"""Linear stability of the searched sets: whether the static equilibrium is stable, and the frequency of the unstable mode.
 
 The static equilibrium with all forcing off is the start of every run. The eigenvalues of the Jacobian there say whether a
 small motion dies out, and at which frequency it grows: half of a journal's spin is the whirl of its film.

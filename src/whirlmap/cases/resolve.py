@@ -1,4 +1,6 @@
-"""From what is written to what the model takes: units converted, groups evaluated, contradictions refused.
+"""Resolution of a case: from written entries to the parameters of the model.
+
+Units are converted, groups are evaluated, and contradictions are refused.
 
 Files and changes are layers, later ones on top. Two rules decide between a dimensionless symbol and the
 dimensional inputs of its group:
@@ -14,7 +16,7 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
-from whirlmap.cases import ways
+from whirlmap.cases import alternatives
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
 from whirlmap.cases.reasons import History, Mark
@@ -40,8 +42,8 @@ class Input:
 
 
 @dataclass(frozen=True, repr=False)
-class Settled(Listed):
-    """A model with a value for each of its parameters, and how they came about.
+class Resolved(Listed):
+    """A model with a value for each of its parameters, and where each value comes from.
 
     Attributes
     ----------
@@ -91,14 +93,14 @@ class Settled(Listed):
         """Its dimensional inputs, for a terminal and a notebook."""
         rows = [(name, one.written, one.parameter.meaning, one.note) for name, one in self.inputs.items()]
         return Listing(
-            f"Settled case {self.case.name}: model {self.model.name}",
+            f"Resolved case {self.case.name}: model {self.model.name}",
             [f"values: {', '.join(f'{name} = {float(value):.6g}' for name, value in self.values.items())}"],
             [Rows("Inputs", ("name", "as given", "meaning", "where it comes from"), rows)],
         )
 
 
-def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
-    """Settle a case, with changes on top.
+def resolve(case: Case, changes: Mapping[str, Any] | None = None) -> Resolved:
+    """Resolve a case, with changes on top.
 
     Parameters
     ----------
@@ -128,7 +130,7 @@ def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
         suits = {n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}
         work.add(suits, by_hand=False, strict=number == len(case.layers) and not picked)
     work.add(asked, by_hand=True, strict=True)
-    return work.settled(case)
+    return work.resolved(case)
 
 
 def _model(family: Family, switches: Mapping[str, str], picked: Mapping[str, Any]) -> Model:
@@ -152,7 +154,7 @@ class _Work:
         self.values: dict[str, float | Fraction] = {}
         self.inputs: dict[str, Fraction] = {}
         self.routes: dict[str, Route] = {}
-        self.held: dict[str, dict[str, ways.Held]] = {}
+        self.held: dict[str, dict[str, alternatives.Held]] = {}
         self.layers = 0
         self.history = History(family.groups.shared if family.groups else {})
 
@@ -187,7 +189,7 @@ class _Work:
 
     def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
         """Take the way in which a layer gives an input, and forget how the layers below gave it."""
-        for target, route in ways.chosen(routes, layer).items():
+        for target, route in alternatives.chosen(routes, layer).items():
             for name in (target, *(r.key for r in routes if r.target.name == target)):
                 self.inputs.pop(name, None)
                 self.given_inputs.pop(name, None)
@@ -201,7 +203,7 @@ class _Work:
         return name in (*self.groups.operation, *(b.rho.name for b in self.groups.bearings(self.switches).values()))
 
     def _idle(self, name: str) -> bool:
-        """Whether an input serves ways of giving others alone, none of which is taken."""
+        """Whether an input serves alternative inputs alone, none of which is used."""
         if not self.groups or self._effective(name):
             return False
         serving = [r for r in self.groups.routes if name in r.names]
@@ -304,12 +306,12 @@ class _Work:
                     return switch, choice
         return None
 
-    def settled(self, case: Case) -> Settled:
+    def resolved(self, case: Case) -> Resolved:
         """Evaluate groups and defaults."""
         values: dict[str, float | Fraction] = {}
         notes: dict[str, str] = {}
         written = set(self.given_inputs)
-        made_by = ways.follow(self.routes, self.inputs, self.given_inputs, self.held, case.name)
+        made_by = alternatives.follow(self.routes, self.inputs, self.given_inputs, self.held, case.name)
         for target, (value, made) in made_by.items():
             self.inputs[target], self.given_inputs[target] = value, made
         for check in self.groups.checks if self.groups else ():
@@ -331,7 +333,7 @@ class _Work:
             expression = self.model.defaults[p]
             number = float(value_of(_sympified(expression), values))
             values[p.name], notes[p.name] = number, f"default: {expression}"
-        return Settled(
+        return Resolved(
             case=case,
             model=self.model,
             switches=self.switches,

@@ -1,4 +1,4 @@
-"""What was found of operating points that do not return."""
+"""Results for non-periodic operating points."""
 
 from dataclasses import dataclass, field, fields
 
@@ -13,8 +13,8 @@ Points = NDArray[np.intp]
 
 
 @dataclass(frozen=True)
-class OpenPoints:
-    """What was found, each array of shape (point,).
+class NonperiodicResults:
+    """Results, each array of shape (point,).
 
     Attributes
     ----------
@@ -73,7 +73,7 @@ class OpenPoints:
     paths: dict[int, Array] = field(default_factory=dict)
 
     @classmethod
-    def none(cls, x: Array) -> "OpenPoints":
+    def none(cls, x: Array) -> "NonperiodicResults":
         """Points of which nothing is known yet, at states of shape (state, point)."""
         states, points = x.shape
         zero, unknown = np.zeros((states, points)), np.full((5, points), np.nan)
@@ -84,7 +84,7 @@ class OpenPoints:
             whole[1], unknown[4], no[2], whole[2],
         )  # fmt: skip
 
-    def take(self, other: "OpenPoints", points: Points) -> None:
+    def take(self, other: "NonperiodicResults", points: Points) -> None:
         """Take over what was found of some points."""
         for one in fields(self):
             if one.name != "paths":

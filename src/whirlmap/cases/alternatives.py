@@ -1,4 +1,4 @@
-"""Inputs that data sheets give in several ways: a viscosity by its grade, an unbalance by its quality."""
+"""Alternative inputs: a viscosity by its grade, an unbalance by its balance quality, a torque by its power."""
 
 from collections.abc import Mapping
 from fractions import Fraction
@@ -13,17 +13,17 @@ Held = tuple[Fraction, Given]
 
 
 def chosen(routes: tuple[Route, ...], layer: Layer) -> dict[str, Route | None]:
-    """The way in which a layer gives each input that has several: a route, or None where the input itself stands there.
+    """For each input with alternative definitions, the one used in this layer; None where the input itself is given.
 
     Raises
     ------
     CaseError
-        Where a layer gives one input in two ways, naming both.
+        Where a layer gives two alternatives of one input, naming both.
     """
     found: dict[str, Route | None] = {}
     for target in dict.fromkeys(r.target.name for r in routes):
-        ways: dict[str, Route | None] = {target: None} | {r.key: r for r in routes if r.target.name == target}
-        given = [name for name in ways if name in layer]
+        options: dict[str, Route | None] = {target: None} | {r.key: r for r in routes if r.target.name == target}
+        given = [name for name in options if name in layer]
         if len(given) > 1:
             meaning = next(r.target.meaning for r in routes if r.target.name == target)
             raise CaseError(
@@ -31,7 +31,7 @@ def chosen(routes: tuple[Route, ...], layer: Layer) -> dict[str, Route | None]:
                 f" is ({meaning}); expected one of them"
             )
         if given:
-            found[target] = ways[given[0]]
+            found[target] = options[given[0]]
     return found
 
 
@@ -44,7 +44,7 @@ def follow(
 ) -> dict[str, tuple[Fraction, Given]]:
     """Evaluate the inputs that follow from others: value, and what stands for what was written.
 
-    ``held`` are, by target, the inputs that keep the value which they had where the way was chosen.
+    ``held`` are, by target, the inputs that keep the value which they had where the alternative was chosen.
 
     Raises
     ------

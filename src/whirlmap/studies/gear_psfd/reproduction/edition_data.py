@@ -1,4 +1,4 @@
-"""What the paper's claims are judged by: diagrams over the speed, and one operating point at s = 3.27."""
+"""Computations by which the paper's claims are judged: diagrams over the speed, and one operating point at s = 3.27."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -119,7 +119,7 @@ def quality_named(name: str) -> Quality:
 
 
 @dataclass(frozen=True)
-class Evidence:
+class EditionData:
     """All that was computed for one edition; speeds are the paper's.
 
     Attributes
@@ -149,7 +149,7 @@ def speeds(quality: Quality) -> Array:
 def gather(
     edition: Edition, quality: Quality, *, workers: int | None = None, progress: Callable[[int], None] | None = None,
     keep: Callable[[str, float, xr.Dataset], object] = lambda _kind, _psi, _ds: None,
-) -> Evidence:  # fmt: skip
+) -> EditionData:  # fmt: skip
     """Compute everything for one edition; ``keep(kind, psi, ds)`` takes each diagram and orbit as it is finished."""
     system = load(edition.case)
     at = speeds(quality) / edition.scale
@@ -178,7 +178,7 @@ def gather(
                 keep(kind, psi, ds)
         diagrams, orbits = made["diagram"], made["orbit"]
     dimensions = {(psi, y): _dimensions(orbits[psi], y, workers or cores()) for psi in PSI for y in ORBITS}
-    return Evidence(edition, system, quality, diagrams, orbits, dimensions)
+    return EditionData(edition, system, quality, diagrams, orbits, dimensions)
 
 
 def _dimensions(ds: xr.Dataset, coordinate: str, workers: int) -> dict[str, xr.Dataset]:
