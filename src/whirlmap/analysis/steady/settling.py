@@ -70,6 +70,11 @@ class Settling:
         Largest difference that counts as a return, relative to the range of each state.
     accelerate : bool
         Whether slow approaches may be cut short.
+
+    Raises
+    ------
+    RangeError
+        A count or a tolerance that makes no sense.
     """
 
     transient: int = 100

@@ -24,6 +24,8 @@ def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     grid : mapping of state to array
         Two states and their values, ascending.
     **options
@@ -40,6 +42,11 @@ def basins(system: System, grid: Mapping[str, ArrayLike], **options: Any) -> xr.
     ------
     RangeError
         Unless the grid has two states of the model, each with two or more values that ascend.
+
+    Notes
+    -----
+    Starts are the points of the grid, at phase zero, in one batch; what is the same attractor, `attractors` says. A
+    boundary is known to one cell, and a fractal one is not resolved by any grid.
     """
     work = basins_in_parts(system, grid, **options)
     if work.dataset is None or not work.complete:
