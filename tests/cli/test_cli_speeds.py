@@ -3,10 +3,13 @@
 import json
 import shlex
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
 from whirlmap.cli.main import app
+from whirlmap.integrate.loading import load
+from whirlmap.sweep.points.label_points import label_points
 
 RIG = "machines/jeffcott-rig"
 
@@ -48,12 +51,26 @@ def test_limit_and_range_of_the_case_are_the_defaults():
     assert facts["limit_um"] == pytest.approx(60) and facts["rpm"][0] == pytest.approx(600)
 
 
-def test_draws_over_tolerances_give_probabilities():
-    line = f"speeds {RIG} --points 4 --tolerance c=5% --tolerance M=10% --draws 3 --quiet --json"
-    done = run(line)
-    assert done.exit_code == 0, done.output
-    facts = json.loads(done.stdout)
-    assert len(facts["probability"]) == 4 and all(0 <= p <= 1 for p in facts["probability"])
+def test_draws_over_tolerances_give_the_probabilities_of_a_known_range():
+    """Below resonance the amplitude grows with the unbalance: a limit that a machine with 0.8 U just meets is met by none of
+    the machines with 0.8 U to 1.2 U, that of 1.2 U by all, and those of U and 1.1 U by a half and by three quarters."""
+    speeds, draws = np.array([0.4, 0.5]), 64
+    reached = {
+        share: label_points(load(RIG, U=f"{8 * share} g*mm"), {"s": speeds[:1]})["peak_to_peak"].sel(quantity=["y", "uy"])
+        for share in (0.8, 1.0, 1.1, 1.2)
+    }
+    um = 100.0 * (1 + 1e-6)  # of a clearance
+    for share, expected in ((0.8, 0.0), (1.0, 0.5), (1.1, 0.75), (1.2, 1.0)):
+        limit = float(reached[share].max()) * um
+        line = f'speeds {RIG} --points 2 --range {speeds[0]}:{speeds[1]} --limit "{limit!r} um" --no-follow --quiet --json'
+        line = f"{line} --tolerance U=20% --draws {draws}"
+        done = run(line)
+        assert done.exit_code == 0, done.output
+        facts = json.loads(done.stdout)
+        p, low, high = (facts[name][0] for name in ("probability", "probability_low", "probability_high"))
+        assert low <= expected <= high and p == (expected if expected in (0.0, 1.0) else pytest.approx(expected, abs=0.15))
+        assert facts["probability_of"]["amplitude"][0] == pytest.approx(1 - p)
+        assert p * draws == pytest.approx(round(p * draws), abs=1e-9)
     assert facts == json.loads(run(line).stdout)
 
 

@@ -27,6 +27,7 @@ def test_action_is_reaction_in_the_mesh(switches):
     """What the mesh does to the pinion it does to the gear with the other sign, also as a torque."""
     system = pair(arc="fixed", **switches)
     still = pair({"Lambda": 1e-300, "xi_m": 0.0, "F_0": 0.0}, arc="fixed", mesh="line")
+    energy, sides = Energy(system), set()
     names = [s.name for s in system.model.states]
     rng = np.random.default_rng(2)
     for _ in range(20):
@@ -34,15 +35,22 @@ def test_action_is_reaction_in_the_mesh(switches):
         with_mesh, without = system.reference_rhs(0.3, x), still.reference_rhs(0.3, x[:20])
         force = {a: with_mesh[names.index(f"v{a}")] - without[names.index(f"v{a}")] for a in ("xp", "yp", "xg", "yg")}
         np.testing.assert_allclose([force["xp"], force["yp"]], [-4 * force["xg"], -4 * force["yg"]], rtol=0, atol=1e-12)
-        assert np.hypot(force["xp"], force["yp"]) > 1e-6 or "dead_zone" in switches.values()
+        assert np.hypot(force["xp"], force["yp"]) > 1e-6  # in the gap the oil between the teeth is left
         if "mesh" in switches:  # along the line of action, and with the torques that belong to it
             W = -(force["xp"] * np.cos(1.3) + force["yp"] * np.sin(1.3))
+            q = energy.at(0.3, x)
+            deflection, damping = q["delta"] - q["te"], 2 * VALUES["xi_m"] / VALUES["s"] * (q["approach"] - q["te_rate"])
+            loose = "dead_zone" in switches.values() and -VALUES["B_m"] < deflection < 0
+            sides.add("gap" if loose else "drive" if deflection > 0 else "back")
+            assert W - damping == pytest.approx(0.0, abs=1e-12) if loose else (W - damping) * deflection > 0
             np.testing.assert_allclose(force["xp"] * np.sin(1.3), force["yp"] * np.cos(1.3), rtol=0, atol=1e-12)
         if switches.get("torsion") == "rigid_rotors":
             q, v, s = dict(zip(names, x, strict=True)), VALUES, VALUES["s"]
             p = v["F_0"] / s**2 - 2 * v["xi_tp"] / s * q["vqp"] - v["kappa_tp"] / s**2 * q["qp"] - W
             g = -v["F_0"] / s**2 - 2 * v["xi_tg"] / s * q["vqg"] - v["kappa_tg"] / s**2 * q["qg"] + W
             np.testing.assert_allclose(with_mesh[-2:], [p / v["iota_p"], g / v["iota_g"]], rtol=0, atol=1e-12)
+    if switches:
+        assert sides == {"drive", "back", "gap"} - ({"gap"} if switches["backlash"] == "none" else set())
 
 
 # --- frames ------------------------------------------------------------------------------------------------

@@ -54,7 +54,12 @@ def test_the_names_of_close_orders_are_moved_apart():
 
 def test_silence_can_be_drawn():
     ds = power_spectrum(np.ones(256), rate=32)
-    draw_power_spectrum(ds, lines=spectral_lines(ds)).figure.draw_without_rendering()
+    ax = draw_power_spectrum(ds, lines=spectral_lines(ds))
+    ax.figure.draw_without_rendering()
+    (curve,), (marks,) = by_gid(ax, "power"), by_gid(ax, "lines")
+    assert np.ptp(curve.get_ydata()) == 0 and curve.get_ydata()[0] < -2000  # a flat line far below any power
+    assert np.isfinite(ax.get_ylim()).all() and len(marks.get_xdata()) == 0
+    assert ax.get_title(loc="left") == "0 lines hold 0 % of the power"
 
 
 def test_forward_whirl_stands_on_the_right_and_backward_on_the_left():

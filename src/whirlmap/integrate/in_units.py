@@ -48,6 +48,11 @@ def in_units(system: System, result: Result) -> Result:
     ------
     RangeError
         The result is one of another case, or was converted before.
+
+    Notes
+    -----
+    Factors are those that the family's groups declare (`Groups.units`); where a size depends on a swept speed, as N or s
+    do, each point has its own. Numbers are multiplied, nothing is computed anew, and codes, counts and shares stay.
     """
     of, done = result.attrs.get("case"), result.attrs.get("in_units")
     if of not in (None, system.case):

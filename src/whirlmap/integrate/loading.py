@@ -48,6 +48,13 @@ def load(
     RangeError
         For a start value of an unknown state, or a start at which the run has ended already (a journal
         outside of its bearing).
+    ModelError
+        For switches that do not go together.
+
+    Notes
+    -----
+    The file is read, units are checked, inputs become groups, and switches choose the model; nothing is compiled yet. A
+    file that ``extends`` another takes what it does not give from there. Start values are at phase zero of all harmonics.
     """
     found = _case(case)
     settled = resolve(found, changes)

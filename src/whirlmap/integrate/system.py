@@ -97,6 +97,13 @@ class System(Listed):
         Where each value comes from.
     machine : Resolved, optional
         The case as it was read, with its dimensional inputs; None for a system made of a model and numbers.
+
+    Raises
+    ------
+    CaseError
+        A parameter has no value, or one that the model cannot take.
+    RangeError
+        A start value of an unknown state, or one that is no finite number.
     """
 
     model: Model
@@ -154,7 +161,27 @@ class System(Listed):
         return np.array([float(self.values[name]) for name in self.parameters])
 
     def replace(self, *, start: Mapping[str, float] | None = None, **changes: Any) -> "System":
-        """Return the system with other parameter values or start values."""
+        """Return the system with other parameter values or start values.
+
+        Parameters
+        ----------
+        start : mapping of str to float, optional
+            Start values that replace those there are, state by state.
+        **changes : number or str
+            Values of parameters in the model's own units; an order of a harmonic as ``"1/4"``.
+
+        Returns
+        -------
+        System
+            A new one; this one stays.
+
+        Raises
+        ------
+        CaseError
+            A name that is no parameter, or a value that the model cannot take.
+        RangeError
+            A start value of an unknown state.
+        """
         for name in changes:
             if name not in self.parameters:
                 raise CaseError(
@@ -201,14 +228,26 @@ class System(Listed):
         return self.period * self.common_multiple
 
     def plain_model(self) -> Model:
-        """The model's closed form where a parameter is zero and one exists, else the model itself."""
+        """The model's closed form where a parameter is zero and one exists, else the model itself.
+
+        Returns
+        -------
+        Model
+            With the same states and parameters.
+        """
         for parameter in self.model.plain:
             if float(self.values[parameter.name]) == 0.0:
                 return _plain(self.model, parameter)
         return self.model
 
     def listing(self) -> Listing:
-        """Its numbers, for a terminal and a notebook."""
+        """Its numbers, for a terminal and a notebook.
+
+        Returns
+        -------
+        Listing
+            Printed as a table; a notebook shows it as one.
+        """
         try:
             together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
             times = f"period T = {self.period:.6g}, {together}"
@@ -219,15 +258,64 @@ class System(Listed):
         return system_listing(self.case, self.model, self.values, self.notes, self.start, times, inputs)
 
     def rhs(self, time: float, x: ArrayLike) -> Array:
-        """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result."""
+        """Rates of the states from the compiled kernel; ``x`` has shape (state,) or (state, lane), so has the result.
+
+        Parameters
+        ----------
+        time : float
+            Model's time; the phase of every harmonic is its order times it.
+        x : array, shape (state,) or (state, lane)
+            States, in the model's units.
+
+        Returns
+        -------
+        array, shape of ``x``
+            Rates, per unit of the model's time.
+
+        Raises
+        ------
+        RangeError
+            ``x`` has another shape.
+        """
         return self._evaluate(time, x, jacobian=False)[0]
 
     def jacobian(self, time: float, x: ArrayLike) -> Array:
-        """Jacobian of the rates from the compiled kernel, shape (state, state) or (state, state, lane)."""
+        """Jacobian of the rates from the compiled kernel, shape (state, state) or (state, state, lane).
+
+        Parameters
+        ----------
+        time : float
+            Model's time; the phase of every harmonic is its order times it.
+        x : array, shape (state,) or (state, lane)
+            States, in the model's units.
+
+        Returns
+        -------
+        array, shape (state, state) or (state, state, lane)
+            Derivative of rate i by state j, per unit of the model's time.
+
+        Raises
+        ------
+        RangeError
+            ``x`` has another shape.
+        """
         return self._evaluate(time, x, jacobian=True)[1]
 
     def reference_rhs(self, time: float, x: ArrayLike) -> Array:
-        """Rates of the states from the reference kernel (plain NumPy, exact film)."""
+        """Rates of the states from the reference kernel (plain NumPy, exact film).
+
+        Parameters
+        ----------
+        time : float
+            Model's time; the phase of every harmonic is its order times it.
+        x : array, shape (state,) or (state, lane)
+            States, in the model's units.
+
+        Returns
+        -------
+        array, shape of ``x``
+            Rates, per unit of the model's time: what the compiled ones are tested against.
+        """
         values = self.vector if np.ndim(x) == 1 else self.vector[:, None]
         return reference_rates(self.plain_model())(time, x, values)
 

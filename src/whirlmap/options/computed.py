@@ -34,6 +34,11 @@ class Settling:
         Largest difference that counts as a return, relative to the range of each state.
     accelerate : bool
         Whether slow approaches may be accelerated (`acceleration`).
+
+    Raises
+    ------
+    RangeError
+        A count or a tolerance that makes no sense.
     """
 
     transient: int = 100

@@ -31,9 +31,15 @@ def test_duffing_is_chaotic_with_the_known_exponent():
     assert float(ds["phase_exponent"]) == 0.0
 
 
-def test_the_running_mean_ends_at_the_estimate():
-    ds = whirlmap.lyapunov_spectrum(whirlmap.load("duffing"), transient=20, periods=32, starts=4)
-    np.testing.assert_allclose(ds["running"][-1], ds["lyapunov"], rtol=1e-12)
+def test_the_running_mean_is_the_estimate_of_every_shorter_run():
+    """After k periods it is the spectrum of a run of k periods, and at each k its exponents add up to the divergence."""
+    system, short = whirlmap.load("duffing"), 17
+    ds = whirlmap.lyapunov_spectrum(system, transient=20, periods=32, starts=4)
+    assert ds["running"].shape == (32, 2)
+    np.testing.assert_allclose(ds["running"].sum("exponent"), -0.3, atol=1e-6)
+    assert np.ptp(ds["running"].values[:, 0]) > 0.05  # chaos: the mean has far to go
+    for periods, of in ((short, whirlmap.lyapunov_spectrum(system, transient=20, periods=short, starts=4)), (32, ds)):
+        np.testing.assert_allclose(ds["running"][periods - 1], of["lyapunov"], rtol=1e-9)
 
 
 def test_impossible_counts_are_refused():

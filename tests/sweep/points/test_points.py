@@ -5,11 +5,13 @@ import pytest
 import xarray as xr
 
 import whirlmap
+from whirlmap.analysis.labels.labelling import Labelling
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.points import label_points as of_points
 from whirlmap.sweep.points.label_points import label_points
 
 SHORT = Settling(transient=60, most=16, keep=16)
@@ -63,8 +65,17 @@ def test_the_same_bits_in_chunks_of_any_size(duffing, whole, chunk):
 
 
 def test_many_points_are_worked_through_in_batches(duffing, whole, monkeypatch):
-    monkeypatch.setattr("whirlmap.sweep.points.label_points.LANES", 1)
+    sizes = []
+
+    class Watched(Labelling):
+        def measure(self, system, columns, **rest):
+            sizes.append(columns["gamma"].size)
+            return super().measure(system, columns, **rest)
+
+    monkeypatch.setattr(of_points, "Labelling", Watched)
+    monkeypatch.setattr(of_points, "POOL", 2)
     ds = label_points(duffing, plane(97), settling=SHORT, workers=1)
+    assert sizes == [32, 32, 32, 1]
     same(ds, whole, "batches of 32 points")
     assert ds["regime"].attrs.keys() == whole["regime"].attrs.keys()
     changing = {"date", "command"}

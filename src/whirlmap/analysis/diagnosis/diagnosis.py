@@ -86,6 +86,29 @@ def diagnose(
         Label and numbers as scalars; ``x(time, state)``, ``outputs(time, output)``, ``section(run, period, state)``,
         ``running(block, exponent)``, spectra and, where measured, the correlation sum. ``attrs["indicators"]`` is a JSON
         object of every vote.
+
+    Raises
+    ------
+    RangeError
+        More exponents than states, an unknown method, steps and an accuracy together, or a count that makes no sense.
+
+    Notes
+    -----
+    1. 32 runs from starts that differ by 1e-6 settle together; a return within the tolerance makes the motion periodic,
+       with multipliers from its orbit (`floquet_multipliers`).
+    2. What does not return runs with tangent vectors, in doubling stretches, until the error of the largest exponent is
+       below 2 % of it or below 0.002, or until ``max_periods``; the error is the scatter between the runs and within
+       them.
+    3. Exponent, 0-1 test, weighted Birkhoff averages, spectrum and correlation dimension each have a vote; the label is
+       what they agree on, and ``undecided`` where they do not.
+
+    An attractor is that of the one start; `attractors` looks for others. A chaotic transient longer than the run is taken
+    for chaos.
+
+    References
+    ----------
+    [benettin1980] exponents; [kaplan1979] their dimension; [grassberger1983] correlation dimension.
+    [gottwald2009] 0-1 test; [das2017] weighted Birkhoff averages; [lust2001] multipliers.
     """
     n = system.model.dimension
     count = min(4, n) if exponent_count is None else exponent_count

@@ -115,8 +115,8 @@ def correlation_dimension(
 
     References
     ----------
-    Grassberger and Procaccia, Physica D 9 (1983) 189. Theiler, Phys. Rev. A 34 (1986) 2427.
-    Eckmann and Ruelle, Physica D 56 (1992) 185.
+    [grassberger1983] Grassberger and Procaccia, Physica D 9 (1983) 189. [theiler1986] Theiler, Phys. Rev. A 34 (1986) 2427.
+    [eckmann1992] Eckmann and Ruelle, Physica D 56 (1992) 185.
     """
     x, ids = _checked(points, trajectories)
     limits = {"theiler": (theiler, 1, len(x)), "blocks": (blocks, 4, 64), "workers": (workers, 1, 1024)}

@@ -24,6 +24,8 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
 
     Parameters
     ----------
+    system : System
+        Of a model that starts at its static equilibrium.
     name : str
         Parameter to vary, as a rule the speed s.
     values : array_like, shape (point,)
@@ -53,6 +55,10 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     vectors of the other, whatever their scale), as an assignment of all modes at once. A mode and its conjugate are one
     mode; a pair that is overdamped somewhere is two, for its two decays differ. Whirl is the sign of the orbit's area,
     summed over the centres that have mass. Crossings are interpolated linearly between neighbouring values.
+
+    References
+    ----------
+    [childs1993] damped critical speeds.
     """
     points = np.atleast_1d(np.asarray(values, dtype=float))
     if points.ndim != 1 or points.size < 2 or not np.isfinite(points).all() or np.any(np.diff(points) <= 0):

@@ -45,10 +45,33 @@ def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
     Both arcs have the same: see `whirlmap.films.linear`. Films of the printed law and of dampers that do not turn are not
     among them, nor is one whose journal carries nothing: W/c is no unit for it.
 
+    Parameters
+    ----------
+    system : System
+        Of a model that starts at its static equilibrium.
+
+    Returns
+    -------
+    dict of str to FilmCoefficients
+        By the name of the bearing: ``K`` [W/c] and ``C`` [W/(c omega)], shape (2, 2), rows the force along x and y,
+        columns the motion along x and y; ``eccentricity`` [c], ``load`` [the model's force], and ``W_c`` [N/m],
+        ``W_c_omega`` [N*s/m], which are NaN where the case has no dimensions.
+
     Raises
     ------
     RangeError
         Where the model has no static equilibrium, or none is found.
+
+    Notes
+    -----
+    Derivatives of the short bearing's film force at the equilibrium of `linear_analysis`: exact, as integrals over the
+    half film (Gauss-Legendre) of the differentiated integrand, for plain and porous bearings alike (`films.linear`).
+    Inertia of the oil, its heat and the flow through the ends are left out.
+
+    References
+    ----------
+    [lund1966] the eight coefficients and their convention of signs.
+    [dubois1953] the short bearing.
     """
     values = {p: float(system.values[p.name]) for p in system.model.parameters}
     rest = dict(zip(system.states, linear_analysis(system).equilibrium, strict=True))

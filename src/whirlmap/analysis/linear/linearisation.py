@@ -61,6 +61,8 @@ def linear_analysis(system: System) -> LinearAnalysis:
     Returns
     -------
     LinearAnalysis
+        ``equilibrium`` (state), ``jacobian`` (state, state), ``eigenvalues`` and ``eigenvectors`` (state, eigenvalue), the
+        least damped first; per radian of the model's clock. ``stable``: whether all real parts are negative.
 
     Raises
     ------
@@ -68,6 +70,14 @@ def linear_analysis(system: System) -> LinearAnalysis:
         Where there is a static equilibrium, but no linear system for small motions about it.
     RangeError
         Where the model declares no static equilibrium, or none is found.
+
+    Notes
+    -----
+    The equilibrium is that of the compiled kernel with all forcing off (`start_states`), the Jacobian is its closed form
+    there. At a kink of the rates, where there is no derivative, central differences over both of its sides stand for it;
+    the film of a damper that carries nothing at rest has no linear system at all (`NotLinearError`). Eigenvalues are
+    LAPACK's, good to rounding relative to the largest. They say nothing of amplitudes, of forced motion, or of what is
+    not small.
     """
     x, jacobian, found = linearised(system.plain_model(), system.vector[:, None])
     if not found[0]:

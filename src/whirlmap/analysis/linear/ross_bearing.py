@@ -29,6 +29,16 @@ def ross_bearing(system: System, film: str = "1") -> dict[str, float]:
     ------
     RangeError
         Where there is no such film, no static equilibrium, or a case without dimensions.
+
+    Notes
+    -----
+    Stiffness and damping are those of `film_coefficients` in SI units: the half film of a short bearing (pi film), linear
+    about the static equilibrium. ROSS asks for a table over speed: call this once for each.
+
+    References
+    ----------
+    [lund1966] definition of the eight coefficients.
+    [childs1993] their use in rotor models.
     """
     name = system.case or system.model.name
     if film not in system.model.films:

@@ -25,6 +25,7 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     Parameters
     ----------
     system : System
+        Of a model that starts at its static equilibrium.
     name : str
         Parameter to vary; the others are held.
     bracket : tuple of float
@@ -32,12 +33,22 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     tolerance : float
         Width of the last bracket, relative to its value.
 
+    Returns
+    -------
+    float
+        Value of the parameter, in the model's unit, to a relative ``tolerance``.
+
     Raises
     ------
     RangeError
         Where the bracket is not ascending, or an equilibrium in it is not found.
     NoThresholdError
         Where the bracket shows no loss of stability.
+
+    Notes
+    -----
+    Eigenvalues are those of `linear_analysis` at each value. The threshold is that of small motions: beyond a subcritical
+    Hopf bifurcation large ones live on below it, which only runs or `attractors` show.
     """
     low, high = (float(end) for end in bracket)
     if not (np.isfinite([low, high]).all() and low < high and 1e-14 <= tolerance < 1):

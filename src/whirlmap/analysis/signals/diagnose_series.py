@@ -92,6 +92,12 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
 
     A signal says less than equations: exponents have no other error than the scatter within the one record, coloured noise
     can imitate a low dimension, and filters add dimensions.
+
+    References
+    ----------
+    [takens1981] embedding; [fraser1986] its lag; [kennel1992] its dimension.
+    [rosenstein1993] and [kantz1994] exponents; [grassberger1983] and [theiler1986] dimension; [gottwald2009] 0-1 test.
+    [andrews1993] steadiness.
     """
     raw, scale = _checked(values, rate)
     spectrum = power_spectrum.find(raw, rate=1.0)

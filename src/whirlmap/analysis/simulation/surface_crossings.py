@@ -22,6 +22,8 @@ def switchings(system: System, series: xr.Dataset) -> xr.Dataset:
 
     Parameters
     ----------
+    system : System
+        Whose model declares the surfaces (`Switching`).
     series : xr.Dataset
         What `whirlmap.simulate` returns for this system: ``x(time, state)``.
 
@@ -42,6 +44,10 @@ def switchings(system: System, series: xr.Dataset) -> xr.Dataset:
     A crossing is the zero of the surface on the cubic Hermite interpolant between two samples, by bisection, to the
     third order of their distance (the rates have a kink at the crossing itself). Two crossings between neighbouring
     samples are not seen: sample finely. Shares are exact between the crossings that were found.
+
+    References
+    ----------
+    [hairer1993] cubic Hermite interpolation between the steps.
     """
     model = system.model
     if not model.switchings:

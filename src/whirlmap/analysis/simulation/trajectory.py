@@ -160,6 +160,8 @@ def simulate(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     periods : int, optional
         T that are recorded (of an unforced model: typical times). Where absent 20 turns of the slowest clock, fewer where
         they would hold more than three million numbers (`shown_periods`).
@@ -178,6 +180,23 @@ def simulate(
     xr.Dataset
         ``x(time, state)`` and ``outputs(time, output)``, with the start of the record first; ``time`` in the model's
         unit and ``turn(time)`` in T; ``status`` and ``end_time``. After an event the remaining samples are NaN.
+
+    Raises
+    ------
+    RangeError
+        Samples that do not divide the record, an unknown method, steps and an accuracy together, or a count that makes no
+        sense.
+
+    Notes
+    -----
+    Steps per T are fixed and locked to the phase of the forcing, so that samples stand at the same phases in every T; how
+    many, follows from the accuracy (`integrate.accuracy`). Default is Dormand-Prince 8(5,3); ``tsit5`` and ``rk4`` are
+    the others. Terminal events (contact, divergence) are located within a step. In chaos two runs part after some hundred
+    T whatever the steps.
+
+    References
+    ----------
+    [prince1981] and [hairer1993] ``dop853``; [tsitouras2011] ``tsit5``; [kutta1901] ``rk4``.
     """
     series = Series(
         system, periods=periods, transient=transient, every=every, integration=integration, execution=execution
@@ -204,6 +223,8 @@ def section(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     periods : int
         Section points; for an unforced model, typical times in which crossings are collected.
     transient : int, optional
@@ -223,9 +244,19 @@ def section(
         ``section(run, period, state)``, ``status(run)``; for an unforced model also ``crossing_time(run, period)``,
         rows beyond a run's last crossing being NaN.
 
+    Raises
+    ------
+    RangeError
+        Another ``once_per``, an unknown method, steps and an accuracy together, or a count that makes no sense.
+
     Notes
     -----
     Crossings are as exact as the steps (`crossings`).
+    A forced model is sampled at phase zero; an unforced one where it crosses its declared `Section`, located on the step.
+
+    References
+    ----------
+    [parker1989] sections of forced and unforced systems.
     """
     import xarray as xr
 

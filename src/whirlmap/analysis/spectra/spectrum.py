@@ -61,6 +61,16 @@ def power_spectrum(
     ------
     RangeError
         Fewer than 8 samples, numbers that are not finite, a rate that is not positive, an unknown window.
+
+    Notes
+    -----
+    A single windowed periodogram (FFT) of the whole record: no averages over segments as in Welch's method, for a steady
+    motion is recorded as long as is wanted and lines stay narrow. The price is that the density of a broadband signal
+    scatters by 100 %.
+
+    References
+    ----------
+    [welch1967] scaling of power and density, and the averages that are not taken.
     """
     x = np.asarray(values, dtype=np.float64)
     weights = _checked(x, rate, window)

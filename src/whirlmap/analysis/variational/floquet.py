@@ -36,6 +36,8 @@ def floquet_multipliers(
 
     Parameters
     ----------
+    system : System
+        Whose orbit it is.
     x : array, shape (state,)
         A point of the orbit; of a forced system at phase zero, as its section points are.
     duration : float
@@ -69,6 +71,11 @@ def floquet_multipliers(
     ``log_modulus_error`` is the last change.
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
+
+    References
+    ----------
+    [lust2001] multipliers from the factors of a product that is never formed.
+    [prince1981] DOP853, with which the transition matrices are integrated.
     """
     start = np.asarray(x, dtype=np.float64)
     n = system.model.dimension

@@ -111,6 +111,8 @@ def lyapunov_spectrum(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     count : int, optional
         Number of exponents, largest first; all of them where absent.
     transient, periods : int
@@ -135,13 +137,17 @@ def lyapunov_spectrum(
     Raises
     ------
     RangeError
-        Counts that make no sense, or several exponents of a motion that sticks.
+        Counts that make no sense, an unknown method, or several exponents of a motion that sticks.
 
     Notes
     -----
     Where rates jump, tangent vectors are multiplied by the saltation matrix.
     A run's own block error alone is too small by up to 2.6 times on Duffing's oscillator, hence the several starts.
     An unforced system's spectrum holds the zero of its own time direction.
+
+    References
+    ----------
+    [benettin1980] tangent vectors, orthonormalised on the way. [parker1989] saltation.
     """
     import xarray as xr
 

@@ -26,7 +26,22 @@ _METADATA: dict[str, dict[str, Any]] = {
 
 
 def encode(fig: Figure, form: Format, *, dpi: float | None = None) -> bytes:
-    """Give a figure as the bytes of a file; the same figure gives the same bytes. ``dpi`` as in `save`."""
+    """Give a figure as the bytes of a file; the same figure gives the same bytes.
+
+    Parameters
+    ----------
+    fig : Figure
+        As it is drawn; its own size counts.
+    form : {"png", "svg", "pdf"}
+        Format of the file.
+    dpi : float, optional
+        As in `save`.
+
+    Returns
+    -------
+    bytes
+        The whole file, without date and without names that differ between two runs.
+    """
     settings: dict[Any, Any] = {
         **house(),
         "svg.hashsalt": "whirlmap",
@@ -49,6 +64,7 @@ def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float | None = None)
     Parameters
     ----------
     fig : Figure
+        As it is drawn; its own size counts.
     path : path
         Ends in ``.png``, ``.svg`` or ``.pdf``; its folder exists.
     dpi : float, optional
@@ -58,6 +74,7 @@ def save(fig: Figure, path: str | os.PathLike[str], *, dpi: float | None = None)
     Returns
     -------
     Path
+        Of the file that was written.
 
     Raises
     ------

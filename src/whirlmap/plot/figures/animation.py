@@ -52,6 +52,8 @@ def animate_orbit(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.simulate`, one operating point.
     path : path
         Ends in ``.gif``; its folder exists.
     x, y : str
@@ -62,10 +64,19 @@ def animate_orbit(
         Whether both states are displacements in one plane, drawn to the same scale; so it is with a clearance.
     marks : bool
         Whether the states at whole T, which stay marked, mean something: not for a motion without forcing.
+    turns : float
+        T at the end of the record that are shown.
+    title : str
+        Over the axes; nothing where empty.
     size, dpi : optional
         Inches and dots per inch; 4.2 x 4.4 and 110 where absent.
     force : bool
         Replace what is there.
+
+    Returns
+    -------
+    Path
+        Of the file that was written.
 
     Raises
     ------

@@ -47,6 +47,18 @@ def draw_basins(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     Reads ``attractor_of`` and ``start_regime`` over two states, and ``section(attractor, member, state)``: the points of the
     attractors, which lie in the slice only where the other states agree.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.basins`.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, width=5.2, height=4.4)
     x, y = (str(d) for d in ds["attractor_of"].dims)
@@ -80,6 +92,20 @@ def draw_starts(ds: xr.Dataset, x: str, y: str, *, ax: Axes | None = None) -> Ax
     """Start states of a search, in the plane of two states, coloured by their attractor; those without one by their end.
 
     Reads ``start_state(state, start)``, ``attractor_of`` and ``start_regime`` over the starts, and ``section``.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.attractors`.
+    x, y : str
+        States along the axes.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, width=5.2, height=4.4)
     at = [within_period(ds, d, ds["start_state"].sel(state=d).values) for d in (x, y)]
@@ -116,13 +142,41 @@ def _mark_attractors(ax: Axes, ds: xr.Dataset, x: str, y: str) -> None:
 
 @styled
 def attractors_figure(ds: xr.Dataset, x: str, y: str, *, title: str = "") -> Figure:
-    """Start states by their attractor, with the legend of `basins_figure`."""
+    """Start states by their attractor, with the legend of `basins_figure`.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.attractors`.
+    x, y : str
+        States along the axes.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+    """
     return _with_legend(ds, lambda ax: draw_starts(ds, x, y, ax=ax), title)
 
 
 @styled
 def basins_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
-    """Basins with their legend: attractors with their shares, and what starts without one come to."""
+    """Basins with their legend: attractors with their shares, and what starts without one come to.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.basins`.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+    """
     return _with_legend(ds, lambda ax: draw_basins(ds, ax=ax), title)
 
 

@@ -13,7 +13,20 @@ SENSES = {1: (BLUE, "forward"), -1: (VERMILION, "backward"), 0: (INK, "no orbit"
 
 @styled
 def campbell_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
-    """Draw the Dataset of `whirlmap.campbell`: modes coloured by their whirl, order lines, critical speeds as rings."""
+    """Draw the Dataset of `whirlmap.campbell`: modes coloured by their whirl, order lines, critical speeds as rings.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.campbell`; of `whirlmap.in_units`, where rpm and Hz are wanted.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+    """
     parameter = str(ds.attrs["varied"])
     at = ds[parameter].values
     fig = new_figure(WIDE, 5.4)

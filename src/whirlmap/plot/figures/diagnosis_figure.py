@@ -58,12 +58,28 @@ def diagram_figure(
     ----------
     ds : xr.Dataset
         From `bifurcation_diagram`; what is read of it, `draw_diagram` says.
+    states : sequence of str
+        One panel for each, from the upper left along the rows.
+    columns : int
+        Of panels; each has a strip of its own.
     exponents : bool, optional
         Whether a panel of largest exponents stands at the bottom; where absent, if any was measured.
     names : mapping of state to str, optional
         Titles of the panels: ``{"yp": "pinion"}``.
+    title : str
+        Over the whole figure; nothing where empty.
     log : bool, optional
         Logarithmic parameter axis; where absent, if the values are spaced by a constant factor.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+
+    Raises
+    ------
+    RangeError
+        A state whose section the Dataset does not hold; no or several varied parameters.
     """
     columns = min(columns, len(states))
     rows = -(-len(states) // columns)
@@ -103,6 +119,29 @@ def paper_diagram_figure(
     """Figures 2 to 5 of the paper: four centres against the speed ratio, for one permeability.
 
     Options as in `diagram_figure`, in two columns.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.bifurcation_diagram`, with the sections of these states.
+    states : sequence of str
+        One panel for each; those of the paper where absent.
+    names : mapping of state to str, optional
+        Titles of the panels: ``{"yp": "pinion"}``; those of the paper where absent.
+    exponents : bool, optional
+        Whether a panel of largest exponents stands at the bottom; None: if any was measured.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+
+    Raises
+    ------
+    RangeError
+        As `diagram_figure`.
     """
     return diagram_figure(ds, states, columns=2, exponents=exponents, names=names, title=title)
 
@@ -131,13 +170,35 @@ def paper_orbit_figure(
 
     Parameters
     ----------
+    coordinate : str
+        State along the horizontal axes of phase portrait and section.
     series, spectrum, lines, section, lyapunov, dimension : xr.Dataset, optional
         From `simulate`, `power_spectrum`, `spectral_lines`, `section`, `lyapunov_spectrum`,
         `correlation_dimension`. A panel whose Dataset is absent says why.
-    reasons : mapping of str to str, optional
-        Why a part is absent, by the names above: ``{"dimension": "periodic: a finite set of points"}``.
     velocity : str, optional
         The other state of phase portrait and section; the coordinate's velocity where absent.
+    orders : mapping of str to number, optional
+        Named orders of the spectrum, in multiples of 1/T.
+    clock : str
+        What 1/T is called.
+    turns : float, optional
+        Show the last so many T of the phase portrait; all where absent.
+    highest : float, optional
+        Highest frequency of the spectrum, in multiples of 1/T; all where None.
+    reasons : mapping of str to str, optional
+        Why a part is absent, by the names above: ``{"dimension": "periodic: a finite set of points"}``.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+
+    Raises
+    ------
+    RangeError
+        A state that a part does not hold.
     """
     panels: list[tuple[str, xr.Dataset | None, Draw]] = [
         ("series", series, lambda ds, ax: draw_phase_portrait(ds, coordinate, velocity, ax=ax, turns=turns)),
@@ -190,8 +251,24 @@ def diagnosis_figure(
         Named orders; the Dataset's clocks where absent.
     clock : str
         What 1/T is called; the clock that turns once in T where absent.
+    turns : float, optional
+        Show the last so many T of orbit, portrait and series; all where absent.
+    highest : float, optional
+        Highest frequency of the spectrum, in multiples of 1/T; all where None.
+    title : str
+        Over the whole figure; nothing where empty.
     **given : xr.Dataset
         ``spectrum``, ``lines``, ``section``, ``lyapunov``, ``dimension``: parts that ``ds`` does not hold.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+
+    Raises
+    ------
+    RangeError
+        A state that the Dataset does not hold.
     """
     parts = replace(parts_of(ds, coordinate), **given)
     named: Orders = parts.orders if orders is None else orders

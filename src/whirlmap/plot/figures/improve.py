@@ -23,10 +23,19 @@ def improve_figure(ds: xr.Dataset, *, unit: float = 1.0, length: str = "1", titl
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.improve`, over one or two parameters.
     unit : float
         Size of the model's length in ``length``.
     length : str
         Unit of amplitudes.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
     """
     names = str(ds.attrs["varied"]).split()
     scale, speed = (float(ds["rpm"][-1] / ds[speed_of(ds)][-1]), "rpm") if "rpm" in ds.coords else (1.0, "1")

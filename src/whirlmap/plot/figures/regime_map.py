@@ -86,8 +86,22 @@ def draw_regime_map(
         Of `whirlmap.regime_map`.
     quantity : str, optional
         State or output whose ``peak_to_peak`` gives contour lines, from the points that were computed.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     levels : int
         About how many of them.
+    label : bool
+        Whether the axes get their labels.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        The Dataset has not two dimensions, or no such quantity.
     """
     ax = axes_or_new(ax, width=5.2, height=4.0)
     x, y = _axes_of(ds)
@@ -115,8 +129,24 @@ def draw_shares(ds: xr.Dataset, parameter: str, *, ax: Axes | None = None, verti
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.regime_map`, over two parameters.
+    parameter : str
+        The one along the axis.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     vertical : bool
         Along the y axis.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        The Dataset has not two dimensions.
     """
     ax = axes_or_new(ax, height=1.2)
     (other,) = [d for d in _axes_of(ds) if d != parameter]
@@ -143,7 +173,27 @@ def draw_shares(ds: xr.Dataset, parameter: str, *, ax: Axes | None = None, verti
 
 @styled
 def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str | None = None) -> Figure:
-    """Map of regimes with its legend, contour lines of an amplitude, and the shares of regimes along both axes."""
+    """Map of regimes with its legend, contour lines of an amplitude, and the shares of regimes along both axes.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.regime_map`, over two parameters.
+    quantity : str, optional
+        State or output whose ``peak_to_peak`` gives contour lines.
+    title : str, optional
+        Over the whole figure.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+
+    Raises
+    ------
+    RangeError
+        The Dataset has not two dimensions, or no such quantity.
+    """
     x, y = _axes_of(ds)
     fig = new_figure(WIDE, 5.4)
     grid = fig.add_gridspec(2, 2, width_ratios=[5, 1], height_ratios=[1, 5])
@@ -165,7 +215,27 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
 
 @styled
 def regime_line_figure(ds: xr.Dataset, quantity: str, *, title: str | None = None) -> Figure:
-    """Amplitude of a quantity over the strip of regimes, for a sweep of one dimension; with sections, its diagram."""
+    """Amplitude of a quantity over the strip of regimes, for a sweep of one dimension; with sections, its diagram.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.regime_map`, over one parameter.
+    quantity : str
+        State or output whose ``peak_to_peak`` is drawn; a state whose section was kept gets its diagram.
+    title : str, optional
+        Over the whole figure.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+
+    Raises
+    ------
+    RangeError
+        No such quantity.
+    """
     (x,) = (str(d) for d in ds["regime"].dims)
     at = ds[x].values.astype(float)
     fig = new_figure(WIDE, 3.6)

@@ -34,7 +34,20 @@ DECADES = 10
 
 @styled
 def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
-    """Six panels of a signal: time, delay portrait, spectrum, embedding, divergence of neighbours, correlation sum."""
+    """Six panels of a signal: time, delay portrait, spectrum, embedding, divergence of neighbours, correlation sum.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.diagnose_series`.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
+    """
     slides = "window_regime" in ds
     fig = new_figure(WIDE, 7.4 if slides else 5.6)
     grid = fig.add_gridspec(3 if slides else 2, 3)

@@ -30,10 +30,19 @@ def speeds_figure(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.safe_speeds`.
     unit, force : float
         Size of the model's length in ``length``, and of its force in ``force_unit``.
     length, force_unit : str
         Units of the vertical axes.
+    title : str
+        Over the whole figure; nothing where empty.
+
+    Returns
+    -------
+    Figure
+        Not known to pyplot; `save` writes it.
     """
     bearings = [name for name in ("min_film", "max_load") if name in ds]
     chance = ["probability"] if "probability" in ds else []

@@ -30,10 +30,19 @@ def draw_convergence(ds: xr.Dataset, *, ax: Axes | None = None, count: int = 1, 
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.lyapunov_spectrum` or `whirlmap.diagnose`.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     count : int
         How many exponents are shown, largest first.
     errors : float
         Half-width of the band, in standard errors.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, 3.6, 2.8)
     running = ds["running"].values[:, :count]

@@ -30,12 +30,28 @@ def draw_diagram(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.bifurcation_diagram`.
+    state : str
+        The one along the vertical axis, whose section the Dataset holds.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     colour_by_regime : bool
         Colour points by their regime instead of in ink (single sweeps only).
     markersize : float, optional
         In points; by the number of section points where absent.
     log : bool, optional
         Logarithmic parameter axis; where absent, if the values are spaced by a constant factor.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        A state whose section the Dataset does not hold; no or several varied parameters.
     """
     ax = axes_or_new(ax, height=3.0)
     parameter = varied(ds)

@@ -27,6 +27,18 @@ def draw_correlation_sum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     Reads ``correlation_sum(radius)``, ``D2``, ``D2_error``, ``radius_low``, ``radius_high`` and ``status``.
     Without a scaling range the sum is drawn alone and the title says why.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.correlation_dimension`.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, 3.6, 3.0)
     reason = reason_without(ds)
@@ -56,6 +68,18 @@ def draw_local_slope(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
     Reads ``local_slope(radius)``, ``local_slope_error``, ``D2``, ``D2_error``, ``radius_low`` and
     ``radius_high``.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.correlation_dimension`.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, 3.6, 3.0)
     reason = reason_without(ds)

@@ -34,8 +34,12 @@ def draw_orbit(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.simulate`, one operating point.
     x, y : str
         States that are the horizontal and the vertical displacement.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     clearance : float, optional
         Radius of the clearance circle, for a journal relative to its bearing: 1 where lengths are over c.
     zoom : bool
@@ -46,6 +50,16 @@ def draw_orbit(
         Its name, for the legend.
     turns : float, optional
         Show the last so many T only.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        A state that the Dataset does not hold.
     """
     ax = axes_or_new(ax, 3.4, 3.4)
     ended = how_ended(ds)

@@ -51,10 +51,26 @@ def draw_phase_portrait(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.simulate`, one operating point.
+    x, y : str
+        States along the axes; the velocity of ``x`` where ``y`` is absent.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     turns : float, optional
         Show the last so many T only.
     section : bool
         Mark the states at whole T.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        A state that the Dataset does not hold.
     """
     ax = axes_or_new(ax, 3.4, 3.2)
     y = velocity_of(ds, x) if y is None else y

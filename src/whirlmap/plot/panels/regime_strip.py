@@ -21,6 +21,27 @@ def draw_regime_strip(ds: xr.Dataset, *, ax: Axes | None = None, log: bool | Non
 
     Reads ``regime``, ``status`` and, where present, ``period_T``: the number of T is written into stretches
     that are wide enough for it.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.bifurcation_diagram`.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
+    log : bool, optional
+        Logarithmic parameter axis; where absent, if the values are spaced by a constant factor.
+    label : bool
+        Whether the parameter's axis gets its label.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        The Dataset varies no parameter, or more than one.
     """
     ax = axes_or_new(ax, height=0.8)
     parameter = varied(ds)
@@ -56,6 +77,25 @@ def draw_exponents(ds: xr.Dataset, *, ax: Axes | None = None, log: bool | None =
     """Largest Lyapunov exponent, with one standard error, of the points where it was measured.
 
     Reads ``lyapunov``, ``lyapunov_error`` and ``regime``; colours and markers are those of the regimes.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.bifurcation_diagram`.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
+    log : bool, optional
+        Logarithmic parameter axis; where absent, if the values are spaced by a constant factor.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        The Dataset varies no parameter, or more than one.
     """
     ax = axes_or_new(ax, height=2.0)
     parameter = varied(ds)

@@ -37,10 +37,28 @@ def draw_section(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.section`.
     x, y : str
         States; the velocity of ``x`` where ``y`` is absent.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     orbit : xr.Dataset, optional
         The time series of the same motion, which gives its peak-to-peak.
+    colour : str
+        Of the points.
+    markersize : float, optional
+        In points; by the number of section points where absent.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        A state that the Dataset does not hold.
     """
     ax = axes_or_new(ax, 3.4, 3.2)
     y = velocity_of(ds, x) if y is None else y

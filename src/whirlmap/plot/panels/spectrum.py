@@ -35,6 +35,10 @@ def draw_power_spectrum(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.power_spectrum`, one series.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     lines : xr.Dataset, optional
         The lines that were found: they get a triangle each, and the title their share of the power.
     orders : mapping of str to number
@@ -48,6 +52,11 @@ def draw_power_spectrum(
         The quantity, for the label: ``yp``.
     decibel : bool
         Decibels relative to one; else a logarithmic axis.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, 4.2, 2.8)
     frequency, power = ds["frequency"].values, ds["power"].values
@@ -113,10 +122,23 @@ def draw_full_spectrum(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.full_spectrum`, one orbit.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     orders : mapping of str to number
         Named orders in multiples of 1/T, with the sign of the shaft's spin.
+    highest : float, optional
+        Highest frequency shown, in multiples of 1/T; all where None.
+    clock : str
+        What 1/T is called in the axis label; ``1/T`` itself where empty.
     least : float
         Lowest amplitude shown, over the highest.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
     """
     ax = axes_or_new(ax, 5.0, 2.8)
     frequency = ds["whirl_frequency"].values

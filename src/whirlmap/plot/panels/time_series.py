@@ -71,12 +71,26 @@ def draw_time_series(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.simulate`, one operating point.
     names : str or sequence of str
         States or outputs.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     turns : float, optional
         Show the last so many T only.
     in_T : bool
         Time in periods T; else in the model's time.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        A name that is neither a state nor an output of the series.
     """
     ax = axes_or_new(ax, height=2.4)
     names = [names] if isinstance(names, str) else list(names)

@@ -37,8 +37,12 @@ def draw_waterfall(
 
     Parameters
     ----------
+    ds : xr.Dataset
+        Of `whirlmap.waterfall`, or of `whirlmap.power_spectrum` with a dimension of speeds.
     speed : str
         Dimension along which the speed varies; the one beside the frequency where absent.
+    ax : Axes, optional
+        Drawn into; those of a new figure where absent.
     kind : {"lines", "map"}
         Spectra as lines in a row, or as a map of colours in decibels.
     orders : mapping of str to number
@@ -49,6 +53,18 @@ def draw_waterfall(
         1/T over the speed: 1 where the speed is that of the mesh, 20 where it is a pinion's with 20 teeth.
     height : float
         Height of the largest line, in gaps between the spectra (kind "lines").
+    name : str
+        The quantity, for the labels: ``yp``.
+
+    Returns
+    -------
+    Axes
+        Those that were drawn into; ``.figure`` is the figure.
+
+    Raises
+    ------
+    RangeError
+        An unknown ``kind``.
     """
     if kind not in ("lines", "map"):
         raise RangeError(f"kind is 'lines' or 'map', not {kind!r}")

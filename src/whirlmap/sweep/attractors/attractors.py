@@ -58,6 +58,8 @@ def attractors(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     starts : int or array, shape (state, start)
         How many start states are drawn at random from the box, or the start states themselves, all at phase zero.
     box : mapping of state to (low, high), optional
@@ -107,6 +109,10 @@ def attractors(
     An orbit that is unstable, or whose basin is thinner than the starts, is not seen; a chaotic transient longer
     than settling and exponent's run is taken for an attractor. Orbits closer than ten tolerances of settling are one (those
     that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
+
+    References
+    ----------
+    [parker1989] orbits by Newton's method.
     """
     return attractors_in_parts(
         system, starts=starts, box=box, seed=seed, labelling=labelling, execution=execution

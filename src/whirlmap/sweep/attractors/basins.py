@@ -32,6 +32,8 @@ def basins(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     grid : mapping of state to array
         Two states and their values, ascending.
     labelling : Labelling, optional
@@ -50,6 +52,11 @@ def basins(
     ------
     RangeError
         Unless the grid has two states of the model, each with two or more values that ascend.
+
+    Notes
+    -----
+    Starts are the points of the grid, at phase zero, in one batch; what is the same attractor, `attractors` says. A
+    boundary is known to one cell, and a fractal one is not resolved by any grid.
     """
     return basins_in_parts(system, grid, labelling=labelling, execution=execution).whole()
 

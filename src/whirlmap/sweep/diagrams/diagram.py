@@ -50,6 +50,8 @@ def bifurcation_diagram(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     parameter : str
         Name of the varied parameter.
     values : array_like, shape (point,)
@@ -74,10 +76,18 @@ def bifurcation_diagram(
         states and outputs over all steps of the record; ``max_eccentricity``, ``min_film`` (parameter, bearing) where the
         model has bearings; with ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
 
+    Raises
+    ------
+    RangeError
+        An unknown parameter, state or ``follow``; values that do not ascend; the order of a harmonic as the parameter; an
+        unknown method, or steps and an accuracy together.
+
     Notes
     -----
     Following is a chain by its nature, one point after the other; it shows hysteresis, and is slower than a cold start.
     A point that ends in contact or diverges hands on the default start of the next.
+    Points are labelled as `label_points` says. Unstable branches and the bifurcation points themselves are not computed; two
+    values between which the label changes bracket one.
     """
     try:
         points = np.atleast_1d(np.asarray(values, dtype=float))

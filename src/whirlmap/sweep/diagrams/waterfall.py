@@ -40,8 +40,14 @@ def waterfall(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
+    parameter : str
+        Name of the varied parameter.
     values : array_like, shape (point,)
         Ascending.
+    state : str
+        The one whose spectrum is taken.
     transient : int, optional
         T dropped; where absent, `PASSED` turns of the slowest clock, up to `record_length.LONGEST_SETTLED` T.
     periods : int
@@ -60,6 +66,16 @@ def waterfall(
     xr.Dataset
         ``power(frequency, parameter)``, one-sided, a sine of amplitude a showing a^2/2; ``frequency`` in multiples of 1/T;
         ``status(parameter)``. Points that ended have NaN. ``attrs["clocks"]`` holds the turns of each clock per T.
+
+    Raises
+    ------
+    RangeError
+        An unknown parameter or state, values that do not ascend, an unknown method, or a count that makes no sense.
+
+    Notes
+    -----
+    Every point runs from its cold start through the transient, then records; the spectra are those of `power_spectrum`.
+    Nothing asks whether a motion has settled or is periodic: labels come from `bifurcation_diagram`.
     """
     points = np.atleast_1d(np.asarray(values, dtype=float))
     if state not in system.states:

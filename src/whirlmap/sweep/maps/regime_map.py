@@ -36,6 +36,8 @@ def regime_map(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     vary : mapping of str to array
         Ascending values of each varied parameter; they become the dimensions, in this order.
     refine : bool
@@ -94,6 +96,8 @@ def tolerance_sweep(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     tolerances : mapping of str to Tolerance or str
         Of each drawn parameter, as ``Tolerance("uniform", 0.9, 1.1)`` or ``"normal:3%"`` about the system's value.
     draws : int
@@ -109,6 +113,18 @@ def tolerance_sweep(
     -------
     xr.Dataset
         As `regime_map`.
+
+    Raises
+    ------
+    RangeError
+        No tolerance, one that cannot be read, or names and values that are not the model's.
+    OutputError
+        As `regime_map`.
+
+    Notes
+    -----
+    Draws are independent and come from a counter-based generator (Philox), so that draw 17 is the same in every run and
+    every share. Shares over the draws have the error of a sample: 1000 draws know a share of 5 % to 0.7 %.
     """
     found = {
         name: t if isinstance(t, Tolerance) else Tolerance.parse(t, float(system.values.get(name, np.nan)))

@@ -45,6 +45,8 @@ def label_points(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     values : mapping of str to array, shape (point,)
         The parameters that differ between points, in any order; all columns of the same length.
     starts : array, shape (state, point), optional
@@ -75,8 +77,16 @@ def label_points(
 
     Notes
     -----
+    A point settles until it returns within the tolerance (periodic), and otherwise runs with one tangent vector in doubling
+    stretches until the rule of `regime` gives a label or ``lyapunov`` T have passed. A return that is longer than
+    `Settling.most` common periods is not seen; the attractor is that of the one start.
+
     The numbers of a point do not depend, by a bit, on the points in its company. Points that ended early have NaN for
     what needs a whole record, and their ``status`` says why.
+
+    References
+    ----------
+    [benettin1980] exponents; [das2017] and [sander2020] averages and rotation numbers; [gomez2010] locked motion.
     """
     columns = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in values.items()}
     if not columns:

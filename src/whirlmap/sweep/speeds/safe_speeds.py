@@ -56,6 +56,8 @@ def safe_speeds(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     speeds : array_like, shape (s,)
         Values of the model's speed parameter, ``s`` of the stock machines, positive and ascending, two or more.
     limit : float
@@ -86,6 +88,13 @@ def safe_speeds(
     ------
     RangeError
         The model declares no speed; speeds that do not ascend or are not positive; a limit that is not positive.
+
+    Notes
+    -----
+    Speeds are judged from cold starts, all at once; with ``follow`` the settled motion of each is carried to both
+    neighbours, until no new motion is met (`run_up_and_down`). Edges of windows are refined between a safe speed and its
+    neighbour that is not. What is narrower than the spacing of the speeds is not seen, nor a coexisting motion that
+    neither cold start nor run-up meets.
     """
     return safe_speeds_in_parts(
         system, speeds, limit, quantity=quantity, follow=follow, labelling=labelling, execution=execution
