@@ -193,7 +193,24 @@ class System(Listed):
         return replace(self, values={**self.values, **made}, start=begin)
 
     def at_speed(self, value: float) -> "System":
-        """Return the system with another value of its speed parameter."""
+        """Return the system with another value of its speed parameter.
+
+        Parameters
+        ----------
+        value : float
+            In the parameter's unit.
+
+        Returns
+        -------
+        System
+
+        Raises
+        ------
+        RangeError
+            The model declares no speed.
+        """
+        if not self.speed:
+            raise RangeError(f"{self.model.name} declares no speed")
         changes: dict[str, Any] = {self.speed: value}
         return self.replace(**changes)
 
