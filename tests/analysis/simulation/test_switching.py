@@ -90,7 +90,7 @@ def test_a_surface_may_move_with_time():
 
 def test_what_has_no_surface_says_so():
     duffing = whirlmap.load("duffing")
-    with pytest.raises(RangeError, match="declares no switchings"):
+    with pytest.raises(RangeError, match="declares no discontinuity surface"):
         switchings(duffing, xr.Dataset())
     other = xr.Dataset({"x": (("time", "state"), np.zeros((3, 1)))}, coords={"time": [0.0, 1, 2], "state": ["z"]})
     with pytest.raises(RangeError, match="other states"):

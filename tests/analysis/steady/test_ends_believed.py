@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from whirlmap.analysis.motion.endings import restarted
 from whirlmap.analysis.motion.ensembles import make_ensemble
-from whirlmap.analysis.steady.endings import restarted
 from whirlmap.analysis.steady.returns import settle_and_record
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.equations import Model, Output, Parameter, State, cos, sin, sqrt, t, when

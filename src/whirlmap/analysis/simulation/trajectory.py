@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING, Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.motion.endings import confirm_run, restarted
 from whirlmap.analysis.motion.ensembles import make_ensemble, run_attributes
 from whirlmap.analysis.motion.record_length import settled_periods, shown_periods
 from whirlmap.analysis.motion.section_crossing import run_with_crossings
 from whirlmap.analysis.steady.settled_steps import check_steps
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
-from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.rescue import end_named
 from whirlmap.integrate.system import System, common_multiple_attribute
@@ -40,16 +40,8 @@ def outputs_of(model: Model, values: Array, x: Array) -> Array:
 SAMPLES = 100
 
 
-def series_steps(system: System, integration: Integration) -> tuple[int, dict[str, str]]:
-    """Return the steps per T of a time series: those given, or enough for the accuracy and for a smooth picture.
-
-    With them the attribute that says where the accuracy is not met.
-    """
-    chosen = make_ensemble(system, integration=integration)[0]
-    doubts = doubtful(chosen.step_verdict, system.model)
-    least = SAMPLES if integration.steps is None else 1
-    return max(least, chosen.steps), {"accuracy_not_met": doubts} if doubts else {}
-
+#: The one point of a series.
+FIRST = np.zeros(1, dtype=np.intp)
 
 #: Numbers of saved states that one call of the ensemble holds for its lanes.
 KEPT = 500_000
@@ -57,6 +49,11 @@ KEPT = 500_000
 
 class Series:
     """The time series of one operating point, recorded in stretches: the numbers do not depend on them.
+
+    Steps are chosen for the accuracy at the start, no fewer than `SAMPLES` per T for a smooth picture. They are checked
+    where the transient has passed and where the record ends (`check_steps`), and an end is believed where more steps find
+    it again (`confirm_run`). Where more are needed the series begins anew, with a multiple of the steps: its samples stand
+    at the same times.
 
     Parameters
     ----------
@@ -76,7 +73,8 @@ class Series:
         integration: Integration = INTEGRATION, execution: Execution = EXECUTION,
     ) -> None:  # fmt: skip
         _refuse_counts(transient=(transient, 0), every=(every, 1), **({} if periods is None else {"periods": (periods, 1)}))
-        self.steps, self.doubts = series_steps(system, integration)
+        chosen, self.found = _one(system, integration, execution)
+        self.rung, self.steps = chosen.steps, max(SAMPLES if integration.steps is None else 1, chosen.steps)
         self.least = every // gcd(self.steps, every)  # T after which a sample falls on a whole one
         if periods is None:
             length = shown_periods(system, max(self.steps // every, 1))
@@ -88,7 +86,8 @@ class Series:
         self.samples = periods * self.steps // every
         each = max(KEPT // (LANES * system.model.dimension * self.steps // every + 1), 1)
         self.stretch = max(min(each, periods) // self.least, 1) * self.least
-        self.ensemble, self.found = _one(system, Integration(integration.method, self.steps), execution)
+        self.ensemble = chosen.subset(FIRST, steps=self.steps)
+        self.start = self.ensemble.x.copy()
         self.done = self.passed = 0
         self.x = self.outputs = np.zeros((0, 0))
 
@@ -96,10 +95,12 @@ class Series:
         """Let some T of the transient pass."""
         self.ensemble.advance(periods, progress=self.progress)
         self.passed += periods
+        if self.passed == self.transient or not self.ensemble.running[0]:
+            self._check()
 
     def advance(self) -> None:
         """Record one more stretch; before the first one, let what is left of the transient pass."""
-        if self.passed < self.transient:
+        while self.passed < self.transient:
             self.pass_by(self.transient - self.passed)
         if not self.done:
             self._begin()
@@ -107,6 +108,23 @@ class Series:
         segment = self.ensemble.advance(length, save_every=self.every, progress=self.progress)
         self._take(self.done * self.steps // self.every + 1, segment.saved[:, :, 0])
         self.done += length
+        if self.done == self.periods or not self.ensemble.running[0]:
+            self._check()
+
+    def _check(self) -> None:
+        """Begin anew with more steps where the motion here asks for them, or does not end with them."""
+        e, began = self.ensemble, np.zeros(1, dtype=np.int64)
+        here = e.subset(FIRST, steps=self.rung if e.running[0] else self.steps)
+        more = check_steps(here) if e.running[0] else confirm_run(here, self.start, began, self.passed + self.done)
+        needed = int(here.point_steps[0]) if more else 0
+        e.step_verdict[:] = here.step_verdict
+        if not more:
+            e.status[:] = here.status
+        if needed > self.steps:
+            times = -(-needed // self.steps)
+            self.rung, self.steps, self.every = needed, self.steps * times, self.every * times
+            self.ensemble = restarted(e, FIRST, self.start, began, np.array([self.steps]))
+            self.done = self.passed = 0
 
     def _begin(self) -> None:
         model, rows = self.system.model, self.samples + 1
@@ -141,7 +159,7 @@ class Series:
                 "output": names_coordinate("output", list(model.outputs), "output"),
             },
         )
-        facts = _run_facts(self.system, e, transient=self.transient, **self.doubts)
+        facts = _run_facts(self.system, e, transient=self.transient, steps_per_period=self.steps)
         return with_attributes(ds, run_attributes(self.system, e, **facts))
 
 
@@ -190,7 +208,9 @@ def simulate(
     Notes
     -----
     Steps per T are fixed and locked to the phase of the forcing, so that samples stand at the same phases in every T; how
-    many, follows from the accuracy (`integrate.accuracy`). Default is Dormand-Prince 8(5,3); ``tsit5`` and ``rk4`` are
+    many, follows from the accuracy (`integrate.accuracy`), at the start, after the transient and at the end; where more are
+    needed the series begins anew with a multiple of them, and its samples stand at the same times. An end is believed where
+    more steps find it again. Default is Dormand-Prince 8(5,3); ``tsit5`` and ``rk4`` are
     the others. Terminal events (contact, divergence) are located within a step. In chaos two runs part after some hundred
     T whatever the steps.
 
@@ -251,7 +271,8 @@ def section(
 
     Notes
     -----
-    Crossings are as exact as the steps (`crossings`).
+    Crossings are as exact as the steps (`crossings`), which are checked where the transient has passed; an end is believed
+    where more steps find it again.
     A forced model is sampled at phase zero; an unforced one where it crosses its declared `Section`, located on the step.
 
     References
@@ -266,18 +287,20 @@ def section(
     _refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))
     ensemble, _ = _one(system, integration, execution, starts)
     progress = execution.progress
+    every = ensemble.common_multiple if system.model.forced and once_per == "common" else 1
+    _refuse_counts(**{"T of the section": (periods * every, 1)})
+    start, began, passed = ensemble.x.copy(), ensemble.turns.copy(), transient
     ensemble.advance(transient, progress=progress)
+    confirm_run(ensemble, start, began, transient)
     if transient and check_steps(ensemble, progress):
         ensemble.advance(transient, progress=progress)
-    data: dict[str, Any] = {}
-    if system.model.forced:
-        every = ensemble.common_multiple if once_per == "common" else 1
-        _refuse_counts(**{"T of the section": (periods * every, 1)})
-        points = ensemble.advance(periods * every, save_periods=every, progress=progress).saved
-        points = np.moveaxis(points, 2, 0)
-    else:
-        points, times = _crossings(ensemble, periods, progress)
-        data["crossing_time"] = variable(("run", "period"), times, "time", "time of the crossing")
+        passed += transient
+    points, times = _section_points(ensemble, periods, every, progress)
+    if confirm_run(ensemble, start, began, passed + periods * every):
+        ensemble = restarted(ensemble, np.arange(starts), start, began, ensemble.point_steps)
+        ensemble.advance(passed, progress=progress)
+        points, times = _section_points(ensemble, periods, every, progress)
+    data = {} if times is None else {"crossing_time": variable(("run", "period"), times, "time", "time of the crossing")}
     data |= {
         "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
         "section": variable(("run", "period", "state"), points, "1", "section point", unit_of_each=_units(system.model)),
@@ -302,10 +325,16 @@ def _one(
     return make_ensemble(system, repeat, swarm=starts > 1, integration=integration, execution=execution)
 
 
-def _crossings(
-    ensemble: Ensemble, periods: int, progress: Callable[[int], None] | None
-) -> tuple[Array, Array]:
-    """Crossings in the next ``periods`` typical times: (run, crossing, state), and their times from the start."""
+def _section_points(
+    ensemble: Ensemble, periods: int, every: int, progress: Callable[[int], None] | None
+) -> tuple[Array, Array | None]:
+    """Section points of the next ``periods`` times ``every`` T, shape (run, period, state).
+
+    Of an unforced model: crossings in as many typical times, with their times from the start.
+    """
+    if ensemble.model.forced:
+        points = ensemble.advance(periods * every, save_periods=every, progress=progress).saved
+        return np.moveaxis(points, 2, 0), None
     start = ensemble.turns * ensemble.period
     points, times, _ = run_with_crossings(ensemble, periods, progress=progress)
     return np.moveaxis(points, 2, 0), (start + times).T

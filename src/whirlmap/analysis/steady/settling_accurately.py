@@ -10,7 +10,7 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.steady.endings import confirm_ends, confirm_growth, restarted
+from whirlmap.analysis.motion.endings import confirm_ends, confirm_growth, restarted
 from whirlmap.analysis.steady.settled_steps import CHECKED, LOST, steps_of_settled, wider_tolerance
 from whirlmap.analysis.steady.settling import Settled, Settling, settle
 from whirlmap.analysis.steady.settling_unforced import settle_unforced, trends_beyond

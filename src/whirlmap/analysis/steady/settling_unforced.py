@@ -9,9 +9,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.motion.endings import restarted
 from whirlmap.analysis.motion.section_crossing import run_with_crossings
 from whirlmap.analysis.steady.crossing_returns import settled_returns
-from whirlmap.analysis.steady.endings import restarted
 from whirlmap.analysis.steady.periodicity import period_of
 from whirlmap.analysis.steady.settled_steps import wider_tolerance
 from whirlmap.analysis.steady.settling import Settled, Settling

@@ -242,6 +242,9 @@ def simulation_in_stretches(
             series.stretch = (part.stop - part.start) * unit
             series.advance()
             yield series.done
+        while series.done < series.periods:  # it has begun anew on the way, with more steps
+            series.advance()
+            yield series.done
 
     def gather(work: Work) -> xr.Dataset | None:
         if not series.passed + series.done:

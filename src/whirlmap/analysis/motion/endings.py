@@ -86,6 +86,23 @@ def confirm_ends(
     _refuse_explosions(ensemble, start, began)
 
 
+def confirm_run(ensemble: Ensemble, start: Array, began: NDArray[np.int64], periods: int) -> bool:
+    """Confirm the ends of points that ran some T from their start (`confirm_ends`), in place.
+
+    Returns whether any of them goes on with more steps: these points stand at the end of the run, with these steps. Steps
+    that were given are taken as they are.
+    """
+    ended = ~ensemble.running
+    if ensemble.accuracy is None or not ended.any():
+        return False
+
+    def again(part: Ensemble, _: Points) -> None:
+        part.advance(periods)
+
+    confirm_ends(ensemble, start, began, again, np.zeros(ended.size, dtype=bool))
+    return bool((ended & ensemble.running).any())
+
+
 def confirm_growth(
     ensemble: Ensemble, start: Array, began: NDArray[np.int64], settle_again: Callable[[Ensemble, Points], None],
     moved: Callable[[], Array],
