@@ -10,7 +10,7 @@ a lower
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -59,6 +59,8 @@ class Settled(Listed):
         Dimensional results worth showing; those whose inputs are not all known are left out.
     marks : mapping of str to Mark
         Numbers that have been changed by hand, and reasons that name a number which is another now.
+    changes : mapping of str to value
+        What was changed of the case, as it was given.
     """
 
     case: Case
@@ -70,6 +72,7 @@ class Settled(Listed):
     given: Mapping[str, float]
     quantities: Mapping[str, tuple[float, Output]]
     marks: Mapping[str, Mark] = field(default_factory=dict)
+    changes: Mapping[str, Any] = field(default_factory=dict)
 
     def listing(self) -> Listing:
         """Its dimensional inputs, for a terminal and a notebook."""
@@ -94,8 +97,8 @@ def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
     CaseError
         For anything that is wrong with a name, a unit or a value; see `read`.
     """
-    changes = dict(changes or {})
-    family = case.family
+    asked_for = dict(changes or {})
+    changes, family = dict(asked_for), case.family
     picked = {name: changes.pop(name) for name in list(changes) if name in family.switches}
     model = _model(family, case.switches, picked)
     switches = dict(model.switches) or {**case.switches, **picked}
@@ -112,7 +115,7 @@ def settle(case: Case, changes: Mapping[str, Any] | None = None) -> Settled:
         suits = {n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}
         work.add(suits, by_hand=False, strict=number == len(case.layers) and not picked)
     work.add(asked, by_hand=True, strict=True)
-    return work.settled(case)
+    return replace(work.settled(case), changes=asked_for)
 
 
 def _model(family: Family, switches: Mapping[str, str], picked: Mapping[str, Any]) -> Model:

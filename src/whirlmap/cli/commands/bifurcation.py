@@ -11,7 +11,6 @@ from whirlmap.cli.common import options, report
 from whirlmap.cli.common.messages import choice
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_twice
 from whirlmap.errors import RangeError, nearest
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -82,13 +81,16 @@ def bifurcation(
     points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
     mm/s, N, rpm and 1/s.
     """
-    swept, unit = read_range(vary)
+    from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
+    from whirlmap.sweep.parameters.ranges import Range
+
+    swept = Range.parse(vary)
     if follow is not None:
         choice("--follow", follow, WAYS)
     refuse_twice(set(options.assignments(changes, "--set")), swept)
     destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
-    swept = in_parameters(system, swept, unit)
+    swept = in_parameters(system, swept)
     states = _states(system, plot)
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in

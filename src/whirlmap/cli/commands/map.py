@@ -16,7 +16,6 @@ from whirlmap.cli.common import interrupts, options, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_input, refuse_twice
 from whirlmap.cli.common.store_status import say_status
 from whirlmap.errors import InputError, RangeError, nearest
 from whirlmap.options.computed import LABELLING, Labelling
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
     from whirlmap.sweep.maps.run_sweep import Progress as Chunks
-    from whirlmap.sweep.parameters.ranges import Range
     from whirlmap.sweep.parameters.space import Space
 
 SWEEP, STORE = "Sweep", "Store and machines"
@@ -306,14 +304,16 @@ def _space(
     changed: dict[str, str],
 ) -> "Space":  # fmt: skip
     from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.parameters.own_units import in_parameters, refuse_input, refuse_twice
     from whirlmap.sweep.parameters.random_draws import Tolerance
+    from whirlmap.sweep.parameters.ranges import Range
     from whirlmap.sweep.parameters.space import Space
 
     ranges: dict[str, Range] = {}
     for text in vary or ():
-        swept, unit = read_range(text)
+        swept = Range.parse(text)
         refuse_twice(set(changed), swept)
-        swept = in_parameters(system, swept, unit)
+        swept = in_parameters(system, swept)
         if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
         ranges[swept.name] = swept
