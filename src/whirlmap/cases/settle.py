@@ -55,6 +55,8 @@ class Settled(Listed):
         Dimensional inputs, where the case has them.
     given : mapping of str to float
         Every input in its declared unit, also those that change no parameter because the symbols that they feed are given.
+    exact : mapping of str to Fraction
+        The same, as written.
     quantities : mapping of str to (float, Output)
         Dimensional results worth showing; those whose inputs are not all known are left out.
     marks : mapping of str to Mark
@@ -70,6 +72,7 @@ class Settled(Listed):
     notes: Mapping[str, str]
     inputs: Mapping[str, Input]
     given: Mapping[str, float]
+    exact: Mapping[str, Fraction]
     quantities: Mapping[str, tuple[float, Output]]
     marks: Mapping[str, Mark] = field(default_factory=dict)
     changes: Mapping[str, Any] = field(default_factory=dict)
@@ -326,6 +329,7 @@ class _Work:
             notes=notes,
             inputs=self._shown_inputs(),
             given={name: float(value) for name, value in self.inputs.items()},
+            exact={name: Fraction(value) for name, value in self.inputs.items()},
             quantities=self._quantities({**self.inputs, **values}),
             marks=self.history.marks(n for n in self.history.given if n not in self.explicit and n not in written),
         )

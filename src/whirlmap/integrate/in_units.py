@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import PURE, Dimensions, Unit
 from whirlmap.integrate.system import System
+from whirlmap.integrate.varied_inputs import groups_of, input_of
 from whirlmap.results.findings import Findings, Variable
+from whirlmap.units import factor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -63,7 +65,7 @@ def shown_in(units: Dimensions, result: Result) -> Result:
         return result
     found = result if isinstance(result, Findings) else Findings.of(result)
     every = {**found.coordinates, **found.variables}
-    varied = {name: every[name] for name in units.system.parameters if name in every}
+    varied = {name: every[name] for name in units.system.parameters if name in every} | _varied_inputs(units.system, every)
     converted = _Converter(units.system, units, every, varied)
     made = Findings(
         {name: converted(name, variable) for name, variable in found.variables.items()},
@@ -71,6 +73,17 @@ def shown_in(units: Dimensions, result: Result) -> Result:
         {**found.attrs, "in_units": "um, mm/s, N, rpm, s, 1/s, Hz"},
     )  # fmt: skip
     return made if isinstance(result, Findings) else made.dataset()
+
+
+def _varied_inputs(system: System, every: dict[str, Variable]) -> dict[str, Variable]:
+    """Dimensional inputs that a result was swept over, in their declared units."""
+    groups, found = groups_of(system), dict[str, Variable]()
+    for name, (dims, values, *attrs) in every.items() if groups else ():
+        declared = input_of(system, name)
+        if groups and declared and dims in (name, (name,)) and name not in system.parameters and declared.unit != "degC":
+            size = float(factor(attrs[0]["units"], declared.unit))
+            found |= dict.fromkeys(groups.shared.get(name, (name,)), (name, np.asarray(values) * size))
+    return found
 
 
 class _Converter:
@@ -111,7 +124,7 @@ class _Converter:
 
     def _quantity(self, name: str, dims: tuple[str, ...]) -> Unit:
         if name == "s":
-            return self.units.quantity(name)  # speeds are proportional to it, whatever it is
+            return self._spread(dims, lambda values: self.units.quantity(name, **{**values, "s": 1.0}))  # proportional to it
         return self._spread(dims, lambda values: self.units.quantity(name, **values))
 
     def _measure(self, measure: str, dims: tuple[str, ...]) -> Unit:

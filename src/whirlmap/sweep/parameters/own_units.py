@@ -34,11 +34,7 @@ def in_parameters(system: System, found: Range, option: str = "--vary") -> Range
     if found.name in SPEED and not math.isfinite(rotation):
         name = found.name
     refuse_input(system, name, option)
-    if name not in system.parameters:
-        raise RangeError(
-            f"{option}: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
-            f"\n  parameters: {' '.join(system.parameters)}"
-        )
+    refuse_unknown(system, name, option)
     if not found.unit:
         _refuse_without_unit(found, rotation, option)
         return found
@@ -100,14 +96,25 @@ def _refuse_without_unit(found: Range, rotation: float, option: str) -> None:
         )
 
 
+def refuse_unknown(system: System, name: str, option: str) -> None:
+    """Refuse a name that is no parameter."""
+    if name not in system.parameters:
+        inputs = getattr(system.details, "inputs", {})
+        raise RangeError(
+            f"{option}: {system.model.name} has no parameter {name!r}.{nearest(name, [*system.parameters, *inputs])}"
+            f"\n  parameters: {' '.join(system.parameters)}"
+            + (f"\n  dimensional inputs: {' '.join(inputs)}" if inputs else "")
+        )
+
+
 def refuse_input(system: System, name: str, option: str) -> None:
     """Say which parameters can be varied in place of a dimensional input."""
     if name in getattr(system.details, "inputs", {}):
         fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
         hint = f"; it feeds {', '.join(fed)}" if fed else ""
         raise RangeError(
-            f"{option}: found the dimensional input {name!r} (improve varies those), expected a dimensionless"
-            f" parameter{hint}"
+            f"{option}: found the dimensional input {name!r} (bifurcation, map and improve vary those), expected a"
+            f" dimensionless parameter{hint}"
             f"\n  parameters: {' '.join(system.parameters)}"
         )
 

@@ -76,7 +76,7 @@ class Range:
         """Write the range of the values behind the first ``done``, of the last two where fewer are left."""
         first = min(done, self.count - 2)
         start, stop = self.values[[first, -1]].tolist()
-        ends = ":".join(f"{end!r}{self.unit and ' ' + self.unit}" for end in (start, stop))
+        ends = ":".join(f"{end!r}{self.unit}" for end in (start, stop))
         return f"{self.name}={ends}:{self.count - first}{':log' if self.log else ''}"
 
 
