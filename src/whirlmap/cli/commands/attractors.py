@@ -69,7 +69,7 @@ def attractors(
     system = options.open_system(case, changes, start)
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.results.memory import refuse_points
-    from whirlmap.sweep.attractors.attractors import attractors_in_parts as find
+    from whirlmap.sweep.attractors.attractors import attractors as find
     from whirlmap.sweep.diagrams.in_batches import expected_periods
     from whirlmap.sweep.parameters.own_units import in_states
 
@@ -78,7 +78,7 @@ def attractors(
     refuse_points([starts])
     expected = expected_periods(system, starts, labelling.settling)
     with Progress("attractors", expected, quiet=quiet, points=starts) as progress:
-        work = find(
+        work = find.parts(
             system, starts=starts, box=boxes or None, seed=seed, labelling=labelling,
             execution=replace(execution, progress=progress),
         ).run()  # fmt: skip

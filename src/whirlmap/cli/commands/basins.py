@@ -58,7 +58,7 @@ def basins(
     destination = claim(out, "basins", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.sweep.attractors.basins import basins_in_parts as find
+    from whirlmap.sweep.attractors.basins import basins as find
     from whirlmap.sweep.diagrams.in_batches import expected_periods
     from whirlmap.sweep.parameters.own_units import in_states
 
@@ -66,7 +66,7 @@ def basins(
     points = ranges[0].count * ranges[1].count
     with Progress("basins", expected_periods(system, points, labelling.settling), quiet=quiet, points=points) as progress:
         axes = {r.name: r.values for r in ranges}
-        work = find(system, axes, labelling=labelling, execution=replace(execution, progress=progress)).run()
+        work = find.parts(system, axes, labelling=labelling, execution=replace(execution, progress=progress)).run()
     if work.dataset is None:
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)

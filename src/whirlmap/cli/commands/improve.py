@@ -91,7 +91,7 @@ def improve(
     from whirlmap.results.memory import refuse_points
     from whirlmap.sweep.diagrams.in_batches import expected_periods
     from whirlmap.sweep.parameters.engineering import limit_of, speeds_of
-    from whirlmap.sweep.speeds.improve import improve_in_batches
+    from whirlmap.sweep.speeds.improve import improve as find
 
     refuse_points([*(r.count for r in ranges.values()), points])
     allowed = limit_of(system, limit, "--limit")
@@ -100,7 +100,7 @@ def improve(
     make = partial(load, case, start=dict(system.start), **settings)
     judged = points * int(np.prod([r.count for r in ranges.values()]))
     with Progress("improve", expected_periods(system, judged, labelling.settling), quiet=quiet, points=judged) as progress:
-        work = improve_in_batches(
+        work = find.parts(
             make, {n: r.values for n, r in ranges.items()}, at, allowed,
             units=units, refine=not coarse, follow=follow, quantity=quantity, labelling=labelling,
             execution=replace(execution, progress=progress),

@@ -99,7 +99,7 @@ def speeds(
     from whirlmap.sweep.diagrams.in_batches import expected_periods
     from whirlmap.sweep.parameters.engineering import drawn_machines, limit_of, speeds_of
     from whirlmap.sweep.speeds.designs import safe_probability
-    from whirlmap.sweep.speeds.safe_speeds import safe_speeds_in_parts
+    from whirlmap.sweep.speeds.safe_speeds import safe_speeds
 
     allowed = limit_of(system, limit, "--limit")
     low, high = speeds_of(system, span, "--range")
@@ -110,7 +110,7 @@ def speeds(
     with Progress("speeds", expected_periods(system, judged, labelling.settling), quiet=quiet, points=judged) as progress:
         progress.later(drawn_points)
         execution = replace(execution, progress=progress)
-        work = safe_speeds_in_parts(
+        work = safe_speeds.parts(
             system, at, allowed, quantity=quantity, follow=follow, labelling=labelling, execution=execution
         ).run()  # fmt: skip
         if work.dataset is None:
