@@ -65,8 +65,8 @@ def shown_in(units: Dimensions, result: Result) -> Result:
         return result
     found = result if isinstance(result, Findings) else Findings.of(result)
     every = {**found.coordinates, **found.variables}
-    varied = {name: every[name] for name in units.system.parameters if name in every} | _varied_inputs(units.system, every)
-    converted = _Converter(units.system, units, every, varied)
+    varied = {name: every[name] for name in units.system.parameters if name in every}
+    converted = _Converter(units.system, units, every, varied, _varied_inputs(units.system, every))
     made = Findings(
         {name: converted(name, variable) for name, variable in found.variables.items()},
         {name: converted(name, variable) for name, variable in found.coordinates.items()},
@@ -90,10 +90,11 @@ class _Converter:
     """Converts one variable after another of a result."""
 
     def __init__(
-        self, system: System, units: Dimensions, every: dict[str, Variable], varied: dict[str, Variable]
-    ) -> None:
-        self.system, self.units, self.every, self.varied = system, units, every, varied
-        self.dims: dict[str, tuple[str, ...]] = {name: _dims(variable) for name, variable in varied.items()}
+        self, system: System, units: Dimensions, every: dict[str, Variable], varied: dict[str, Variable],
+        inputs: dict[str, Variable],
+    ) -> None:  # fmt: skip
+        self.system, self.units, self.every, self.varied, self.inputs = system, units, every, varied | inputs, inputs
+        self.dims: dict[str, tuple[str, ...]] = {name: _dims(variable) for name, variable in self.varied.items()}
 
     def __call__(self, name: str, variable: Variable) -> Variable:
         """Return a variable in its engineering unit."""
@@ -124,6 +125,9 @@ class _Converter:
 
     def _quantity(self, name: str, dims: tuple[str, ...]) -> Unit:
         if name == "s":
+            others = {n: np.asarray(v[1]) for n, v in self.inputs.items() if not set(self.dims[n]) <= set(dims)}
+            if any(np.ptp(self.units.worth("rotation", **{n: v})) > 0 for n, v in others.items()):
+                return PURE  # another speed at each value of an input that it is not over
             return self._spread(dims, lambda values: self.units.quantity(name, **{**values, "s": 1.0}))  # proportional to it
         return self._spread(dims, lambda values: self.units.quantity(name, **values))
 

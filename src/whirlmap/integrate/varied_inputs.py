@@ -59,11 +59,19 @@ class VariedInputs:
     ends: Mapping[str, tuple[float, float]]
     fixed: Collection[str] = ()
 
-    def __call__(self, values: Mapping[str, Array]) -> dict[str, Array]:
-        """Parameters that follow, at the values of the inputs; all arrays have one length."""
+    def __call__(self, values: Mapping[str, Array], names: Collection[str] | None = None) -> dict[str, Array]:
+        """Parameters that follow, or those of these names, at the values of the inputs; all arrays have one length."""
+        wanted = [name for name in self.followers if names is None or name in names]
         rows, where = np.unique(np.stack([values[name] for name in self.units]), axis=1, return_inverse=True)
-        found = [self._at(tuple(row)) for row in rows.T.tolist()]
-        return {name: np.array([one[name] for one in found])[where.ravel()] for name in self.followers}
+        found = [self._at(tuple(row), wanted) for row in rows.T.tolist()]
+        return {name: np.array([one[name] for one in found])[where.ravel()] for name in wanted}
+
+    @cached_property
+    def sizes(self) -> list[str]:
+        """Those of the parameters that follow which say what the model's units are worth."""
+        groups = groups_of(self.system)
+        read = {q.name for worth in groups.units.values() for q in worth.free_symbols} if groups else set()
+        return [name for name in self.followers if name in read]
 
     def __getstate__(self) -> dict[str, Any]:
         """What is sent to other processes: nothing that is made of it."""
@@ -131,15 +139,14 @@ class VariedInputs:
             raise CaseError(f"{settled.case.name} with {', '.join(f'{n} = {t}' for n, t in texts.items())} is another model")
         return made
 
-    def _at(self, at: tuple[float, ...]) -> dict[str, float]:
-        if at in self._corners:
-            return {name: float(self._corners[at].values[name]) for name in self.followers}
-        if self._exact is None:
-            return {name: float(self._settled(at).values[name]) for name in self.followers}
-        return self._exact(at)
+    def _at(self, at: tuple[float, ...], names: Collection[str]) -> dict[str, float]:
+        if at not in self._corners and self._exact is not None:
+            return self._exact(at, names)
+        settled = self._corners[at] if at in self._corners else self._settled(at)
+        return {name: float(settled.values[name]) for name in names}
 
     @cached_property
-    def _exact(self) -> Callable[[tuple[float, ...]], dict[str, float]] | None:
+    def _exact(self) -> Callable[[tuple[float, ...], Collection[str]], dict[str, float]] | None:
         """The parameters at values of the inputs by their groups alone; None where that is not what the case says."""
         groups, settled = groups_of(self.system), self.system.details
         assert groups is not None
@@ -151,7 +158,7 @@ class VariedInputs:
             return None
         partial = {name: _partial(expressions[name], expressions, known, varied) for name in self.followers}
 
-        def exact(at: tuple[float, ...]) -> dict[str, float]:
+        def exact(at: tuple[float, ...], names: Collection[str]) -> dict[str, float]:
             values = {}
             for (name, unit), value in zip(self.units.items(), at, strict=True):
                 for q in spread[name]:
@@ -160,10 +167,11 @@ class VariedInputs:
                     values[q] = read(f"{value!r} {unit}".strip(), declared.unit)
                     if fault := declared.fault(float(values[q])):
                         raise CaseError(f"{name} = {value:g} {unit} {fault} ({declared.meaning})")
-            return {name: float(value_of(expression, values)) for name, expression in partial.items()}
+            return {name: float(value_of(expression, values)) for name, expression in partial.items() if name in names}
 
         try:
-            same = all(exact(at) == {n: float(one.values[n]) for n in self.followers} for at, one in self._corners.items())
+            every = self.followers
+            same = all(exact(at, every) == {n: float(one.values[n]) for n in every} for at, one in self._corners.items())
         except (CaseError, KeyError):
             return None
         return exact if same else None

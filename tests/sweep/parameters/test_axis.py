@@ -77,6 +77,20 @@ def test_a_parameter_beside_an_input_does_not_follow_it(rig):
     machine = whirlmap.load("machines/jeffcott-rig", c="120 um").replace(s=0.6)
     alone = whirlmap.label_points(machine, {"s": [0.6]}, **SHORT)
     np.testing.assert_array_equal(ds["maximum"].values[1, 1], alone["maximum"].values[0])
+    assert whirlmap.in_units(rig, ds)["s"].attrs["units"] == "1"  # another speed at each clearance
+
+
+def test_a_speed_beside_an_input_is_the_same_speed_for_all_its_values(rig):
+    """What s = 1 is follows from the clearance."""
+    ds = whirlmap.regime_map(rig, {"c": ["80 um", "120 um"], "speed": "1500rpm:1800rpm:2"}, **SHORT)
+    assert ds["regime"].dims == ("c", "speed") and ds["speed"].attrs["units"] == "rpm"
+    machine = whirlmap.load("machines/jeffcott-rig", c="120 um", speed="1500 rpm")
+    alone = whirlmap.label_points(machine, {"s": [float(machine.values["s"])]}, **SHORT)
+    np.testing.assert_array_equal(ds["maximum"].values[1, 0], alone["maximum"].values[0])
+    mine, whole = whirlmap.in_units(rig, ds), whirlmap.in_units(machine, alone)  # velocities too are those of each machine
+    assert mine["peak_to_peak"].attrs["unit_of_each"] == whole["peak_to_peak"].attrs["unit_of_each"]
+    np.testing.assert_allclose(mine["peak_to_peak"].values[1, 0], whole["peak_to_peak"].values[0], rtol=1e-12)
+    assert ds["s"].dims == ("c", "speed") and ds["s"].values[1, 0] == float(machine.values["s"])
 
 
 def test_speeds_become_values_of_s(rig):

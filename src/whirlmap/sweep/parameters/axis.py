@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.system import System
-from whirlmap.integrate.varied_inputs import VariedInputs, groups_of, input_of
+from whirlmap.integrate.varied_inputs import VariedInputs, input_of
 from whirlmap.results.schema import variable
 from whirlmap.sweep.parameters.own_units import SPEED, in_parameters, refuse_unknown, size_of
 from whirlmap.sweep.parameters.ranges import Range, numbers_and_unit
@@ -19,21 +19,27 @@ from whirlmap.sweep.parameters.ranges import Range, numbers_and_unit
 Array = NDArray[np.float64]
 
 
-def is_input(system: System, name: str) -> bool:
-    """Whether a name is a dimensional input of the case, and not a speed, which is s in other words."""
-    if name in system.parameters or (name in SPEED and isfinite(Dimensions(system).worth("rotation"))):
+def is_input(system: System, name: str, *, beside: bool = False) -> bool:
+    """Whether a name is a dimensional input of the case.
+
+    A speed is none, but s in other words; unless it stands ``beside`` another input, with which what s = 1 is may change.
+    """
+    if name in system.parameters or (name in SPEED and not beside and isfinite(Dimensions(system).worth("rotation"))):
         return False
-    groups = groups_of(system)
-    return groups is not None and (input_of(system, name) is not None)
+    return input_of(system, name) is not None
 
 
-def read_axis(system: System, name: str, values: "ArrayLike | Range", option: str = "vary") -> tuple[str, Array, str]:
+def read_axis(
+    system: System, name: str, values: "ArrayLike | Range", option: str = "vary", *, beside: bool = False
+) -> tuple[str, Array, str]:
     """Read what is varied: its name in the results, its values, and their unit; of a parameter its own numbers, without one.
 
     Parameters
     ----------
     values : array_like, Range or str
         Numbers; texts with a unit, ``["40 um", "50 um"]``; a `Range`, or the text of one, ``"40um:80um:50"``.
+    beside : bool
+        Whether it stands beside another input: see `is_input`.
 
     Raises
     ------
@@ -43,7 +49,7 @@ def read_axis(system: System, name: str, values: "ArrayLike | Range", option: st
     if isinstance(values, str):
         values = Range.parse(f"{name}={values}", option)
     if isinstance(values, Range):
-        if not is_input(system, name):
+        if not is_input(system, name, beside=beside):
             found = in_parameters(system, values, option)
             return found.name, found.values, ""
         return name, values.values, values.unit
@@ -54,7 +60,7 @@ def read_axis(system: System, name: str, values: "ArrayLike | Range", option: st
         numbers = np.array(texts)
     if numbers.ndim != 1 or numbers.size < 1 or np.any(np.diff(numbers) <= 0) or not np.isfinite(numbers).all():
         raise RangeError(f"values of {name!r} must be finite and ascend")
-    if is_input(system, name) or not unit:
+    if is_input(system, name, beside=beside) or not unit:
         return name, numbers, unit
     name = SPEED.get(name, name)
     refuse_unknown(system, name, option)

@@ -130,6 +130,11 @@ class Space:
         if self.inputs:
             for name, unit in self.units.items():
                 out[name] = variable(name, self.axes[name], unit or "1", self.inputs.meaning(name))
+            over = tuple(name for name in self.axes if name in self.units)
+            grid = np.meshgrid(*(self.axes[name] for name in over), indexing="ij")
+            found = self.inputs(dict(zip(over, (axis.ravel() for axis in grid), strict=True)), self.inputs.sizes)
+            for name, values in found.items():  # what the units of the others follow from
+                out[name] = variable(over, values.reshape(grid[0].shape), declared(name).unit, declared(name).meaning)
         if self.tolerances:
             out[DRAW] = variable(DRAW, np.arange(self.count), "1", "number of the draw")
             for name, values in self.drawn.items():
@@ -163,12 +168,13 @@ def space_of(
     """
     axes: dict[str, Array] = {}
     units: dict[str, str] = {}
+    beside = any(is_input(system, name) for name in vary)
     for written, values in vary.items():
-        name, numbers, unit = read_axis(system, written, values, option)
+        name, numbers, unit = read_axis(system, written, values, option, beside=beside)
         if name in axes:
             raise RangeError(f"{option}: {name} is given twice: expected each parameter once")
         axes[name] = numbers
-        if is_input(system, written):
+        if is_input(system, written, beside=beside):
             units[name] = unit
     inputs = None
     if units:

@@ -89,9 +89,9 @@ def safe_speeds(
 
     Notes
     -----
-    ``safe_speeds.parts`` gives the `Work`: the cold starts in batches of speeds, from the lowest on; each round of run-up and
-    run-down; the edges of the windows. It counts the speeds, and one for each of the other two. Who stops keeps what is
-    finished.
+    ``safe_speeds.parts`` gives the `Work`: the cold starts in batches of speeds, from the lowest on; each round of run-up
+    and run-down; the edges of the windows. It counts the speeds, and one for each of the other two. Who stops keeps what
+    is finished.
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     if SPEED not in system.parameters:
