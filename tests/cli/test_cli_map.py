@@ -84,7 +84,7 @@ def test_draws_and_lines_have_pictures_too():
      ("map duffing --draw gamma=norm:3% --draws 3", "uniform or normal"),
      (f"{MAP} --store m/n", "does not exist"), (f"{MAP} --out m.xyz", "suffix"),
      (f"{MAP} --vary delta=0.1:0.2:2 --out m.png", "two"),
-     ("map gear-psfd/machine --vary mu=0.01:0.02:3", "dimensional input"), (f"{MAP} --store m --dask nowhere", "Dask")],
+     ("map gear-psfd/machine --vary mu=0.01:0.02:3", "with their unit"), (f"{MAP} --store m --dask nowhere", "Dask")],
 )  # fmt: skip
 def test_what_is_wrong_is_said_before_anything_is_computed(line, says, tmp_path):
     result = run(line, 2)

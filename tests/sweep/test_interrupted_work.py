@@ -11,11 +11,11 @@ from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.attractors import attractor_search
 from whirlmap.sweep.attractors import attractors as found
-from whirlmap.sweep.attractors.attractors import attractors_in_parts
-from whirlmap.sweep.attractors.basins import basins_in_parts
+from whirlmap.sweep.attractors.attractors import attractors
+from whirlmap.sweep.attractors.basins import basins
 from whirlmap.sweep.interruptible import batches
 from whirlmap.sweep.speeds import safe_speeds as judged
-from whirlmap.sweep.speeds.safe_speeds import safe_speeds, safe_speeds_in_parts
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds
 
 GRID = {"x": np.linspace(-2, 2, 10), "v": np.linspace(-2, 2, 12)}
 SPEEDS = np.linspace(0.5, 2.0, 40)
@@ -60,7 +60,7 @@ def test_interrupted_speeds_keep_the_cold_starts(stage, left, monkeypatch):
     monkeypatch.setattr(judged, "refined_edges", edges)
     if stage == "rounds_met":
         interrupt(monkeypatch, judged, stage)
-    work = safe_speeds_in_parts(system, SPEEDS, 0.5, follow=stage == "rounds_met").run()
+    work = safe_speeds.parts(system, SPEEDS, 0.5, follow=stage == "rounds_met").run()
     ds = work.dataset
     assert not work.complete and ds.attrs["incomplete"].startswith(f"interrupted {left}") and not ds.attrs["followed"]
     np.testing.assert_array_equal(ds["verdict"], whole["verdict"])
@@ -72,7 +72,7 @@ def test_interrupted_speeds_keep_the_cold_starts(stage, left, monkeypatch):
 def test_speeds_interrupted_among_the_cold_starts_keep_those_that_are_finished(monkeypatch):
     monkeypatch.setattr(judged, "FIRST", 1)
     interrupt(monkeypatch, judged, "cold_motions", after=1)
-    work = safe_speeds_in_parts(load("machines/jeffcott-rig"), SPEEDS, 0.5, workers=1).run()
+    work = safe_speeds.parts(load("machines/jeffcott-rig"), SPEEDS, 0.5, workers=1).run()
     assert work.done == 8 and work.dataset.attrs["incomplete"] == "interrupted after 8 of 40 speeds"
     np.testing.assert_array_equal(work.dataset["s"], SPEEDS[:8])
 
@@ -80,7 +80,7 @@ def test_speeds_interrupted_among_the_cold_starts_keep_those_that_are_finished(m
 def test_basins_interrupted_while_starts_settle_keep_those_that_have(monkeypatch):
     monkeypatch.setattr(attractor_search, "FIRST", 4)
     interrupt(monkeypatch, attractor_search, "settle_and_record", after=1)
-    work = basins_in_parts(load("duffing", gamma=0.2), GRID, workers=1).run()
+    work = basins.parts(load("duffing", gamma=0.2), GRID, workers=1).run()
     ds = work.dataset
     assert work.done == 32 and ds.attrs["incomplete"] == "interrupted after 32 of 120 starts"
     status = ds["start_status"].values.ravel()
@@ -91,14 +91,14 @@ def test_basins_interrupted_while_starts_settle_keep_those_that_have(monkeypatch
 
 def test_starts_of_a_strange_attractor_that_nobody_has_labelled_yet_are_not_called_undecided(monkeypatch):
     interrupt(monkeypatch, attractor_search.Search, "_label")
-    assert attractors_in_parts(load("duffing", gamma=0.5), starts=16, workers=1).run().dataset is None
+    assert attractors.parts(load("duffing", gamma=0.5), starts=16, workers=1).run().dataset is None
 
 
 def test_basins_interrupted_before_the_measurement_keep_attractors_and_shares(monkeypatch):
     system = load("duffing", gamma=0.2)
     whole = found.attractors(system, starts=64)
     interrupt(monkeypatch, found, "_evidence")
-    work = attractors_in_parts(system, starts=64).run()
+    work = attractors.parts(system, starts=64).run()
     ds = work.dataset
     assert ds.attrs["incomplete"] == "interrupted before the attractors were measured"
     np.testing.assert_array_equal(ds["attractor_of"], whole["attractor_of"])

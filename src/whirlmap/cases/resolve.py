@@ -12,7 +12,7 @@ a lower
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
@@ -59,10 +59,14 @@ class Resolved(Listed):
         Dimensional inputs, where the case has them.
     given : mapping of str to float
         Every input in its declared unit, also those that change no parameter because the symbols that they feed are given.
+    exact : mapping of str to Fraction
+        The same, as written.
     quantities : mapping of str to (float, Output)
         Dimensional results worth showing; those whose inputs are not all known are left out.
     marks : mapping of str to Mark
         Numbers that have been changed by hand, and reasons that name a number which is another now.
+    changes : mapping of str to value
+        What was changed of the case, as it was given.
     """
 
     case: Case
@@ -72,8 +76,10 @@ class Resolved(Listed):
     notes: Mapping[str, str]
     inputs: Mapping[str, Input]
     given: Mapping[str, float]
+    exact: Mapping[str, Fraction]
     quantities: Mapping[str, tuple[float, Output]]
     marks: Mapping[str, Mark] = field(default_factory=dict)
+    changes: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def groups(self) -> Groups | None:
@@ -112,8 +118,8 @@ def resolve(case: Case, changes: Mapping[str, Any] | None = None) -> Resolved:
     CaseError
         For anything that is wrong with a name, a unit or a value; see `read`.
     """
-    changes = dict(changes or {})
-    family = case.family
+    asked_for = dict(changes or {})
+    changes, family = dict(asked_for), case.family
     picked = {name: changes.pop(name) for name in list(changes) if name in family.switches}
     model = _model(family, case.switches, picked)
     switches = dict(model.switches) or {**case.switches, **picked}
@@ -130,7 +136,7 @@ def resolve(case: Case, changes: Mapping[str, Any] | None = None) -> Resolved:
         suits = {n: g for n, g in layer.items() if all(switches.get(k) == v for k, v in g.only.items())}
         work.add(suits, by_hand=False, strict=number == len(case.layers) and not picked)
     work.add(asked, by_hand=True, strict=True)
-    return work.resolved(case)
+    return replace(work.resolved(case), changes=asked_for)
 
 
 def _model(family: Family, switches: Mapping[str, str], picked: Mapping[str, Any]) -> Model:
@@ -341,6 +347,7 @@ class _Work:
             notes=notes,
             inputs=self._shown_inputs(),
             given={name: float(value) for name, value in self.inputs.items()},
+            exact={name: Fraction(value) for name, value in self.inputs.items()},
             quantities=self._quantities({**self.inputs, **values}),
             marks=self.history.marks(n for n in self.history.given if n not in self.explicit and n not in written),
         )

@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import PURE, Dimensions, Unit
 from whirlmap.integrate.system import System
+from whirlmap.integrate.varied_inputs import groups_of, input_of
 from whirlmap.results.findings import Findings, Variable
+from whirlmap.units import factor
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -69,7 +71,7 @@ def shown_in(units: Dimensions, result: Result) -> Result:
     found = result if isinstance(result, Findings) else Findings.of(result)
     every = {**found.coordinates, **found.variables}
     varied = {name: every[name] for name in units.system.parameters if name in every}
-    converted = _Converter(units.system, units, every, varied)
+    converted = _Converter(units.system, units, every, varied, _varied_inputs(units.system, every))
     made = Findings(
         {name: converted(name, variable) for name, variable in found.variables.items()},
         {name: converted(name, variable) for name, variable in found.coordinates.items()},
@@ -78,14 +80,26 @@ def shown_in(units: Dimensions, result: Result) -> Result:
     return made if isinstance(result, Findings) else made.dataset()
 
 
+def _varied_inputs(system: System, every: dict[str, Variable]) -> dict[str, Variable]:
+    """Dimensional inputs that a result was swept over, in their declared units."""
+    groups, found = groups_of(system), dict[str, Variable]()
+    for name, (dims, values, *attrs) in every.items() if groups else ():
+        declared = input_of(system, name)
+        if groups and declared and dims in (name, (name,)) and name not in system.parameters and declared.unit != "degC":
+            size = float(factor(attrs[0]["units"], declared.unit))
+            found |= dict.fromkeys(groups.shared.get(name, (name,)), (name, np.asarray(values) * size))
+    return found
+
+
 class _Converter:
     """Converts one variable after another of a result."""
 
     def __init__(
-        self, system: System, units: Dimensions, every: dict[str, Variable], varied: dict[str, Variable]
-    ) -> None:
-        self.system, self.units, self.every, self.varied = system, units, every, varied
-        self.dims: dict[str, tuple[str, ...]] = {name: _dims(variable) for name, variable in varied.items()}
+        self, system: System, units: Dimensions, every: dict[str, Variable], varied: dict[str, Variable],
+        inputs: dict[str, Variable],
+    ) -> None:  # fmt: skip
+        self.system, self.units, self.every, self.varied, self.inputs = system, units, every, varied | inputs, inputs
+        self.dims: dict[str, tuple[str, ...]] = {name: _dims(variable) for name, variable in self.varied.items()}
 
     def __call__(self, name: str, variable: Variable) -> Variable:
         """Return a variable in its engineering unit."""
@@ -116,7 +130,11 @@ class _Converter:
 
     def _quantity(self, name: str, dims: tuple[str, ...]) -> Unit:
         if name == self.system.speed:
-            return self.units.quantity(name)  # speeds are proportional to it, whatever it is
+            others = {n: np.asarray(v[1]) for n, v in self.inputs.items() if not set(self.dims[n]) <= set(dims)}
+            if any(np.ptp(self.units.worth("rotation", **{n: v})) > 0 for n, v in others.items()):
+                return PURE  # another speed at each value of an input that it is not over
+            # Speeds are proportional to it.
+            return self._spread(dims, lambda values: self.units.quantity(name, **{**values, name: 1.0}))
         return self._spread(dims, lambda values: self.units.quantity(name, **values))
 
     def _measure(self, measure: str, dims: tuple[str, ...]) -> Unit:

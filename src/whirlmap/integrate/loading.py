@@ -78,6 +78,19 @@ def load(
     return system
 
 
+def changed(system: System, **changes: Any) -> System:
+    """Load the case of a system once more, with further changes, as of `load`.
+
+    Parameters that were replaced since it was loaded keep their values, as symbols that are given do.
+    """
+    settled = system.machine
+    if settled is None:
+        return system.replace(**changes)
+    again = load(settled.case, start=dict(system.start), **{**settled.changes, **changes})
+    since = {name: value for name, value in system.values.items() if value != settled.values[name] and name not in changes}
+    return again.replace(**since)
+
+
 def _refuse_ended(system: System) -> None:
     """Refuse a given start that lies behind one of the model's stops."""
     if not system.start:

@@ -3,9 +3,15 @@
 import time
 from collections.abc import Callable, Iterator
 from contextlib import suppress
-from typing import Self
+from functools import wraps
+from inspect import signature
+from typing import Any, ParamSpec, Protocol, Self, cast
 
 import xarray as xr
+
+from whirlmap.options.taking import takes_options
+
+P = ParamSpec("P")
 
 #: Seconds that a batch should take: so much work is lost by an interrupt at most, where the points of a batch are alike.
 SECONDS = 5.0
@@ -94,3 +100,28 @@ def batches(count: int, *, first: int, most: int, seconds: float = SECONDS) -> I
         at += size
         wanted = size * min(seconds / max(time.monotonic() - begun, 1e-3), GROWTH)
         size = int(min(max(wanted, first), most))
+
+
+class InParts(Protocol[P]):
+    """A function that gives a Dataset; ``parts``, with the same arguments, gives the `Work` that makes it."""
+
+    parts: Callable[P, Work]
+
+    def __call__(self, *arguments: P.args, **options: P.kwargs) -> xr.Dataset:
+        """Do all of it."""
+
+
+def in_parts(bar: str) -> Callable[[Callable[P, Work]], InParts[P]]:
+    """Have a function that makes `Work` give its Dataset to those who call it; options as of `takes_options`."""
+
+    def decorate(function: Callable[P, Work]) -> InParts[P]:
+        @takes_options(bar)
+        @wraps(function)
+        def whole(*arguments: P.args, **options: P.kwargs) -> xr.Dataset:
+            return function(*arguments, **options).whole()
+
+        made: Any = whole
+        made.parts, made.__signature__ = takes_options()(function), signature(made).replace(return_annotation=xr.Dataset)
+        return cast(InParts[P], made)
+
+    return decorate

@@ -197,7 +197,7 @@ def test_the_default_box_is_about_the_motion(duffing):
         ({"starts": 0}, "between 1"),
         ({"starts": np.zeros((3, 4))}, "expected 2 states"),
         ({"starts": np.zeros((2, 4)), "box": BOX}, "expected none"),
-        ({"lyapunov": 10}, "between 256"),
+        ({"lyapunov": 100}, "between 256"),
     ],
 )
 def test_what_cannot_be_searched_is_refused(duffing, options, words):

@@ -9,7 +9,6 @@ from whirlmap.cli.common import figures_of_commands as pictures
 from whirlmap.cli.common import options, report
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import in_states, read_brackets
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
 
@@ -65,20 +64,21 @@ def attractors(
     Starts that end in contact, diverge, or stay undecided are counted as such, and belong to no attractor. The picture
     shows the start states in the colour of their attractor, with its section points.
     """
-    brackets = read_brackets(box, "--box")
+    brackets = options.ranges(box, "--box")
     destination = claim(out, "attractors", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
-    ranges = [in_states(system, *read, option="--box") for read in brackets.values()]
-    boxes = {one.name: (one.start, one.stop) for one in ranges}
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.results.memory import refuse_points
-    from whirlmap.sweep.attractors.attractors import attractors_in_parts as find
+    from whirlmap.sweep.attractors.attractors import attractors as find
     from whirlmap.sweep.diagrams.in_batches import expected_periods
+    from whirlmap.sweep.parameters.own_units import in_states
 
+    ranges = [in_states(system, one, "--box") for one in brackets.values()]
+    boxes = {one.name: (one.start, one.stop) for one in ranges}
     refuse_points([starts])
     expected = expected_periods(system, starts, labelling.settling)
     with Progress("attractors", expected, quiet=quiet, points=starts) as progress:
-        work = find(
+        work = find.parts(
             system, starts=starts, box=boxes or None, seed=seed, labelling=labelling,
             execution=replace(execution, progress=progress),
         ).run()  # fmt: skip

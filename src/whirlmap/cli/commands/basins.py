@@ -10,7 +10,6 @@ from whirlmap.cli.common import figures_of_commands as pictures
 from whirlmap.cli.common import options, report
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import in_states, read_range
 from whirlmap.errors import RangeError
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -50,23 +49,24 @@ def basins(
     Starts that end in contact, diverge, or stay undecided are shown as such, and belong to no attractor.
     """
     from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.parameters.ranges import Range
 
-    read = [read_range(text, "--grid") for text in grid]
-    ranges = [one for one, _ in read]
+    ranges = [Range.parse(text, "--grid") for text in grid]
     if len(ranges) != 2 or ranges[0].name == ranges[1].name:
         raise RangeError(f"--grid: found {' and '.join(r.name for r in ranges)}, expected two different states")
     refuse_points(r.count for r in ranges)
     destination = claim(out, "basins", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
-    ranges = [in_states(system, *one, option="--grid") for one in read]
     from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.sweep.attractors.basins import basins_in_parts as find
+    from whirlmap.sweep.attractors.basins import basins as find
     from whirlmap.sweep.diagrams.in_batches import expected_periods
+    from whirlmap.sweep.parameters.own_units import in_states
 
+    ranges = [in_states(system, one, "--grid") for one in ranges]
     points = ranges[0].count * ranges[1].count
     with Progress("basins", expected_periods(system, points, labelling.settling), quiet=quiet, points=points) as progress:
         axes = {r.name: r.values for r in ranges}
-        work = find(system, axes, labelling=labelling, execution=replace(execution, progress=progress)).run()
+        work = find.parts(system, axes, labelling=labelling, execution=replace(execution, progress=progress)).run()
     if work.dataset is None:
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)

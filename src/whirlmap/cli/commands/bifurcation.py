@@ -11,7 +11,6 @@ from whirlmap.cli.common import options, report
 from whirlmap.cli.common.messages import choice
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_twice
 from whirlmap.errors import RangeError, nearest
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -44,7 +43,7 @@ def bifurcation(
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
             help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log; of a case with dimensions also"
-            ' "speed=500 rpm:6000 rpm:200".',
+            ' "speed=500 rpm:6000 rpm:200", or another input, c=40um:80um:50, whose groups all follow.',
         ),
     ],
     follow: Annotated[
@@ -82,13 +81,18 @@ def bifurcation(
     points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
     mm/s, N, rpm and 1/s.
     """
-    swept, unit = read_range(vary)
+    from whirlmap.sweep.parameters.axis import Axis, is_input
+    from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
+    from whirlmap.sweep.parameters.ranges import Range
+
+    swept = Range.parse(vary)
     if follow is not None:
         choice("--follow", follow, WAYS)
     destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     refuse_twice(system, set(options.assignments(changes, "--set")), swept)
-    swept = in_parameters(system, swept, unit)
+    axis = Axis.of(system, swept.name, swept, "--vary")
+    name, units_of_inputs = axis.name, {axis.name: axis.unit} if is_input(system, swept.name) else {}
     states = _states(system, plot)
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.in_units import shown_in
@@ -97,10 +101,10 @@ def bifurcation(
 
     total = swept.count * (2 if follow == "both" else 1)
     refuse_memory("the diagram", 2 * total * labelling.settling.keep * len(states))  # at least, and before it is made
-    expected = expected_periods(system, total, labelling.settling, {swept.name: swept.values})
+    expected = expected_periods(system, total, labelling.settling, axis.columns)
     with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
         work = diagram_in_batches(
-            system, swept.name, swept.values, follow=follow,  # type: ignore[arg-type]  # one of WAYS
+            system, name, axis, follow=follow,  # type: ignore[arg-type]  # one of WAYS
             states=states, labelling=labelling, execution=replace(execution, progress=progress),
         ).run(lambda done, points: progress.expect(progress.done * points / done, f"{done} of {points} points"))  # fmt: skip
     if work.dataset is None:
@@ -109,10 +113,10 @@ def bifurcation(
     files = destination.write(work.dataset, lambda ds: pictures.diagram(units, ds, states))
     report.say_doubts(work.dataset.attrs)
     small = work.dataset.drop_vars("section")  # which would be in memory twice
-    facts = summary(units, shown_in(units, small), swept.name)
-    assumptions = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
+    facts = summary(units, shown_in(units, small), name)
+    assumptions = report.say_assumptions(system, {name: axis.values[[0, -1]]}, units_of_inputs)
     if json:
-        own = {**summary(Dimensions(system, own=True), work.dataset, swept.name), "assumptions": assumptions}
+        own = {**summary(Dimensions(system, own=True), work.dataset, name), "assumptions": assumptions}
         there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
         report.print_json({**report.beside(own, there, ("values", "sweeps", "hysteresis", "units"), units), "files": files})
     else:
@@ -120,7 +124,8 @@ def bifurcation(
         report.print_written(files)
     if not work.complete:
         go_on = "the same command computes all points anew"
-        if follow is None and work.dataset.sizes[swept.name] < swept.count:
+        if follow is None and work.dataset.sizes[name] < swept.count:
+            swept = swept if units_of_inputs else in_parameters(system, swept)
             go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"
         report.interrupted(facts["incomplete"], files, go_on)
 
@@ -142,12 +147,12 @@ def summary(units: "Dimensions", ds: "xr.Dataset", parameter: str) -> dict[str, 
     """Say what a diagram holds, which is in these units, every sweep point by point."""
     from whirlmap.sweep.diagrams.hysteresis import intervals
 
-    system, unit = units.system, units.quantity(parameter).unit
+    system, unit = units.system, ds[parameter].attrs["units"]
     sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
     return {
         "case": system.case,
         "model": system.model.name,
-        "parameters": {name: value for name, value in system.values.items() if name != parameter},
+        "parameters": {name: value for name, value in system.values.items() if name not in ds.coords},
         "varied": parameter,
         "follow": ds.attrs["follow"],
         "values": ds[parameter].values,

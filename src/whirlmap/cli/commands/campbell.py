@@ -10,7 +10,6 @@ from whirlmap.cli.common import figures_of_commands as pictures
 from whirlmap.cli.common import options, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim
-from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_twice
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,11 +48,14 @@ def campbell(
     Each mode has the name of the part that moves most in it and its sense of whirl, and the shape: how far every part moves
     over that one. A case with dimensions is shown in rpm and Hz.
     """
-    swept, unit = read_range(vary)
+    from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
+    from whirlmap.sweep.parameters.ranges import Range
+
+    swept = Range.parse(vary)
     destination = claim(out, "campbell", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, None)
     refuse_twice(system, set(options.assignments(changes, "--set")), swept)
-    swept = in_parameters(system, swept, unit)
+    swept = in_parameters(system, swept)
     from whirlmap.analysis.linear.campbell import campbell as compute
     from whirlmap.analysis.linear.linearisation import NotLinearError
     from whirlmap.integrate.dimensions import Dimensions

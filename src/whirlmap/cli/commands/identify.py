@@ -11,6 +11,7 @@ from whirlmap.cli.common import options, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.progress import Progress, clock
 from whirlmap.errors import RangeError
+from whirlmap.options.execution import Execution
 
 if TYPE_CHECKING:
     from whirlmap.studies.gear_psfd.search.answer import Answer
@@ -211,22 +212,22 @@ def _compute(
             f" {settings.points / cost.of(slow, 1):.0f} points/s"
         )
     with Progress("identify", None, quiet=quiet) as progress:
-        begun, done = time.monotonic(), 0
+        begun, done, execution = time.monotonic(), 0, Execution(workers, progress, client)
         for name in search(
-            variants, settings, blocks, sets=sets, cost=cost, deadline=deadline, share=share, client=client, workers=workers,
-            progress=progress, told=say,
+            variants, settings, blocks, sets=sets, cost=cost, deadline=deadline, share=share,
+            execution=execution, told=say,
         ):  # fmt: skip
             first_set, last_set = (int(part) for part in name.rpartition(".")[2].split("-"))
             done += last_set - first_set
             rate = done / (time.monotonic() - begun)
             say(f"{name}: finished; {done} sets so far, {rate:.3g} sets/s, {rate * settings.points:.3g} points/s")
         if generations:
-            _refine(variants, settings, blocks, generations, deadline, client, workers, progress)
+            _refine(variants, settings, blocks, generations, deadline, execution)
 
 
 def _refine(
     variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", generations: int, deadline: float | None,
-    client: Any, workers: int | None, progress: Progress,
+    execution: Execution,
 ) -> None:  # fmt: skip
     from whirlmap.studies.gear_psfd.search.identify import judged_so_far
     from whirlmap.studies.gear_psfd.search.refine import LEAST, best_starts, refine
@@ -238,7 +239,7 @@ def _refine(
             continue
         before = float(start.total.max())
         found = refine(
-            start, settings, blocks, generations=generations, client=client, workers=workers, progress=progress,
+            start, settings, blocks, generations=generations, execution=execution,
             more=lambda: deadline is None or time.monotonic() < deadline,
         )  # fmt: skip
         after = max(before, float(found.total.max()))

@@ -10,10 +10,8 @@ import typer
 
 from whirlmap.cli.commands.speeds import SPEEDS, Limit, Quantity, Span
 from whirlmap.cli.common import options, report
-from whirlmap.cli.common.engineering_input import limit_of, range_of
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import read_range
 from whirlmap.cli.common.speed_report import sizes_of
 from whirlmap.errors import InputError, RangeError
 from whirlmap.options.computed import LABELLING, Labelling
@@ -92,16 +90,17 @@ def improve(
     from whirlmap.integrate.loading import load
     from whirlmap.results.memory import refuse_points
     from whirlmap.sweep.diagrams.in_batches import expected_periods
-    from whirlmap.sweep.speeds.improve import improve_in_batches
+    from whirlmap.sweep.parameters.engineering import limit_of, speeds_of
+    from whirlmap.sweep.speeds.improve import improve as find
 
     refuse_points([*(r.count for r in ranges.values()), points])
-    allowed = limit_of(system, limit)
-    low, high = range_of(system, span)
+    allowed = limit_of(system, limit, "--limit")
+    low, high = speeds_of(system, span, "--range")
     at = np.linspace(low, high, points)
     make = partial(load, case, start=dict(system.start), **settings)
     judged = points * int(np.prod([r.count for r in ranges.values()]))
     with Progress("improve", expected_periods(system, judged, labelling.settling), quiet=quiet, points=judged) as progress:
-        work = improve_in_batches(
+        work = find.parts(
             make, {n: r.values for n, r in ranges.items()}, at, allowed,
             units=units, refine=not coarse, follow=follow, quantity=quantity, labelling=labelling,
             execution=replace(execution, progress=progress),
@@ -125,12 +124,14 @@ def improve(
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
     """Ranges of the varied names, and the units of those that have one."""
+    from whirlmap.sweep.parameters.ranges import Range
+
     ranges: dict[str, Range] = {}
     units: dict[str, str] = {}
     for text in texts:
-        found, unit = read_range(text)
-        if unit:
-            units[found.name] = unit
+        found = Range.parse(text)
+        if found.unit:
+            units[found.name] = found.unit
         if ranges.setdefault(found.name, found) != found or len(ranges) > 2:
             raise InputError("--vary: expected one or two different design parameters, each given once")
     return ranges, units

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from whirlmap.cli.common import options, report
-from whirlmap.cli.common.ranges import in_parameters, read_brackets
 
 if TYPE_CHECKING:
     from whirlmap.analysis.linear.film_coefficients import FilmCoefficients
@@ -45,11 +44,13 @@ def linear(
 
     A case with dimensions is shown in um, Hz, 1/s and N.
     """
-    brackets = read_brackets([threshold] if threshold else None, "--threshold")
+    brackets = options.ranges([threshold] if threshold else None, "--threshold")
     system = options.open_system(case, changes, None)
+    from whirlmap.sweep.parameters.own_units import in_parameters
+
     bracket = None
     for read in brackets.values():
-        swept = in_parameters(system, *read, option="--threshold")
+        swept = in_parameters(system, read, option="--threshold")
         bracket = swept.name, (swept.start, swept.stop)
     from whirlmap.analysis.linear.film_coefficients import film_coefficients
     from whirlmap.analysis.linear.linearisation import NotLinearError, linear_analysis

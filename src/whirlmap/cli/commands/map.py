@@ -16,7 +16,6 @@ from whirlmap.cli.common import interrupts, options, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.ranges import in_parameters, read_range, refuse_input, refuse_twice
 from whirlmap.cli.common.store_status import say_status
 from whirlmap.errors import InputError, RangeError, nearest
 from whirlmap.options.computed import LABELLING, Labelling
@@ -29,7 +28,6 @@ if TYPE_CHECKING:
     from whirlmap.equations.model import Model
     from whirlmap.integrate.system import System
     from whirlmap.sweep.maps.run_sweep import ChunkReport
-    from whirlmap.sweep.parameters.ranges import Range
     from whirlmap.sweep.parameters.space import Space
 
 SWEEP, STORE = "Sweep", "Store and machines"
@@ -51,7 +49,7 @@ def map(  # noqa: A001 (the command's name)
         typer.Option(
             "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
             help="Parameter and range, ascending; given twice for a map, once for a line; of a case with dimensions also"
-            ' "speed=500 rpm:6000 rpm:200".',
+            ' "speed=500 rpm:6000 rpm:200", or another input, c=40um:80um:50, whose groups all follow.',
         ),
     ] = None,
     draw: Annotated[
@@ -193,7 +191,7 @@ def map(  # noqa: A001 (the command's name)
             if json and watch.last is not None:
                 now = f"interrupted after {watch.last.points_done} of {watch.last.points_total} points"
                 report.print_json({
-                    "case": system.case, "model": system.model.name, "varied": list(space.names),
+                    "case": system.case, "model": system.model.name, "varied": list(space.varied),
                     **watch.facts(space.points, refine), "store": store, "files": files, "incomplete": now,
                 })  # fmt: skip
             say(watch.interrupted(store, files))
@@ -203,9 +201,9 @@ def map(  # noqa: A001 (the command's name)
         files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
         say(f"accuracy not met: {doubts}")
-    assumptions = report.say_assumptions(system, {name: (values[0], values[-1]) for name, values in space.axes.items()})
+    assumptions = report.say_assumptions(system, {name: values[[0, -1]] for name, values in space.axes.items()}, space.units)
     facts = {
-        "case": system.case, "model": system.model.name, "varied": list(space.names),
+        "case": system.case, "model": system.model.name, "varied": list(space.varied),
         **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
         "incomplete": None,
     }  # fmt: skip
@@ -307,25 +305,25 @@ def _space(
     changed: dict[str, str],
 ) -> "Space":  # fmt: skip
     from whirlmap.results.memory import refuse_points
+    from whirlmap.sweep.parameters.own_units import refuse_input, refuse_twice
     from whirlmap.sweep.parameters.random_draws import Tolerance
-    from whirlmap.sweep.parameters.space import Space
+    from whirlmap.sweep.parameters.ranges import Range
+    from whirlmap.sweep.parameters.space import space_of
 
     ranges: dict[str, Range] = {}
     for text in vary or ():
-        swept, unit = read_range(text)
+        swept = Range.parse(text)
         refuse_twice(system, set(changed), swept)
-        swept = in_parameters(system, swept, unit)
         if swept.name in ranges:
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
         ranges[swept.name] = swept
     refuse_points([*(swept.count for swept in ranges.values()), *([draws] if draws else [])])
-    axes = {name: swept.values for name, swept in ranges.items()}
     texts = options.assignments(draw, "--draw")
     if bool(texts) != (draws is not None):
         raise InputError("--draw and --draws go together: which parameters, and how many draws")
     if seed and not texts:
         raise InputError("--seed: expected --draw beside it, for nothing else is random")
-    if not axes and not texts:
+    if not ranges and not texts:
         raise InputError("found neither --vary nor --draw, expected one: --vary s=0.3:5:400 --vary psi=1e-5:1:300:log")
     for name in texts:
         if name in changed:
@@ -337,7 +335,7 @@ def _space(
                 f"\n  parameters: {' '.join(system.parameters)}"
             )
     tolerances = {name: Tolerance.parse(text, float(system.values[name])) for name, text in texts.items()}
-    return Space(axes, tolerances, draws or 0, seed)
+    return space_of(system, ranges, tolerances, draws or 0, seed, "--vary")
 
 
 def _quantity(system: "System", plot: str | None) -> str:

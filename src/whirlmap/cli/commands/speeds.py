@@ -7,7 +7,6 @@ from typing import Annotated
 import typer
 
 from whirlmap.cli.common import options, report, speed_report
-from whirlmap.cli.common.engineering_input import drawn_machines, limit_of, range_of, tolerances_of
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.options.computed import LABELLING, Labelling
@@ -91,7 +90,7 @@ def speeds(
     machine's own speed is from their ends, what forbids the speeds between them, the thinnest
     film and the largest bearing load.
     """
-    tolerances = tolerances_of(tolerance)
+    tolerances = options.tolerances_of(tolerance)
     destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)
     system = options.open_system(case, changes, start)
     import numpy as np
@@ -99,11 +98,12 @@ def speeds(
     from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.results.memory import refuse_points
     from whirlmap.sweep.diagrams.in_batches import expected_periods
+    from whirlmap.sweep.parameters.engineering import drawn_machines, limit_of, speeds_of
     from whirlmap.sweep.speeds.designs import safe_probability
-    from whirlmap.sweep.speeds.safe_speeds import safe_speeds_in_parts
+    from whirlmap.sweep.speeds.safe_speeds import safe_speeds
 
-    allowed = limit_of(system, limit)
-    low, high = range_of(system, span)
+    allowed = limit_of(system, limit, "--limit")
+    low, high = speeds_of(system, span, "--range")
     refuse_points([points, draws] if tolerances else [points])
     at = np.linspace(low, high, points)
     judged = points * (3 if follow else 1)
@@ -111,7 +111,7 @@ def speeds(
     with Progress("speeds", expected_periods(system, judged, labelling.settling), quiet=quiet, points=judged) as progress:
         progress.later(drawn_points)
         execution = replace(execution, progress=progress)
-        work = safe_speeds_in_parts(
+        work = safe_speeds.parts(
             system, at, allowed, quantity=quantity, follow=follow, labelling=labelling, execution=execution
         ).run()  # fmt: skip
         if work.dataset is None:
@@ -120,8 +120,7 @@ def speeds(
         if tolerances and work.complete:
             progress.later(0)
             progress.more_points(drawn_points)
-            settings = options.assignments(changes, "--set")
-            drawn, limits = drawn_machines(system, case, settings, tolerances, draws, seed, allowed)
+            drawn, limits = drawn_machines(system, tolerances, draws, allowed, seed=seed, option="--tolerance")
             try:
                 chance = safe_probability(
                     system, drawn, at, limits, quantity=quantity, follow=follow, labelling=labelling, execution=execution

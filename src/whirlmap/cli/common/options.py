@@ -14,6 +14,7 @@ from whirlmap.options.execution import Execution
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
+    from whirlmap.sweep.parameters.ranges import Range
 
 SYSTEM, COMPUTING, OUTPUT = "System", "Computing", "Output"
 
@@ -266,9 +267,43 @@ def brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple[float,
     return found
 
 
+def tolerances_of(texts: Sequence[str] | None) -> dict[str, float]:
+    """Half widths of ranges over their middle, by name."""
+    found = {}
+    for name, text in assignments(texts, "--tolerance").items():
+        try:
+            half = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
+        except ValueError:
+            half = -1.0
+        if not 0 < half < 1:
+            raise InputError(f"--tolerance: found {name}={text}, expected a share between 0 and 100 %, as in c=5%")
+        found[name] = half
+    return found
+
+
+def ranges(texts: Sequence[str] | None, option: str) -> "dict[str, Range]":
+    """Read ``name=low:high`` texts of a repeatable option, whose ends may have a unit.
+
+    Raises
+    ------
+    InputError, RangeError
+        As `brackets` and `Range.parse`.
+    """
+    from whirlmap.sweep.parameters.ranges import Range
+
+    found = {}
+    for name, text in assignments(texts, option).items():
+        try:
+            found[name] = Range.parse(f"{name}={text}:2", option)
+        except RangeError:
+            brackets([f"{name}={text}"], option)  # says what is wrong with it as a bracket
+            raise
+    return found
+
+
 def _in_states(system: "System", begin: dict[str, str]) -> dict[str, float | str]:
     """Start values in the model's own numbers; what is no number with a unit stays text, for who says what is wrong."""
-    from whirlmap.cli.common.ranges import in_state
+    from whirlmap.sweep.parameters.own_units import in_state
     from whirlmap.units import split
 
     made: dict[str, float | str] = dict(begin)

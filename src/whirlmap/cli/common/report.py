@@ -135,13 +135,20 @@ def say_doubts(attributes: Mapping[Any, Any]) -> None:
         say(f"grazing: {grazing}")
 
 
-def say_assumptions(system: "System", ends: Mapping[str, Sequence[float]] = MappingProxyType({})) -> list[str]:
+def say_assumptions(
+    system: "System", ends: Mapping[str, Any] = MappingProxyType({}), units: Mapping[str, str] = MappingProxyType({})
+) -> list[str]:
     """Say on standard error which assumptions of the model are strained, as `show` does, and return these texts.
 
-    ``ends`` are the first and the last value of every parameter that was swept: all their combinations count.
+    ``ends`` are the first and the last value of all that was swept: all their combinations count. ``units`` are those of the
+    dimensional inputs among them.
     """
+    from whirlmap.integrate.loading import changed
+
     points: list[dict[str, Any]] = [dict(zip(ends, map(float, v), strict=True)) for v in product(*ends.values())]
-    return say_strains([system.replace(**at) for at in points])
+    inputs = [{name: f"{at.pop(name)!r} {unit}".strip() for name, unit in units.items()} for at in points]
+    bases = [changed(system, **texts) if texts else system for texts in inputs]
+    return say_strains([base.replace(**at) for base, at in zip(bases, points, strict=True)])
 
 
 def say_strains(systems: Iterable["System"]) -> list[str]:

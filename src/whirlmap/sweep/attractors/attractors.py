@@ -20,7 +20,7 @@ from whirlmap.integrate.accuracy import LADDER, StepVerdict, doubtful
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Integration, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
-from whirlmap.options.taking import LabellingParts, takes_options
+from whirlmap.options.taking import LabellingParts
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable, with_attributes
 from whirlmap.results.status import Status
@@ -28,7 +28,7 @@ from whirlmap.sweep.attractors.attractor_search import Search
 from whirlmap.sweep.attractors.attractors_so_far import found_so_far
 from whirlmap.sweep.attractors.known_attractors import Found
 from whirlmap.sweep.attractors.start_states import default_box, draw_starts, repeated
-from whirlmap.sweep.interruptible import Work
+from whirlmap.sweep.interruptible import Work, in_parts
 from whirlmap.sweep.points.point_variables import points_dataset
 
 Array = NDArray[np.float64]
@@ -43,7 +43,7 @@ KEPT = 512
 OUTCOMES = (Regime.contact, Regime.diverged, Regime.drifting, Regime.growing, Regime.not_settled, Regime.undecided)
 
 
-@takes_options("attractors")
+@in_parts("attractors")
 def attractors(
     system: System,
     *,
@@ -53,7 +53,7 @@ def attractors(
     labelling: Labelling = LABELLING,
     execution: Execution = EXECUTION,
     **_given: Unpack[LabellingParts],
-) -> xr.Dataset:
+) -> Work:
     """Find the attractors of one operating point that many start states lead to.
 
     Parameters
@@ -110,32 +110,13 @@ def attractors(
     than settling and exponent's run is taken for an attractor. Orbits closer than ten tolerances of settling are one (those
     that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
 
+    ``attractors.parts`` gives the `Work`, which counts starts, and the measurement of the attractors as one more. Who stops
+    keeps the starts that have come to an attractor or ended; the others have ``start_status`` failed, and of the attractors
+    no more is known than `found_so_far` says.
+
     References
     ----------
     [parker1989] orbits by Newton's method.
-    """
-    return attractors_in_parts(
-        system, starts=starts, box=box, seed=seed, labelling=labelling, execution=execution
-    ).whole()  # fmt: skip
-
-
-@takes_options()
-def attractors_in_parts(
-    system: System,
-    *,
-    starts: int | ArrayLike = 256,
-    box: Mapping[str, tuple[float, float]] | None = None,
-    seed: int = 0,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    **_given: Unpack[LabellingParts],
-) -> Work:
-    """Search for attractors in parts: who stops keeps the starts that have settled and the attractors found so far.
-
-    ``done`` and ``total`` of the work count starts, and the measurement of the attractors as one more. Parameters are those
-    of `attractors`, and so is the Dataset; where it carries ``incomplete``, shares are those of the starts that have come to
-    an attractor or ended, the others have ``start_status`` failed, and of the attractors no more is known than
-    `found_so_far` says.
     """
     if labelling.lyapunov is not None and not LEAST <= labelling.lyapunov <= 10_000_000:
         raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 T, not {labelling.lyapunov}")

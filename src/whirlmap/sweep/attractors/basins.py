@@ -11,15 +11,15 @@ from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
-from whirlmap.options.taking import LabellingParts, takes_options
+from whirlmap.options.taking import LabellingParts
 from whirlmap.results.memory import refuse_memory
 from whirlmap.results.schema import variable
-from whirlmap.sweep.attractors.attractors import attractors_in_parts
+from whirlmap.sweep.attractors.attractors import attractors
 from whirlmap.sweep.attractors.start_states import start_values
-from whirlmap.sweep.interruptible import Work
+from whirlmap.sweep.interruptible import Work, in_parts
 
 
-@takes_options("basins")
+@in_parts("basins")
 def basins(
     system: System,
     grid: Mapping[str, ArrayLike],
@@ -27,7 +27,7 @@ def basins(
     labelling: Labelling = LABELLING,
     execution: Execution = EXECUTION,
     **_given: Unpack[LabellingParts],
-) -> xr.Dataset:
+) -> Work:
     """Find the attractor of every start state on a grid over two states, the others at their start values.
 
     Parameters
@@ -48,6 +48,8 @@ def basins(
         there is no ``start_state``; ``share`` is that of the slice. Its error is that of as many starts drawn at random,
         an upper bound for a grid whose basins are wider than its cells.
 
+    ``basins.parts`` gives the `Work`, as of `attractors`.
+
     Raises
     ------
     RangeError
@@ -58,19 +60,6 @@ def basins(
     Starts are the points of the grid, at phase zero, in one batch; what is the same attractor, `attractors` says. A
     boundary is known to one cell, and a fractal one is not resolved by any grid.
     """
-    return basins_in_parts(system, grid, labelling=labelling, execution=execution).whole()
-
-
-@takes_options()
-def basins_in_parts(
-    system: System,
-    grid: Mapping[str, ArrayLike],
-    *,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    **_given: Unpack[LabellingParts],
-) -> Work:
-    """Find basins in parts; what is finished is kept, as in `attractors_in_parts`."""
     if len(grid) != 2:
         raise RangeError(f"grid: found {len(grid)} states ({' '.join(grid) or 'none'}), expected two, as in x and v")
     axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in grid.items()}
@@ -87,7 +76,7 @@ def basins_in_parts(
     x = np.repeat(start_values(system)[:, None], a.size * b.size, axis=1)
     x[system.states.index(first)] = np.repeat(a, b.size)
     x[system.states.index(second)] = np.tile(b, a.size)
-    search = attractors_in_parts(system, starts=x, labelling=labelling, execution=execution)
+    search = attractors.parts(system, starts=x, labelling=labelling, execution=execution)
 
     def gather(work: Work) -> xr.Dataset | None:
         found = search.dataset

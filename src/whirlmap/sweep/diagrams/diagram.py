@@ -17,9 +17,11 @@ from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.options.taking import LabellingParts, takes_options
-from whirlmap.results.schema import names_coordinate, variable, with_attributes
+from whirlmap.results.schema import names_coordinate, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
+from whirlmap.sweep.parameters.axis import Axis
+from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.points.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.points.point_variables import (
     common_multiple_variable,
@@ -38,7 +40,7 @@ Follow = Literal["up", "down", "both"]
 def bifurcation_diagram(
     system: System,
     parameter: str,
-    values: ArrayLike,
+    values: ArrayLike | Range | Axis,
     *,
     follow: Follow | None = None,
     states: Sequence[str] | None = None,
@@ -53,9 +55,10 @@ def bifurcation_diagram(
     system : System
         Its values and start states count.
     parameter : str
-        Name of the varied parameter.
-    values : array_like, shape (point,)
-        Its values, ascending.
+        Name of the varied parameter, or of a dimensional input of the case.
+    values : array_like, shape (point,), Range or str
+        Its values, ascending. Of a case with dimensions they may have a unit: ``["40 um", "60 um"]``, or the text of a
+        range, ``"40um:80um:50"``. The axis of a dimensional input is in that unit, and all groups follow from it.
     follow : {"up", "down", "both"}, optional
         Carry the state along, each point starting from the end of its neighbour, upwards, downwards or both (then
         the Dataset has a dimension ``direction``). Absent: every point starts cold, and all run together.
@@ -89,34 +92,29 @@ def bifurcation_diagram(
     Points are labelled as `label_points` says. Unstable branches and the bifurcation points themselves are not computed; two
     values between which the label changes bracket one.
     """
-    try:
-        points = np.atleast_1d(np.asarray(values, dtype=float))
-    except ValueError as error:  # text such as "1000 rpm", which the command line converts
-        raise RangeError(f"values of {parameter!r} must be numbers in the model's own units: {error}") from error
-    if points.ndim != 1 or points.size < 1 or np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
-        raise RangeError(f"values of {parameter!r} must be finite and ascend")
+    axis = Axis.of(system, parameter, values, "values")
     if follow is not None and follow not in ("up", "down", "both"):
         raise RangeError(f"follow is up, down or both, not {follow!r}")
     kept = kept_states(system, states)
-    run, settling = _Run(system, parameter, kept, labelling, execution), labelling.settling
+    run, settling = _Run(system, kept, labelling, execution), labelling.settling
     if follow is None:
-        measured, ensemble = run.cold(points)
-        ds = _dataset(system, parameter, points, measured, kept)
+        measured, ensemble = run.cold(axis)
+        ds = _dataset(system, axis, measured, kept)
     else:
         parts = []
         for way in ("up", "down") if follow == "both" else (follow,):
-            measured, ensemble = run.chain(points, downwards=way == "down")
-            parts.append(_dataset(system, parameter, points, measured, kept).assign_coords(direction=way))
+            measured, ensemble = run.chain(axis, downwards=way == "down")
+            parts.append(_dataset(system, axis, measured, kept).assign_coords(direction=way))
         ds = parts[0] if len(parts) == 1 else xr.concat(parts, "direction", join="exact", coords="minimal", compat="equals")
     facts = {
-        "varied": parameter, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
+        "varied": axis.name, "follow": follow or "none", "transient": settling.transient, "most": settling.most,
         "tolerance": settling.tolerance, "lyapunov_periods": labelling.longest(ensemble.strobe),
-        **shared_common_multiple(system, [parameter], ensemble),
+        **shared_common_multiple(system, axis.columns, ensemble),
     }  # fmt: skip
     attributes = run_attributes(system, ensemble, **facts)
     attributes.pop("accuracy_not_met", None)  # of the last point of a chain; this is of all
     ds = with_attributes(ds, attributes | doubts(ds, system.model))
-    return with_hysteresis(ds, system, parameter) if follow == "both" else ds
+    return with_hysteresis(ds, system, axis.name) if follow == "both" else ds
 
 
 @dataclass(frozen=True)
@@ -124,25 +122,24 @@ class _Run:
     """What all points of a diagram share."""
 
     system: System
-    parameter: str
     kept: list[str]
     labelling: Labelling
     execution: Execution
 
-    def cold(self, points: Array, starts: Array | None = None) -> tuple[Measured, Ensemble]:
+    def cold(self, axis: Axis, starts: Array | None = None) -> tuple[Measured, Ensemble]:
         """Measure points, each from its own start."""
-        values = {self.parameter: points}
-        return measure(self.system, values, self.labelling, self.execution, starts=starts, kept=self.kept)
+        return measure(self.system, axis.columns, self.labelling, self.execution, starts=starts, kept=self.kept)
 
-    def chain(self, points: Array, *, downwards: bool) -> tuple[Measured, Ensemble]:
+    def chain(self, axis: Axis, *, downwards: bool) -> tuple[Measured, Ensemble]:
         """Measure points one after the other, each from the end of the one before."""
-        order = range(points.size - 1, -1, -1) if downwards else range(points.size)
+        count = axis.values.size
+        order = range(count - 1, -1, -1) if downwards else range(count)
         starts: Array | None = None
         made: dict[int, Measured] = {}
         for i in order:
-            made[i], ensemble = self.cold(points[i : i + 1], starts)
+            made[i], ensemble = self.cold(axis.take(slice(i, i + 1)), starts)
             starts = made[i].end_state if made[i].status[0] == Status.ok else None
-        return joined([made[i] for i in range(points.size)], [np.array([i]) for i in range(points.size)]), ensemble
+        return joined([made[i] for i in range(count)], [np.array([i]) for i in range(count)]), ensemble
 
 
 def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset:
@@ -152,19 +149,18 @@ def select_states(ds: xr.Dataset, system: System, kept: list[str]) -> xr.Dataset
     return out
 
 
-def _dataset(system: System, parameter: str, points: Array, m: Measured, kept: list[str]) -> xr.Dataset:
-    model, r = system.model, m.returns
-    declared = model.parameter(parameter)
+def _dataset(system: System, axis: Axis, m: Measured, kept: list[str]) -> xr.Dataset:
+    parameter, r = axis.name, m.returns
     data: dict[str, Any] = {
         "section": section_variable(parameter, system, m, kept),
         **point_variables(parameter, m),
-        **common_multiple_variable(parameter, system, [parameter], m),
+        **common_multiple_variable(parameter, system, axis.columns, m),
         **extreme_variables(parameter, system, m.returns.extremes),
     }  # fmt: skip
     return xr.Dataset(
         data,
         coords={
-            parameter: variable(parameter, points, declared.unit, declared.meaning),
+            **axis.coordinates(system),
             "period": np.arange(1, r.section.shape[0] + 1),
             "state": names_coordinate("state", kept, "state"),
             **extreme_coordinates(system),

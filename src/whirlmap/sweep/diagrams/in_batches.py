@@ -15,7 +15,6 @@ from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
 from whirlmap.analysis.simulation.trajectory import Series
 from whirlmap.equations.model import Model
-from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.system import System
@@ -29,6 +28,8 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.diagram import Follow, bifurcation_diagram, kept_states, select_states
 from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
 from whirlmap.sweep.interruptible import Work, batches
+from whirlmap.sweep.parameters.axis import Axis
+from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.points.point_variables import doubts
 
 Array = NDArray[np.float64]
@@ -54,7 +55,7 @@ NOT_REACHED = {
 def diagram_in_batches(
     system: System,
     parameter: str,
-    values: ArrayLike,
+    values: ArrayLike | Range | Axis,
     *,
     follow: Follow | None = None,
     states: Sequence[str] | None = None,
@@ -74,17 +75,16 @@ def diagram_in_batches(
     Other parameters are those of `bifurcation_diagram`, and so is the Dataset. Where a sweep in both
     directions was interrupted on its way down, points not reached have ``status`` failed.
     """
-    points = np.atleast_1d(np.asarray(values, dtype=float))
-    if not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
-        raise RangeError(f"values of {parameter!r} must be finite and ascend")
+    axis = Axis.of(system, parameter, values, "values")
+    parameter, points = axis.name, axis.values
     # This refuses now what the last batch would meet.
-    groups = order_groups(system, parameter_values(system, {parameter: points}), [parameter])
+    groups = order_groups(system, parameter_values(system, axis.columns), axis.columns)
     common = max(group.strobe for group in groups)
     ways: tuple[Any, ...] = ("up", "down") if follow == "both" else (follow,)
     block = LANES * (execution.workers or cores())
     size = batch or (BATCH * block if follow is None else CHAIN)
     first = batch or (FIRST * block if follow is None else 1)
-    even = system.model.forced and not orders_vary(system.model, [parameter])
+    even = system.model.forced and not orders_vary(system.model, axis.columns)
     if follow is not None and not even:
         first = size = points.size  # the last row of its section is not the state at the end of each record
     refuse_memory(
@@ -100,7 +100,7 @@ def diagram_in_batches(
 
     def parts(work: Work) -> Iterator[int]:
         for way, sweep in zip(ways, sweeps, strict=True):
-            for part in _parts(system, parameter, points, way, (first, size), kept, options):
+            for part in _parts(system, axis, way, (first, size), kept, options):
                 sweep.take(part)
                 yield work.done + part.sizes[parameter]
 
@@ -116,17 +116,17 @@ def diagram_in_batches(
 
 
 def _parts(
-    system: System, parameter: str, points: Array, way: Follow | None, sizes: tuple[int, int], kept: list[str],
+    system: System, axis: Axis, way: Follow | None, sizes: tuple[int, int], kept: list[str],
     options: dict[str, Any],
 ) -> Iterator[xr.Dataset]:  # fmt: skip
-    now = system
+    now, count = system, axis.values.size
     every = kept if way is None else system.states  # a chain goes on from the whole state
-    for place in batches(points.size, first=sizes[0], most=sizes[1]):
-        part = points[::-1][place][::-1] if way == "down" else points[place]
-        ds = bifurcation_diagram(now, parameter, part, follow=way, states=every, **options)
+    for place in batches(count, first=sizes[0], most=sizes[1]):
+        part = axis.take(slice(count - place.stop, count - place.start) if way == "down" else place)
+        ds = bifurcation_diagram(now, axis.name, part, follow=way, states=every, **options)
         yield ds if way is None else select_states(ds, system, kept)
-        if way is not None and place.stop < points.size:
-            last = ds.isel({parameter: 0 if way == "down" else -1})
+        if way is not None and place.stop < count:
+            last = ds.isel({axis.name: 0 if way == "down" else -1})
             state = last["section"].isel(period=-1).values
             ran = int(last["status"]) == Status.ok
             now = _from(system, state) if ran else system
@@ -148,7 +148,7 @@ class _Sweep:
         self.dim, self.total, self.backwards, self.even = dim, total, backwards, even
         self.done, self.parts, self.attrs = 0, list[xr.Dataset](), dict[Any, Any]()
         self._whole: dict[Any, tuple[Any, NDArray[Any], dict[Any, Any]]] = {}
-        self._rest = xr.Dataset()
+        self._rest, self._beside = xr.Dataset(), list[str]()  # coordinates along the dimension, other than its own
 
     def take(self, part: xr.Dataset) -> None:
         """Take over the next part."""
@@ -157,6 +157,7 @@ class _Sweep:
             self.attrs = part.attrs  # it began where the user said
             along = {name: v for name, v in part.variables.items() if self.dim in v.dims}
             self._rest = part.drop_vars(list(along))
+            self._beside = [str(name) for name in part.coords if name in along and name != self.dim]
             if self.even:
                 self._whole = {k: (v.dims, np.empty((self.total, *v.shape[1:]), v.dtype), v.attrs) for k, v in along.items()}
         first = self.total - self.done - count if self.backwards else self.done
@@ -176,7 +177,7 @@ class _Sweep:
         first = self.total - self.done if self.backwards else 0
         made = {name: (dims, v[first : first + self.done], attrs) for name, (dims, v, attrs) in self._whole.items()}
         coordinate = made.pop(self.dim)
-        return self._rest.assign(made).assign_coords({self.dim: coordinate})
+        return self._rest.assign(made).assign_coords({self.dim: coordinate}).set_coords(self._beside)
 
 
 def _joined(
@@ -189,7 +190,8 @@ def _joined(
     if len(made) > 1:
         if made[1].sizes[parameter] < points.size:
             meta = {name: v.attrs for name, v in made[1].variables.items()}
-            made[1] = made[1].reindex({parameter: ds[parameter]}, fill_value=_fill(made[1]))
+            beside = {name: ds[name] for name in ds.coords if ds[name].dims == (parameter,)}
+            made[1] = made[1].reindex({parameter: ds[parameter]}, fill_value=_fill(made[1])).assign_coords(beside)
             for name, own in meta.items():
                 made[1][name].attrs = own
         ds = _concat(made, "direction")

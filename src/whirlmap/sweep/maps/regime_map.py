@@ -16,7 +16,7 @@ from whirlmap.options.taking import MapParts, takes_options
 from whirlmap.progress import tell
 from whirlmap.sweep.maps.run_sweep import ChunkReport, OnChunk, run_sweep
 from whirlmap.sweep.parameters.random_draws import Tolerance
-from whirlmap.sweep.parameters.space import Space
+from whirlmap.sweep.parameters.space import space_of
 
 
 @takes_options("map", unit="points", rate_unit="points/s")
@@ -39,7 +39,8 @@ def regime_map(
     system : System
         Its values and start states count.
     vary : mapping of str to array
-        Ascending values of each varied parameter; they become the dimensions, in this order.
+        Ascending values of each varied parameter or dimensional input, as of `bifurcation_diagram`:
+        ``{"c": "40um:80um:50"}``. They become the dimensions, in this order.
     refine : bool
         Compute a coarse lattice, then only the points near differing labels; the others take the label of their
         surroundings, and ``evaluation`` says so. Wants two parameters.
@@ -73,9 +74,8 @@ def regime_map(
     -----
     Bits do not depend on workers, chunks, order, shares, the executor, or on where the run was interrupted.
     """
-    axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in vary.items()}
-    told = counting(on_chunk, execution.progress)
-    return run_sweep(system, Space(axes), labelling, execution, storage, refine=refine, sections=sections, on_chunk=told)
+    told, space = counting(on_chunk, execution.progress), space_of(system, vary)
+    return run_sweep(system, space, labelling, execution, storage, refine=refine, sections=sections, on_chunk=told)
 
 
 @takes_options("draws", unit="points", rate_unit="points/s")
@@ -132,9 +132,8 @@ def tolerance_sweep(
     }
     if not found:
         raise RangeError("found no tolerance, expected at least one, as in {'s': 'normal:3%'}")
-    axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in (vary or {}).items()}
-    told = counting(on_chunk, execution.progress)
-    return run_sweep(system, Space(axes, found, draws, seed), labelling, execution, storage, on_chunk=told)
+    told, space = counting(on_chunk, execution.progress), space_of(system, vary or {}, found, draws, seed)
+    return run_sweep(system, space, labelling, execution, storage, on_chunk=told)
 
 
 def counting(on_chunk: OnChunk | None, progress: Any) -> OnChunk | None:

@@ -181,10 +181,11 @@ def _make(
     template = points_dataset(job.system, columns, measured, kept=job.kept).isel(point=slice(0, 1))
     s = job.labelling.settling
     attributes = run_attributes(
-        job.system, ensemble, varied=" ".join(space.names), transient=s.transient, most=s.most, tolerance=s.tolerance,
+        job.system, ensemble, varied=" ".join(space.varied), transient=s.transient, most=s.most, tolerance=s.tolerance,
         lyapunov_periods=job.labelling.longest(ensemble.strobe), kernel_hash=job.kernel,
         **shared_common_multiple(job.system, space.names, ensemble),
-        seed=space.seed if space.tolerances else None, coordinates=" ".join(space.tolerances) or None,
+        seed=space.seed if space.tolerances else None,
+        coordinates=" ".join([*space.tolerances, *(space.inputs.sizes if space.inputs else ())]) or None,
     )  # fmt: skip
     attributes.pop("accuracy_not_met", None)  # of the pilot; the arrays say it of every point
     try:

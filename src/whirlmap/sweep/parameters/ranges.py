@@ -1,12 +1,13 @@
-"""Ranges of a varied parameter, as they are written on the command line: ``s=0.3:4:600`` or ``psi=1e-5:1:50:log``."""
+"""Ranges of a varied quantity, as they are written: ``s=0.3:4:600``, ``psi=1e-5:1:50:log`` or ``c=40um:80um:50``."""
 
-import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.errors import RangeError
+from whirlmap.errors import CaseError, RangeError
+from whirlmap.units import split
 
 #: More points than this in one range are a slip of the pen.
 MOST_POINTS = 100_000_000
@@ -14,7 +15,7 @@ MOST_POINTS = 100_000_000
 
 @dataclass(frozen=True)
 class Range:
-    """Values of one parameter, ascending.
+    """Values of one quantity, ascending, in a unit; in the model's own numbers where that is empty.
 
     Raises
     ------
@@ -27,6 +28,7 @@ class Range:
     stop: float
     count: int
     log: bool = False
+    unit: str = ""
 
     def __post_init__(self) -> None:
         """Refuse a range that cannot be walked."""
@@ -43,27 +45,26 @@ class Range:
             raise RangeError(f"{where}: a logarithmic range needs a start above zero, not {self.start:g}")
 
     @classmethod
-    def parse(cls, text: str) -> "Range":
-        """Read ``name=start:stop:count`` or ``name=start:stop:count:log``."""
+    def parse(cls, text: str, option: str = "--vary") -> "Range":
+        """Read ``name=start:stop:count`` or ``name=start:stop:count:log``; the ends may have a unit."""
         form = "name=start:stop:count or name=start:stop:count:log, as in s=0.3:4:600"
         name, equals, rest = text.partition("=")
-        parts = rest.split(":")
+        parts = [part.strip() for part in rest.split(":")]
         if not equals or not name.strip() or len(parts) not in (3, 4):
             raise RangeError(f"cannot read the range {text!r}: expected {form}")
         if len(parts) == 4 and parts[3] != "log":
             raise RangeError(f"cannot read the range {text!r}: after the count only 'log' may stand, not {parts[3]!r}")
         try:
-            start, stop = float(parts[0]), float(parts[1])
-        except ValueError:
-            written = all(re.match(r"\s*[-+.]?\d", part) for part in parts[:2])
-            why = " without units (inputs with units are varied by improve)" if written else ""
-            fault = f"start and stop must be numbers{why}; expected {form}"
-            raise RangeError(f"cannot read the range {text!r}: {fault}") from None
+            (start, unit), (stop, other) = map(number_and_unit, parts[:2])
+        except CaseError:
+            raise RangeError(f"cannot read the range {text!r}: start and stop must be numbers; expected {form}") from None
+        if unit != other:
+            raise RangeError(f"{option}: found {text!r}, expected the same unit on both ends, as in c=40um:60um:5")
         try:
             count = int(parts[2])
         except ValueError:
             raise RangeError(f"cannot read the range {text!r}: count {parts[2]!r} is not a whole number") from None
-        return cls(name.strip(), start, stop, count, len(parts) == 4)
+        return cls(name.strip(), start, stop, count, len(parts) == 4, unit)
 
     @property
     def values(self) -> NDArray[np.float64]:
@@ -75,4 +76,32 @@ class Range:
         """Write the range of the values behind the first ``done``, of the last two where fewer are left."""
         first = min(done, self.count - 2)
         start, stop = self.values[[first, -1]].tolist()
-        return f"{self.name}={start!r}:{stop!r}:{self.count - first}{':log' if self.log else ''}"
+        ends = ":".join(f"{end!r}{self.unit}" for end in (start, stop))
+        return f"{self.name}={ends}:{self.count - first}{':log' if self.log else ''}"
+
+
+def number_and_unit(text: str) -> tuple[float, str]:
+    """Read a number that may have a unit; `CaseError` where it is none."""
+    try:
+        return float(text), ""
+    except ValueError:
+        number, unit = split(text)
+        return float(number), unit
+
+
+def numbers_and_unit(name: str, texts: Sequence[str]) -> tuple[list[float], str]:
+    """Read numbers that have one unit, or none.
+
+    Raises
+    ------
+    RangeError
+        A text is no number, or their units differ.
+    """
+    try:
+        read = [number_and_unit(text) for text in texts]
+    except CaseError as error:
+        raise RangeError(f"values of {name!r}: {error}") from None
+    units = {unit for _, unit in read}
+    if len(units) > 1:
+        raise RangeError(f"values of {name!r}: found the units {', '.join(sorted(units))}, expected one")
+    return [number for number, _ in read], units.pop()

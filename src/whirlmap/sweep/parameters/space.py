@@ -15,8 +15,10 @@ from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
+from whirlmap.integrate.varied_inputs import VariedInputs
 from whirlmap.results.memory import refuse_points
 from whirlmap.results.schema import variable
+from whirlmap.sweep.parameters.axis import is_input, read_axis
 from whirlmap.sweep.parameters.random_draws import Tolerance, draws
 
 Array = NDArray[np.float64]
@@ -38,12 +40,15 @@ class Space:
         Parameters drawn at random; they share the last dimension, ``draw``.
     count, seed : int
         Number of draws, and the master seed.
+    inputs : VariedInputs, optional
+        Those of the axes that are dimensional inputs, in their units.
     """
 
     axes: Mapping[str, Array]
     tolerances: Mapping[str, Tolerance] = field(default_factory=dict)
     count: int = 0
     seed: int = 0
+    inputs: VariedInputs | None = None
 
     def __post_init__(self) -> None:
         """Refuse axes that cannot be walked."""
@@ -77,9 +82,20 @@ class Space:
         return prod(self.shape)
 
     @property
+    def varied(self) -> tuple[str, ...]:
+        """What is varied or drawn."""
+        return (*self.axes, *self.tolerances)
+
+    @cached_property
+    def units(self) -> Mapping[str, str]:
+        """Units of the dimensional inputs among the axes."""
+        return self.inputs.units if self.inputs else {}
+
+    @cached_property
     def names(self) -> tuple[str, ...]:
         """Every parameter that differs between points."""
-        return (*self.axes, *self.tolerances)
+        own = [name for name in self.varied if name not in self.units]
+        return (*own, *(self.inputs.followers if self.inputs else ()))
 
     @cached_property
     def drawn(self) -> dict[str, Array]:
@@ -89,6 +105,9 @@ class Space:
     def columns(self, index: tuple[NDArray[np.intp], ...]) -> dict[str, Array]:
         """Parameters of some points, given their index along each dimension."""
         out = {name: values[i] for (name, values), i in zip(self.axes.items(), index, strict=False)}
+        if self.inputs:
+            given = {name: out.pop(name) for name in self.units}
+            out |= self.inputs(given)
         if self.tolerances:
             first, last = int(index[-1].min()), int(index[-1].max())
             part = draws(self.tolerances, self.seed, first, last - first + 1)
@@ -98,14 +117,24 @@ class Space:
     def check(self, system: System) -> None:
         """Refuse now what some chunk would meet later: unknown names, and values beyond a parameter's limits."""
         for name, values in {**self.axes, **self.drawn}.items():
-            parameter_values(system, {name: np.array([values.min(), values.max()])})
+            if name not in self.units:
+                parameter_values(system, {name: np.array([values.min(), values.max()])})
 
     def coordinates(self, system: System) -> dict[str, Any]:
         """Coordinates of a Dataset over the whole space."""
         declared = system.model.parameter
         out: dict[str, Any] = {
-            name: variable(name, values, declared(name).unit, declared(name).meaning) for name, values in self.axes.items()
-        }
+            name: variable(name, values, declared(name).unit, declared(name).meaning)
+            for name, values in self.axes.items() if name not in self.units
+        }  # fmt: skip
+        if self.inputs:
+            for name, unit in self.units.items():
+                out[name] = variable(name, self.axes[name], unit or "1", self.inputs.meaning(name))
+            over = tuple(name for name in self.axes if name in self.units)
+            grid = np.meshgrid(*(self.axes[name] for name in over), indexing="ij")
+            found = self.inputs(dict(zip(over, (axis.ravel() for axis in grid), strict=True)), self.inputs.sizes)
+            for name, values in found.items():  # what the units of the others follow from
+                out[name] = variable(over, values.reshape(grid[0].shape), declared(name).unit, declared(name).meaning)
         if self.tolerances:
             out[DRAW] = variable(DRAW, np.arange(self.count), "1", "number of the draw")
             for name, values in self.drawn.items():
@@ -117,12 +146,42 @@ class Space:
         """What the space is, in words that can be compared and read."""
         out = {
             f"values of {name}": f"{v[0]:.10g} to {v[-1]:.10g} in {v.size} points, {sha256(v.tobytes()).hexdigest()[:12]}"
+            + (f" [{self.units[name]}]" if name in self.units else "")
             for name, v in self.axes.items()
         }
         if self.tolerances:
             out["draws"] = f"{self.count} with seed {self.seed}"
             out |= {f"tolerance of {name}": str(t) for name, t in self.tolerances.items()}
         return out
+
+
+def space_of(
+    system: System, vary: Mapping[str, Any], tolerances: Mapping[str, Tolerance] | None = None, count: int = 0,
+    seed: int = 0, option: str = "vary",
+) -> Space:  # fmt: skip
+    """Read the axes of a sweep: parameters or dimensional inputs, with values as of `read_axis`.
+
+    Raises
+    ------
+    InputError, RangeError
+        As `read_axis` and `VariedInputs.check`; a quantity that is given twice.
+    """
+    axes: dict[str, Array] = {}
+    units: dict[str, str] = {}
+    beside = any(is_input(system, name) for name in vary)
+    for written, values in vary.items():
+        name, numbers, unit = read_axis(system, written, values, option, beside=beside)
+        if name in axes:
+            raise RangeError(f"{option}: {name} is given twice: expected each parameter once")
+        axes[name] = numbers
+        if is_input(system, written, beside=beside):
+            units[name] = unit
+    inputs = None
+    if units:
+        fixed = [*(name for name in axes if name not in units), *(tolerances or {})]
+        inputs = VariedInputs(system, units, {name: (float(axes[name][0]), float(axes[name][-1])) for name in units}, fixed)
+        inputs.check()
+    return Space(axes, tolerances or {}, count, seed, inputs)
 
 
 @dataclass(frozen=True)
@@ -183,7 +242,11 @@ def chunk_size(space: Space, model: Model, points: int) -> tuple[int, ...]:
 def costly_dimensions(space: Space, model: Model) -> list[bool]:
     """Which dimensions have a table to be made for every value."""
     tabled = table_parameters(model)
-    return [d in tabled or (d == DRAW and bool(tabled & set(space.tolerances))) for d in space.dims]
+    followed = bool(space.inputs) and bool(tabled & set(space.names))
+    return [
+        d in tabled or (d == DRAW and bool(tabled & set(space.tolerances))) or (d in space.units and followed)
+        for d in space.dims
+    ]
 
 
 def pilot_points(space: Space, model: Model, count: int, tables: int = 4) -> tuple[NDArray[np.intp], ...]:

@@ -22,10 +22,10 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
-from whirlmap.options.taking import LabellingParts, takes_options
+from whirlmap.options.taking import LabellingParts
 from whirlmap.results.schema import variable
 from whirlmap.sweep.diagrams.in_batches import BATCH
-from whirlmap.sweep.interruptible import Work, batches
+from whirlmap.sweep.interruptible import Work, batches, in_parts
 from whirlmap.sweep.speeds.designs import judge_machines
 from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, clearance, shaft_speed
@@ -37,7 +37,7 @@ Array = NDArray[np.float64]
 PARTS = {1: 4, 2: 2}
 
 
-@takes_options("improve")
+@in_parts("improve")
 def improve(
     make: Callable[..., System],
     vary: Mapping[str, ArrayLike],
@@ -51,7 +51,7 @@ def improve(
     labelling: Labelling = LABELLING,
     execution: Execution = EXECUTION,
     **_given: Unpack[LabellingParts],
-) -> xr.Dataset:
+) -> Work:
     """Compare values of one or two design parameters by what they do to the safe speeds.
 
     Parameters
@@ -98,39 +98,8 @@ def improve(
     -----
     A window ends where the amplitude crosses the limit, linear between two speeds, or at the last safe speed where the next
     one is forbidden by its motion. What is narrower than the spacing of the speeds is not seen. Coexisting motions are
-    sought in the best designs alone, so that the others may look better than they are, never worse.
-    """
-    return improve_in_batches(
-        make, vary, speeds, limit, units=units, refine=refine, follow=follow, quantity=quantity, labelling=labelling,
-        execution=execution,
-    ).whole()  # fmt: skip
-
-
-@takes_options()
-def improve_in_batches(
-    make: Callable[..., System],
-    vary: Mapping[str, ArrayLike],
-    speeds: ArrayLike,
-    limit: float,
-    *,
-    units: Mapping[str, str] | None = None,
-    refine: bool = True,
-    follow: bool = True,
-    quantity: str | None = None,
-    batch: int | None = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    **_given: Unpack[LabellingParts],
-) -> Work:
-    """Compare designs as work in batches: whoever iterates may stop, and keeps the designs that are finished.
-
-    Parameters
-    ----------
-    batch : int, optional
-        Designs in a batch; where absent as many as take some seconds (`interruptible.batches`), and `BATCH` blocks of lanes
-        for each worker hold at most.
-
-    Other parameters are those of `improve`, and so is the Dataset, which carries ``incomplete`` where something is missing.
+    sought in the best designs alone, so that the others may look better than they are, never worse. ``improve.parts`` gives
+    the `Work` in batches of designs: who stops keeps those that are finished.
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in vary.items()}
@@ -139,20 +108,20 @@ def improve_in_batches(
     refuse_speeds(at, limit)
     judge = Judge(system, quantity, labelling, execution)
     trial = _Trial(make, tuple(axes), units or {}, at, limit, judge)
-    most = batch or max(BATCH * LANES * (execution.workers or cores()) // at.size, 1)
+    most = max(BATCH * LANES * (execution.workers or cores()) // at.size, 1)
     designs: list[xr.Dataset] = []  # each with one design
     stage = "the values given"
 
     def parts(work: Work) -> Iterator[int]:
         nonlocal stage
-        for part in trial.in_batches(list(product(*axes.values())), batch or 1, most, refined=False):
+        for part in trial.in_batches(list(product(*axes.values())), most, refined=False):
             designs.extend(part)
             yield work.done + len(part)
         if refine:
             stage = "the values around the best"
             more = _around(_joined(designs), axes)
             work.total += len(more)
-            for part in trial.in_batches(more, batch or 1, most, refined=True):
+            for part in trial.in_batches(more, most, refined=True):
                 designs.extend(part)
                 yield work.done + len(part)
         stage = "the run-up and run-down of the best"
@@ -230,10 +199,10 @@ class _Trial:
     judge: Judge
 
     def in_batches(
-        self, designs: list[tuple[float, ...]], first: int, most: int, *, refined: bool
+        self, designs: list[tuple[float, ...]], most: int, *, refined: bool
     ) -> Iterator[list[xr.Dataset]]:
         """Judge designs from cold starts, batch by batch, each a Dataset of its own."""
-        for place in batches(len(designs), first=first, most=most):
+        for place in batches(len(designs), first=1, most=most):
             part = designs[place]
             ds = self.run(part, refined=refined, follow=False)
             yield [ds.isel(design=[i]) for i in range(len(part))]

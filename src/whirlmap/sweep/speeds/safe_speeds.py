@@ -21,11 +21,11 @@ from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
-from whirlmap.options.taking import LabellingParts, takes_options
+from whirlmap.options.taking import LabellingParts
 from whirlmap.progress import tell
 from whirlmap.results.schema import variable
 from whirlmap.sweep.diagrams.in_batches import FIRST
-from whirlmap.sweep.interruptible import Work, batches
+from whirlmap.sweep.interruptible import Work, batches, in_parts
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed
@@ -40,7 +40,7 @@ KEPT = (
 )  # fmt: skip
 
 
-@takes_options("speeds")
+@in_parts("speeds")
 def safe_speeds(
     system: System,
     speeds: ArrayLike,
@@ -51,7 +51,7 @@ def safe_speeds(
     labelling: Labelling = LABELLING,
     execution: Execution = EXECUTION,
     **_given: Unpack[LabellingParts],
-) -> xr.Dataset:
+) -> Work:
     """Judge the speeds of a machine.
 
     Parameters
@@ -95,29 +95,10 @@ def safe_speeds(
     neighbours, until no new motion is met (`run_up_and_down`). Edges of windows are refined between a safe speed and its
     neighbour that is not. What is narrower than the spacing of the speeds is not seen, nor a coexisting motion that
     neither cold start nor run-up meets.
-    """
-    return safe_speeds_in_parts(
-        system, speeds, limit, quantity=quantity, follow=follow, labelling=labelling, execution=execution
-    ).whole()  # fmt: skip
 
-
-@takes_options()
-def safe_speeds_in_parts(
-    system: System,
-    speeds: ArrayLike,
-    limit: float,
-    *,
-    quantity: str | None = None,
-    follow: bool = True,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    **_given: Unpack[LabellingParts],
-) -> Work:
-    """Judge the speeds of a machine in parts: whoever iterates may stop, and keeps what is finished.
-
-    The cold starts are finished in batches of speeds, those from the lowest on; then each round of run-up and run-down; then
-    the edges of the windows. ``done`` and ``total`` of the work count the speeds, and one for each of the other two parts.
-    Parameters are those of `safe_speeds`, and so is the Dataset, which carries ``incomplete`` where something is missing.
+    ``safe_speeds.parts`` gives the `Work`: the cold starts in batches of speeds, from the lowest on; each round of run-up
+    and run-down; the edges of the windows. It counts the speeds, and one for each of the other two. Who stops keeps what
+    is finished.
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
     speed = system.speed

@@ -15,6 +15,7 @@ import xarray as xr
 import whirlmap
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import OutputError, RangeError
+from whirlmap.options.execution import Execution
 from whirlmap.results.regime import Regime
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.studies.gear_psfd.claims.claims import HOLDS, claims, own_windows
@@ -77,7 +78,7 @@ def test_points_of_a_block_do_not_depend_on_its_other_sets():
     sets = design(BRIEF.ranges, 0, 6, seed=BRIEF.seed)
     whole = diagrams(QUICK, sets, BRIEF)
     assert len(set(np.unique(whole["regime"]))) > 2
-    same(diagrams(QUICK, sets[:, 2:4], BRIEF, workers=1), whole.isel(set=slice(2, 4)))
+    same(diagrams(QUICK, sets[:, 2:4], BRIEF, Execution(workers=1)), whole.isel(set=slice(2, 4)))
     assert whole["regime"].shape == (6, len(PSI), 4)
 
 
@@ -141,6 +142,7 @@ KILLED = """
 import sys
 from pathlib import Path
 from whirlmap.analysis.steady.settling import Settling
+from whirlmap.options.execution import Execution
 from whirlmap.studies.gear_psfd import identify
 from whirlmap.studies.gear_psfd.search.blocks import open_blocks
 from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings

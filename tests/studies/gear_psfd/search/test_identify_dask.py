@@ -6,6 +6,7 @@ from distributed import Client, LocalCluster
 from test_identify import BRIEF, QUICK, same
 
 from whirlmap.errors import OutputError
+from whirlmap.options.execution import Execution
 from whirlmap.studies.gear_psfd.search import identify, tasks
 from whirlmap.studies.gear_psfd.search.blocks import Blocks
 from whirlmap.studies.gear_psfd.search.identify import judged_so_far, search
@@ -24,7 +25,8 @@ def test_a_cluster_computes_the_same_bits(client, monkeypatch):
     monkeypatch.setattr(tasks, "PART", 2)
     here, there, points = Blocks(None), Blocks(None), []
     names = list(search((QUICK,), BRIEF, here, sets=8))
-    assert sorted(search((QUICK,), BRIEF, there, sets=8, client=client, progress=points.append)) == names
+    execution = Execution(cluster=client, progress=points.append)
+    assert sorted(search((QUICK,), BRIEF, there, sets=8, execution=execution)) == names
     for name in names:
         same(there[name], here[name])
         assert there[name].sizes == here[name].sizes
@@ -32,11 +34,14 @@ def test_a_cluster_computes_the_same_bits(client, monkeypatch):
     assert max(points) == 2 * BRIEF.points  # parts, not whole blocks
     start = judged_so_far(there, QUICK, BRIEF)
     assert start is not None
-    refined = [refine(start, BRIEF, blocks, generations=1, client=c) for blocks, c in ((here, None), (there, client))]
+    refined = [
+        refine(start, BRIEF, blocks, generations=1, execution=Execution(cluster=c))
+        for blocks, c in ((here, None), (there, client))
+    ]
     np.testing.assert_array_equal(refined[0].score, refined[1].score)
 
 
 def test_a_worker_with_other_kernels_is_refused(client, monkeypatch):
     monkeypatch.setattr(tasks, "kernel_hash", lambda *_: "another processor")
     with pytest.raises(OutputError, match="another version of whirlmap or its libraries, or another processor"):
-        list(search((QUICK,), BRIEF, Blocks(None), sets=4, client=client))
+        list(search((QUICK,), BRIEF, Blocks(None), sets=4, execution=Execution(cluster=client)))

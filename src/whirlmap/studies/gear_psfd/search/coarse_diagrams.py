@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from whirlmap import __version__
 from whirlmap.analysis.steady.settling import Settling
+from whirlmap.options.computed import Integration, Labelling
+from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.results.schema import variable, with_attributes
 from whirlmap.studies.gear_psfd.claims.claims import HOLDS, NEED_ORBIT, judge_all
 from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI, S_ORBIT, Array, Labelled, Orbits, least_exponent
@@ -84,7 +86,7 @@ def sets_of(variant: Variant, settings: Settings, first: int, count: int) -> Arr
 
 
 def diagrams(
-    variant: Variant, sets: Array, settings: Settings, *, workers: int | None = None, progress: OnProgress | None = None
+    variant: Variant, sets: Array, settings: Settings, execution: Execution = EXECUTION
 ) -> xr.Dataset:
     """Compute the coarse labelled diagrams of many parameter sets in one call.
 
@@ -107,8 +109,8 @@ def diagrams(
     columns["psi"] = np.tile(np.repeat(PSI, speeds.size), n)
     columns["s"] = np.tile(speeds, len(PSI) * n)
     ds = label_points(
-        system, columns, settling=settings.settling, lyapunov=settings.exponent_periods, accuracy=settings.accuracy,
-        method=METHOD, workers=workers, progress=progress,
+        system, columns, execution=execution,
+        labelling=Labelling(settings.settling, settings.exponent_periods, Integration(METHOD, accuracy=settings.accuracy)),
     )  # fmt: skip
     over = ("set", "psi", "s")
 

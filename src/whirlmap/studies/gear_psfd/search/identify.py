@@ -14,15 +14,15 @@ import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, replace
 from math import lcm
-from typing import Any
 
 import xarray as xr
 
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
+from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.studies.gear_psfd.search.blocks import Blocks
-from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, OnProgress, Settings, diagrams, judge_sets, sets_of
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, Settings, diagrams, judge_sets, sets_of
 from whirlmap.studies.gear_psfd.search.tasks import Task, computed
 from whirlmap.studies.gear_psfd.search.variants import Variant
 
@@ -110,9 +110,9 @@ def pilot(variants: tuple[Variant, ...], settings: Settings, *, workers: int | N
     for v in variants:
         sets = sets_of(v, settings, BLOCK - PILOT, PILOT)
         brief = replace(settings, settling=Settling(transient=0, most=1, first_window=2, keep=1), exponent_periods=16)
-        diagrams(v, sets[:, :1], brief, workers=workers)
+        diagrams(v, sets[:, :1], brief, Execution(workers))
         begun = time.monotonic()
-        diagrams(v, sets, settings, workers=workers)
+        diagrams(v, sets, settings, Execution(workers))
         seconds[v.name] = (time.monotonic() - begun) / PILOT
     return Cost(seconds)
 
@@ -126,9 +126,7 @@ def search(
     cost: Cost | None = None,
     deadline: float | None = None,
     share: tuple[int, int] = (1, 1),
-    client: Any = None,
-    workers: int | None = None,
-    progress: OnProgress | None = None,
+    execution: Execution = EXECUTION,
     told: Callable[[str], None] = lambda _text: None,
 ) -> Iterator[str]:
     """Compute blocks, round by round over the variants, and yield the name of each that is new.
@@ -141,8 +139,8 @@ def search(
         No block is begun that would end after ``time.monotonic() == deadline`` at this cost; without one, none after it.
     share : (int, int)
         Compute only every n-th block, from the i-th on: several processes share one store.
-    client : distributed.Client, optional
-        Of a Dask cluster, which takes a round at once; threads of this process where absent.
+    execution : Execution
+        Threads of this process; or a client of a Dask cluster, which takes a round at once.
     told : callable
         Takes a sentence about what was left out, and why.
     """
@@ -170,6 +168,6 @@ def search(
         before = k * len(variants)
         turn = before // lcm(len(variants), n)  # else a share would come back to the same variants for ever
         tasks = wanted(before + turn, first, count)
-        for name, ds in computed(tasks, settings, client=client, workers=workers, progress=progress):
+        for name, ds in computed(tasks, settings, execution):
             blocks.put(name, ds)
             yield name

@@ -10,9 +10,10 @@ import xarray as xr
 from scipy.optimize import differential_evolution
 
 from whirlmap.errors import RangeError
+from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.studies.gear_psfd.claims.labelled import Array
 from whirlmap.studies.gear_psfd.search.blocks import Blocks
-from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, OnProgress, Settings, judge_sets
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, Settings, judge_sets
 from whirlmap.studies.gear_psfd.search.tasks import Task, computed
 from whirlmap.studies.gear_psfd.search.variants import Variant
 
@@ -30,9 +31,7 @@ def refine(
     generations: int,
     prefix: str = "refined",
     score: Callable[[Judged], Array] = lambda judged: judged.total,
-    client: Any = None,
-    workers: int | None = None,
-    progress: OnProgress | None = None,
+    execution: Execution = EXECUTION,
     more: Callable[[], bool] = lambda: True,
 ) -> Judged:
     """Refine the best sets of one variant.
@@ -46,8 +45,8 @@ def refine(
         Most generations after that.
     score : callable
         What is made larger, one number for each set; the mean over the claims that a diagram decides where absent.
-    client : distributed.Client, optional
-        Of a Dask cluster; threads of this process where absent.
+    execution : Execution
+        Threads of this process, or a client of a Dask cluster.
     more : callable
         Asked before every generation that has to be computed; the search ends where it says no.
 
@@ -86,7 +85,7 @@ def refine(
             if not more():
                 raise Enough
             task = [Task(name, variant, values)]
-            blocks.put(*next(computed(task, settings, client=client, workers=workers, progress=progress)))
+            blocks.put(*next(computed(task, settings, execution)))
         ds = blocks[name]
         if not np.array_equal(ds["value"].values, values):
             raise RangeError(f"{name} in the store belongs to another refinement: choose another --store")

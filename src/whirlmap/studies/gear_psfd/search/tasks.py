@@ -12,6 +12,7 @@ import numpy as np
 import xarray as xr
 
 from whirlmap.errors import OutputError
+from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.studies.gear_psfd.claims.labelled import Array
 from whirlmap.studies.gear_psfd.search.coarse_diagrams import METHOD, OnProgress, Settings, diagrams
 from whirlmap.studies.gear_psfd.search.variants import Variant
@@ -35,10 +36,7 @@ class Task:
 def computed(
     tasks: Iterable[Task],
     settings: Settings,
-    *,
-    client: Any = None,
-    workers: int | None = None,
-    progress: OnProgress | None = None,
+    execution: Execution = EXECUTION,
 ) -> Iterator[tuple[str, xr.Dataset]]:
     """Compute pieces and yield each, with its name, as it is finished.
 
@@ -46,8 +44,8 @@ def computed(
     ----------
     tasks : iterable of Task
         Asked for one by one: by this process when the one before is finished, for a cluster all at once.
-    client : distributed.Client, optional
-        Of a Dask cluster; its workers take one core for each of their threads, whatever ``workers`` says.
+    execution : Execution
+        Threads of this process; or a client of a Dask cluster, whose workers take one core for each of their threads.
 
     Raises
     ------
@@ -55,11 +53,11 @@ def computed(
         Where the scheduler is gone, or a worker failed: with an error, by dying again and again, or because it has other
         kernels than this process.
     """
-    if client is None:
+    if execution.cluster is None:
         for task in tasks:
-            yield task.name, diagrams(task.variant, task.values, settings, workers=workers, progress=progress)
+            yield task.name, diagrams(task.variant, task.values, settings, execution)
     else:
-        yield from _by_cluster(list(tasks), settings, client, progress)
+        yield from _by_cluster(list(tasks), settings, execution.cluster, execution.progress)
 
 
 def _by_cluster(
@@ -106,4 +104,4 @@ def _part(variant: Variant, values: Array, settings: Settings, kernel: str) -> x
             f"this worker's kernels are {own[:12]}, those of the search {kernel[:12]}: another version of whirlmap or its"
             " libraries, or another processor, WHIRLMAP_CPU or WHIRLMAP_ROOTS"
         )
-    return diagrams(variant, values, settings, workers=1)
+    return diagrams(variant, values, settings, Execution(workers=1))

@@ -1,16 +1,14 @@
-"""Ranges of parameters as they are written on the command line, with or without units: ``speed=500 rpm:6000 rpm:50``."""
+"""Ranges and values with units in the model's own numbers: ``speed=500 rpm:6000 rpm:50`` as a range of s."""
 
 import math
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from dataclasses import replace
 
-from whirlmap.cli.common import options
+from whirlmap.equations.quantities import Quantity
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
-
-if TYPE_CHECKING:
-    from whirlmap.equations.quantities import Quantity
-    from whirlmap.integrate.system import System
-    from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.integrate.dimensions import WRITTEN, Dimensions
+from whirlmap.integrate.system import System
+from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.units import factor
 
 #: Plain values of s beyond this, of a machine whose s is a speed, were meant in rpm: no rotor runs at twenty times the speed
 #: that its frequencies are counted in.
@@ -20,51 +18,7 @@ MOST_S = 20.0
 MOST_CLEARANCES = 10.0
 
 
-def read_range(text: str, option: str = "--vary") -> tuple["Range", str]:
-    """Read ``name=start:stop:count[:log]`` whose ends may have a unit; the numbers stay in that unit.
-
-    Raises
-    ------
-    RangeError
-        Where the text has another form, or the ends have different units.
-    """
-    from whirlmap.sweep.parameters.ranges import Range
-    from whirlmap.units import split
-
-    name, equals, rest = (part.strip() for part in text.partition("="))
-    parts = rest.split(":")
-    try:
-        ends = [split(part) for part in parts[:2]] if equals and len(parts) in (3, 4) else []
-    except CaseError:
-        ends = []  # what is wrong with it is said by the range itself
-    units = {unit for _, unit in ends}
-    if len(units) > 1:
-        raise RangeError(f"{option}: found {text!r}, expected the same unit on both ends, as in c=40um:60um:5")
-    unit = units.pop() if units else ""
-    if unit:
-        text = f"{name}={':'.join([*(repr(float(value)) for value, _ in ends), *parts[2:]])}"
-    return Range.parse(text), unit
-
-
-def read_brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple["Range", str]]:
-    """Read ``name=low:high`` texts of a repeatable option, whose ends may have a unit.
-
-    Raises
-    ------
-    InputError, RangeError
-        As `options.brackets` and `read_range`.
-    """
-    found = {}
-    for name, text in options.assignments(texts, option).items():
-        try:
-            found[name] = read_range(f"{name}={text}:2", option)
-        except RangeError:
-            options.brackets([f"{name}={text}"], option)  # says what is wrong with it as a bracket
-            raise
-    return found
-
-
-def in_parameters(system: "System", found: "Range", unit: str, option: str = "--vary") -> "Range":
+def in_parameters(system: System, found: Range, option: str = "--vary") -> Range:
     """A range in the model's own numbers: one with units is converted, a speed becomes s.
 
     Raises
@@ -74,34 +28,24 @@ def in_parameters(system: "System", found: "Range", unit: str, option: str = "--
     RangeError
         A name that is no parameter, and no speed.
     """
-    from dataclasses import replace
-
-    from whirlmap.integrate.dimensions import Dimensions
-
     rotation = float(Dimensions(system).worth("rotation"))
     name = as_parameter(system, found.name) if math.isfinite(rotation) else found.name
     refuse_input(system, name, option)
-    if name not in system.parameters:
-        raise RangeError(
-            f"{option}: {system.model.name} has no parameter {name!r}.{nearest(name, system.parameters)}"
-            f"\n  parameters: {' '.join(system.parameters)}"
-        )
-    if not unit:
+    refuse_unknown(system, name, option)
+    if not found.unit:
         _refuse_without_unit(system, found, rotation, option)
         return found
-    size = _size_of(system, system.model.parameter(name), unit, option)
-    return replace(found, name=name, start=found.start * size, stop=found.stop * size)
+    size = size_of(system, system.model.parameter(name), found.unit, option)
+    return replace(found, name=name, start=found.start * size, stop=found.stop * size, unit="")
 
 
-def in_states(system: "System", found: "Range", unit: str, option: str) -> "Range":
+def in_states(system: System, found: Range, option: str) -> Range:
     """A range of start values in the model's own numbers; see `in_state`."""
-    from dataclasses import replace
-
-    start, stop = (in_state(system, found.name, end, unit, option) for end in (found.start, found.stop))
-    return replace(found, start=start, stop=stop)
+    start, stop = (in_state(system, found.name, end, found.unit, option) for end in (found.start, found.stop))
+    return replace(found, start=start, stop=stop, unit="")
 
 
-def in_state(system: "System", name: str, value: float, unit: str, option: str) -> float:
+def in_state(system: System, name: str, value: float, unit: str, option: str) -> float:
     """A value of a state in the model's own numbers; what is no state is left to who reads it.
 
     Raises
@@ -109,13 +53,11 @@ def in_state(system: "System", name: str, value: float, unit: str, option: str) 
     InputError
         A unit that the state does not have; or none, where the number is no sensible one of clearances.
     """
-    from whirlmap.integrate.dimensions import Dimensions
-
     state = next((s for s in system.model.states if s.name == name), None)
     if state is None:
         return value
     if unit:
-        return value * _size_of(system, state, unit, option)
+        return value * size_of(system, state, unit, option)
     if state.measure == "length" and abs(value) > MOST_CLEARANCES and Dimensions(system).known:
         raise InputError(
             f"{option}: found {name}={value:g} without a unit, which is {value:g} clearances, expected a length with its"
@@ -124,11 +66,8 @@ def in_state(system: "System", name: str, value: float, unit: str, option: str) 
     return value
 
 
-def _size_of(system: "System", quantity: "Quantity", unit: str, option: str) -> float:
+def size_of(system: System, quantity: Quantity, unit: str, option: str) -> float:
     """How many of the model's own units of a quantity a unit is."""
-    from whirlmap.integrate.dimensions import WRITTEN, Dimensions
-    from whirlmap.units import factor
-
     measure, known = quantity.measure, quantity.measure in WRITTEN
     if (not known and quantity.unit == "1") or (known and not math.isfinite(Dimensions(system).worth(measure))):
         raise InputError(f"{option}: {quantity.name} has no dimension in {system.case}, found the unit {unit!r}")
@@ -140,7 +79,7 @@ def _size_of(system: "System", quantity: "Quantity", unit: str, option: str) -> 
         raise InputError(f"{option} {quantity.name}: {error}") from None
 
 
-def _refuse_without_unit(system: "System", found: "Range", rotation: float, option: str) -> None:
+def _refuse_without_unit(system: System, found: Range, rotation: float, option: str) -> None:
     if not math.isfinite(rotation):
         return
     ends, expected = f"{found.start:g}:{found.stop:g}", 'speeds with their unit, as in "speed=500 rpm:6000 rpm'
@@ -155,14 +94,25 @@ def _refuse_without_unit(system: "System", found: "Range", rotation: float, opti
         )
 
 
-def refuse_input(system: "System", name: str, option: str) -> None:
+def refuse_unknown(system: System, name: str, option: str) -> None:
+    """Refuse a name that is no parameter."""
+    if name not in system.parameters:
+        inputs = system.machine.inputs if system.machine else {}
+        raise RangeError(
+            f"{option}: {system.model.name} has no parameter {name!r}.{nearest(name, [*system.parameters, *inputs])}"
+            f"\n  parameters: {' '.join(system.parameters)}"
+            + (f"\n  dimensional inputs: {' '.join(inputs)}" if inputs else "")
+        )
+
+
+def refuse_input(system: System, name: str, option: str) -> None:
     """Say which parameters can be varied in place of a dimensional input."""
     if system.machine and name in system.machine.inputs:
         fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
         hint = f"; it feeds {', '.join(fed)}" if fed else ""
         raise RangeError(
-            f"{option}: found the dimensional input {name!r} (improve varies those), expected a dimensionless"
-            f" parameter{hint}"
+            f"{option}: found the dimensional input {name!r} (bifurcation, map and improve vary those), expected a"
+            f" dimensionless parameter{hint}"
             f"\n  parameters: {' '.join(system.parameters)}"
         )
 
@@ -171,12 +121,12 @@ def _words(text: str) -> list[str]:
     return "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
 
 
-def as_parameter(system: "System", name: str) -> str:
+def as_parameter(system: System, name: str) -> str:
     """The model's speed for the dimensional input that is the speed, any other name as it is."""
     return system.speed if name and name == system.speed_input else name
 
 
-def refuse_twice(system: "System", names: set[str], found: "Range") -> None:
+def refuse_twice(system: System, names: set[str], found: Range) -> None:
     """Refuse a parameter that is both set and varied, by whichever of its names."""
     for name in sorted(names):
         if as_parameter(system, name) == as_parameter(system, found.name):
