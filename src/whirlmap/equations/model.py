@@ -11,7 +11,7 @@ from whirlmap.equations.parts import Film, Journal, OfBearing, Output, Section, 
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError, nearest
-from whirlmap.results.listing import Listed, Listing, Rows
+from whirlmap.results.listing import Listed, Listing, Rows, brackets
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -145,7 +145,7 @@ class Model(Listed):
         """Its equations and parameters, for a terminal and a notebook."""
         facts = [f"switches: {', '.join(f'{name} = {choice}' for name, choice in self.switches.items())}"]
         facts += [f"forced at {', '.join(map(str, self.harmonics))}" if self.forced else "unforced"]
-        facts += [f"not declared: {what}" for what in self.not_declared()]
+        facts += [f"not declared: {words}"] if (words := brackets(self.not_declared())) else []
         equations = [(s.name, s.unit, s.meaning, str(self.equations[s])) for s in self.states]
         parameters = [(p.name, p.unit, p.meaning) for p in self.parameters]
         outputs = [(name, o.unit, o.meaning) for name, o in self.outputs.items()]
@@ -181,16 +181,15 @@ class Model(Listed):
         }
         return {role: names for role, names in found.items() if names}
 
-    def not_declared(self) -> list[str]:
-        """Say which roles this model does not declare, and what is not to be had without each."""
-        return [sentence for declared, sentence in (
-            (self.speed, "speed, so that there are no safe speeds"),
-            (self.bodies, "bodies, so that modes have no names and no sense of whirl"),
-            (self.journals, "journals, so that no orbit is drawn in its clearance"),
-            (self.outputs_of("eccentricity"),
-             'an output with role="eccentricity", so that films have no thickness, and no assumption is judged'),
-            (self.outputs_of("load"), 'an output with role="load", so that bearings have no largest load'),
-        ) if not declared]  # fmt: skip
+    def not_declared(self) -> dict[str, str]:
+        """Roles that this model does not declare, and what is not to be had without each."""
+        return {role: lacking for role, lacking, declared in (
+            ("speed", "no safe speeds", self.speed),
+            ("bodies", "no names and no sense of whirl of modes", self.bodies),
+            ("journals", "no orbit in its clearance", self.journals),
+            ("eccentricity", "no film thickness, no assumptions judged", self.outputs_of("eccentricity")),
+            ("load", "no bearing loads", self.outputs_of("load")),
+        ) if not declared}  # fmt: skip
 
     def expressions(self) -> dict[str, list[Any]]:
         """Every expression of this model, by the part of the declaration where it stands."""

@@ -143,7 +143,8 @@ def _size_of(system: "System", quantity: "Quantity", unit: str, option: str) -> 
 def _refuse_without_unit(system: "System", found: "Range", rotation: float, option: str) -> None:
     if not math.isfinite(rotation):
         return
-    ends, expected = f"{found.start:g}:{found.stop:g}", 'speeds with their unit, as in "speed=500 rpm:6000 rpm'
+    ends, name = f"{found.start:g}:{found.stop:g}", system.speed_input or "speed"
+    expected = f'speeds with their unit, as in "{name}=500 rpm:6000 rpm'
     expected += ':50"' if option == "--vary" else '"'
     if found.name == system.speed_input:
         raise InputError(f"{option}: found {found.name}={ends} without units, expected {expected}")

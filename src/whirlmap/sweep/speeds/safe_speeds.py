@@ -25,7 +25,7 @@ from whirlmap.sweep.diagrams.in_batches import FIRST
 from whirlmap.sweep.interruptible import Work, batches
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
-from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed, speed_of
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
 
 Array = NDArray[np.float64]
@@ -105,9 +105,7 @@ def safe_speeds_in_parts(
     Parameters are those of `safe_speeds`, and so is the Dataset, which carries ``incomplete`` where something is missing.
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
-    speed = system.speed
-    if not speed:
-        raise RangeError(f"{system.model.name} declares no speed=...: safe speeds are those of a model with one")
+    speed = speed_of(system)
     refuse_speeds(at, limit)
     judge = Judge(system, quantity, options)
     block = LANES * (options.get("workers") or cores())
