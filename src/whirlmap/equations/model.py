@@ -174,6 +174,7 @@ class Model(Listed):
         quantities = (*self.states, *self.parameters)
         found = {
             "speed": self.speed.name if self.speed else "",
+            "bodies": {body: [q.name for q in found] for body, found in self.bodies.items()},
             "journals": {bearing: [q.name for q in j.u] for bearing, j in self.journals.items()},
             "eccentricities": self.outputs_of("eccentricity"),
             "velocities": self.velocities,
@@ -193,6 +194,7 @@ class Model(Listed):
 
     def expressions(self) -> dict[str, list[Any]]:
         """Every expression of this model, by the part of the declaration where it stands."""
+        journals = [journal.u for journal in self.journals.values()]
         of_films = [e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength)]
         return {
             "the equations": list(self.equations.values()),
@@ -204,11 +206,8 @@ class Model(Listed):
             "the films": of_films,
             "the teeth": [] if self.teeth is None else [self.teeth],
             "the clocks": list(self.clocks.values()),
-            "the speed": [] if self.speed is None else [self.speed],
-            "the unbalances": list(self.unbalances.values()),
-            "the spins": [j.spin for j in self.journals.values()],
-            "the coordinates": [*self.swing, *(q for body in self.bodies.values() for q in body),
-                                *(q for j in self.journals.values() for q in j.u)],
+            "the roles": [*filter(None, [self.speed]), *self.unbalances.values(), *(j.spin for j in self.journals.values())],
+            "the coordinates": [*self.swing, *(q for u in (*self.bodies.values(), *journals) for q in u)],
             "the equilibrium": list(self.equilibrium.values()),
             "the section": [self.section.surface] if self.section else [],
             "the typical time": [self.typical_time],
@@ -218,7 +217,7 @@ class Model(Listed):
         """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
         for where, expressions in self.expressions().items():
-            for expression in () if where in declaration.ROLES else expressions:
+            for expression in () if where == "the roles" else expressions:
                 used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
 

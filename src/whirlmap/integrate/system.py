@@ -210,11 +210,12 @@ class System(Listed):
     def listing(self) -> Listing:
         """Its numbers, for a terminal and a notebook."""
         try:
-            together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
-            times = f"period T = {self.period:.6g}, {together}"
+            times = f"period T = {self.period:.6g}" if self.model.forced else f"unforced, typical time {self.period:.6g}"
         except RangeError as error:  # all frequencies are zero: such a system can be had, and is to be seen too
             times = str(error)
-        times = times if self.model.forced else f"unforced, typical time {self.period:.6g}"
+        else:
+            together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
+            times += f", {together}" if self.model.forced else ""
         inputs = self.machine.listing().tables if self.machine else ()
         return system_listing(self.case, self.model, self.values, self.notes, self.start, times, inputs)
 
