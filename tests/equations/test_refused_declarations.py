@@ -153,7 +153,7 @@ def turning(**roles):
         ({"outputs": {"far": turning(role="shaft_speed", bearing="1")}}, "role 'shaft_speed', expected one of"),
         ({"outputs": {"far": turning(bearing="1")}}, "has the role '', expected one of"),
         ({"outputs": {"far": turning(role="load")}}, "'far' is the load of no bearing: add bearing="),
-        ({"outputs": {n: turning(role="load", bearing="1") for n in ("a", "b")}}, "'a' and 'b' are both the load of bearing"),
+        ({"outputs": {n: turning(role="load", bearing="1") for n in ("a", "b")}}, "'a' and 'b' are both the load of"),
         ({"speed": Parameter("z", "1", "z")}, "the roles use 'z', which is neither"),
         ({"unbalances": {"rotor": Parameter("z", "1", "z")}}, "the roles use 'z'"),
         ({"journals": {"1": Journal((x, v), Parameter("z", "1", "z"))}}, "the roles use 'z'"),

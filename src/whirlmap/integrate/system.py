@@ -143,12 +143,6 @@ class System(Listed):
         return self.model.speed.name if self.model.speed else ""
 
     @property
-    def speed_input(self) -> str:
-        """Name of the dimensional input that is the speed in other words; empty where the case has none."""
-        groups = self.machine.groups if self.machine else None
-        return groups.speed.name if groups and groups.speed else ""
-
-    @property
     def vector(self) -> Array:
         """Values of the parameters in declared order, shape (parameter,)."""
         return np.array([float(self.values[name]) for name in self.parameters])
@@ -167,8 +161,7 @@ class System(Listed):
 
     def at_speed(self, value: float) -> "System":
         """Return the system with another value of its speed parameter."""
-        changes: dict[str, Any] = {self.speed: value}
-        return self.replace(**changes)
+        return self.replace(**dict[str, Any]({self.speed: value}))
 
     @cached_property
     def orders(self) -> tuple[Fraction, ...]:
@@ -210,12 +203,11 @@ class System(Listed):
     def listing(self) -> Listing:
         """Its numbers, for a terminal and a notebook."""
         try:
-            times = f"period T = {self.period:.6g}" if self.model.forced else f"unforced, typical time {self.period:.6g}"
+            period = f"{self.period:.6g}"
+            together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
+            times = f"period T = {period}, {together}" if self.model.forced else f"unforced, typical time {period}"
         except RangeError as error:  # all frequencies are zero: such a system can be had, and is to be seen too
             times = str(error)
-        else:
-            together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
-            times += f", {together}" if self.model.forced else ""
         inputs = self.machine.listing().tables if self.machine else ()
         return system_listing(self.case, self.model, self.values, self.notes, self.start, times, inputs)
 
@@ -245,9 +237,7 @@ class System(Listed):
 
 
 def _exact(parameter: Parameter, value: Any) -> Any:
-    if not parameter.order:
-        return float(value)
-    exact = exact_order(value, parameter.name)
+    exact = exact_order(value, parameter.name) if parameter.order else None
     return float(value) if exact is None else exact
 
 

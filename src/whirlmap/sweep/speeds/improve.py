@@ -187,7 +187,7 @@ def _refuse_axes(axes: Mapping[str, Array], system: System) -> None:
     if not 1 <= len(axes) <= 2:
         raise RangeError(f"found {len(axes)} design parameters, expected one or two")
     for name, values in axes.items():
-        if name in (speed_of(system), system.speed_input):
+        if name in (speed_of(system), system.machine and system.machine.speed_input):
             raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")
         if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
             raise RangeError(f"values of {name!r} must be finite and ascend, and be two or more")
