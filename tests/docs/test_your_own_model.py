@@ -22,8 +22,8 @@ def blocks(language):
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """The two files of the page, in a folder of their own, which is the current one."""
-    model, _session = blocks("python")
-    (case,) = blocks("toml")
+    model, _session, _spool = blocks("python")
+    case, _ = blocks("toml")
     (tmp_path / "loose_pedestal.py").write_text(model, encoding="utf-8")
     (tmp_path / "my_case.toml").write_text(case, encoding="utf-8")
     monkeypatch.chdir(tmp_path)
@@ -31,7 +31,7 @@ def folder(tmp_path, monkeypatch):
 
 
 def test_the_model_is_short_and_names_its_files():
-    model, _ = blocks("python")
+    model, _, _ = blocks("python")
     code = [line for line in model.splitlines() if line.strip() and not line.startswith(('"""', "from"))]
     assert len(code) <= 20
     text = PAGE.read_text(encoding="utf-8")
@@ -53,7 +53,7 @@ def test_the_commands_of_the_page_are_commands():
     from whirlmap.cli.main import app
 
     lines = [line for block in blocks("console") for line in block.splitlines()]
-    assert len(lines) == 3
+    assert len(lines) == 6
     for line in lines:
         help_text = CliRunner().invoke(app, [line.split()[1], "--help"], env={"COLUMNS": "200", "NO_COLOR": "1"})
         assert help_text.exit_code == 0
@@ -72,7 +72,7 @@ def test_diagnose_finds_what_the_page_says(folder):
 
 
 def test_the_python_session_runs(folder):
-    _, session = blocks("python")
+    _, session, _ = blocks("python")
     names = {}
     exec(session, names)
     assert names["system"].values["zeta"] == 0.04

@@ -1,5 +1,6 @@
 """What a declaration must not say is refused where it is declared, by a sentence that names it and the way out."""
 
+import re
 import subprocess
 import sys
 
@@ -9,7 +10,7 @@ import sympy as sp
 from whirlmap import bifurcation_diagram, load
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.cases.entries import RESERVED
-from whirlmap.equations import Model, Output, Parameter, State, cos, t, when
+from whirlmap.equations import Journal, Model, Output, Parameter, State, cos, t, when
 from whirlmap.equations.names import RESULTS
 from whirlmap.errors import ModelError
 from whirlmap.models import FAMILIES
@@ -139,3 +140,34 @@ def test_a_case_names_file_and_line_and_the_command_ends_with_2(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 2 and "Traceback" not in done.stderr
     assert "own.py, line 4: model 'own': the parameter 'mean'" in " ".join(done.stderr.split())
+
+
+def turning(**roles):
+    return Output(x, "1", "how far", **roles)
+
+
+@pytest.mark.parametrize(
+    ("roles", "message"),
+    [
+        ({"outputs": {"far": turning(role="thickness", bearing="1")}}, "role 'thickness', expected one of eccentricity | "),
+        ({"outputs": {"far": turning(role="shaft_speed", bearing="1")}}, "role 'shaft_speed', expected one of"),
+        ({"outputs": {"far": turning(bearing="1")}}, "has the role '', expected one of"),
+        ({"outputs": {"far": turning(role="load")}}, "'far' is the load of no bearing: add bearing="),
+        ({"outputs": {n: turning(role="load", bearing="1") for n in ("a", "b")}}, "'a' and 'b' are both the load of"),
+        ({"speed": Parameter("z", "1", "z")}, "the roles use 'z', which is neither"),
+        ({"unbalances": {"rotor": Parameter("z", "1", "z")}}, "the roles use 'z'"),
+        ({"journals": {"1": Journal((x, v), Parameter("z", "1", "z"))}}, "the roles use 'z'"),
+        ({"journals": {"1": Journal((x, State("y", "1", "y")), 1)}}, "the coordinates use 'y'"),
+        ({"bodies": {"disc": (x, State("y", "1", "y"))}}, "the coordinates use 'y'"),
+    ],
+)
+def test_roles_of_what_is_not_there_are_refused(roles, message):
+    with pytest.raises(ModelError, match=re.escape(message)):
+        oscillator(**roles)
+
+
+def test_a_role_alone_does_not_read_a_parameter():
+    """A speed that no equation reads would have no effect, declared as the speed or not."""
+    with pytest.raises(ModelError, match="declares z, but reads it nowhere"):
+        z = Parameter("z", "1", "z")
+        Model("idle", (x, v), (w, z), {x: v, v: cos(w * t) - x}, harmonics=(w,), speed=z)

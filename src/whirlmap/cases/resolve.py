@@ -91,6 +91,11 @@ class Resolved(Listed):
         """Bearings as the family declares them, by name."""
         return self.groups.bearings(self.switches) if self.groups else {}
 
+    @property
+    def speed_input(self) -> str:
+        """Name of the input that is the speed in other words; empty where there is none."""
+        return self.groups.speed.name if self.groups and self.groups.speed else ""
+
     def results(self, role: OfMachine) -> dict[str, float]:
         """Dimensional results that have a role, by the bearing of each."""
         return {output.bearing: value for value, output in self.quantities.values() if output.role == role}

@@ -12,9 +12,6 @@ from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError
 
-#: Parts of a declaration that hold roles of parameters.
-ROLES = ("the speed", "the unbalances", "the spins")
-
 
 def refuse_names(model: str, states: Sequence[State], parameters: Sequence[Parameter], outputs: Iterable[str]) -> None:
     """Refuse a name that is given twice, or that something else has."""
@@ -83,7 +80,7 @@ def refuse_expressions(
     states, parameters = set(states), set(parameters)
     places = {Symbol(table.name) for table in tables}
     with_time = {"the equations", "the switchings", "the teeth"}
-    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time", *ROLES}
+    of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time", "the roles"}
     for where, some in expressions.items():
         if found := allowed.fault(some):
             raise ModelError(f"model {model!r}: {where} cannot be used: {found}")

@@ -11,7 +11,7 @@ from whirlmap.equations.parts import Film, Journal, OfBearing, Output, Section, 
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError, nearest
-from whirlmap.results.listing import Listed, Listing, Rows
+from whirlmap.results.listing import Listed, Listing, Rows, brackets
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -145,7 +145,7 @@ class Model(Listed):
         """Its equations and parameters, for a terminal and a notebook."""
         facts = [f"switches: {', '.join(f'{name} = {choice}' for name, choice in self.switches.items())}"]
         facts += [f"forced at {', '.join(map(str, self.harmonics))}" if self.forced else "unforced"]
-        facts += [f"not declared: {what}" for what in self.not_declared()]
+        facts += [f"not declared: {words}"] if (words := brackets(self.not_declared())) else []
         equations = [(s.name, s.unit, s.meaning, str(self.equations[s])) for s in self.states]
         parameters = [(p.name, p.unit, p.meaning) for p in self.parameters]
         outputs = [(name, o.unit, o.meaning) for name, o in self.outputs.items()]
@@ -174,6 +174,7 @@ class Model(Listed):
         quantities = (*self.states, *self.parameters)
         found = {
             "speed": self.speed.name if self.speed else "",
+            "bodies": {body: [q.name for q in found] for body, found in self.bodies.items()},
             "journals": {bearing: [q.name for q in j.u] for bearing, j in self.journals.items()},
             "eccentricities": self.outputs_of("eccentricity"),
             "velocities": self.velocities,
@@ -181,19 +182,19 @@ class Model(Listed):
         }
         return {role: names for role, names in found.items() if names}
 
-    def not_declared(self) -> list[str]:
-        """Say which roles this model does not declare, and what is not to be had without each."""
-        return [sentence for declared, sentence in (
-            (self.speed, "speed, so that there are no safe speeds"),
-            (self.bodies, "bodies, so that modes have no names and no sense of whirl"),
-            (self.journals, "journals, so that no orbit is drawn in its clearance"),
-            (self.outputs_of("eccentricity"),
-             'an output with role="eccentricity", so that films have no thickness, and no assumption is judged'),
-            (self.outputs_of("load"), 'an output with role="load", so that bearings have no largest load'),
-        ) if not declared]  # fmt: skip
+    def not_declared(self) -> dict[str, str]:
+        """Roles that this model does not declare, and what is not to be had without each."""
+        return {role: lacking for role, lacking, declared in (
+            ("speed", "no safe speeds", self.speed),
+            ("bodies", "no names and no sense of whirl of modes", self.bodies),
+            ("journals", "no orbit in its clearance", self.journals),
+            ("eccentricity", "no film thickness, no assumptions judged", self.outputs_of("eccentricity")),
+            ("load", "no bearing loads", self.outputs_of("load")),
+        ) if not declared}  # fmt: skip
 
     def expressions(self) -> dict[str, list[Any]]:
         """Every expression of this model, by the part of the declaration where it stands."""
+        journals = [journal.u for journal in self.journals.values()]
         of_films = [e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength)]
         return {
             "the equations": list(self.equations.values()),
@@ -205,11 +206,8 @@ class Model(Listed):
             "the films": of_films,
             "the teeth": [] if self.teeth is None else [self.teeth],
             "the clocks": list(self.clocks.values()),
-            "the speed": [] if self.speed is None else [self.speed],
-            "the unbalances": list(self.unbalances.values()),
-            "the spins": [j.spin for j in self.journals.values()],
-            "the coordinates": [*self.swing, *(q for body in self.bodies.values() for q in body),
-                                *(q for j in self.journals.values() for q in j.u)],
+            "the roles": [*filter(None, [self.speed]), *self.unbalances.values(), *(j.spin for j in self.journals.values())],
+            "the coordinates": [*self.swing, *(q for u in (*self.bodies.values(), *journals) for q in u)],
             "the equilibrium": list(self.equilibrium.values()),
             "the section": [self.section.surface] if self.section else [],
             "the typical time": [self.typical_time],
@@ -219,7 +217,7 @@ class Model(Listed):
         """Parameters that an equation, a harmonic, an output, a stop, a default or another part of this model reads."""
         used: set[Symbol] = set()
         for where, expressions in self.expressions().items():
-            for expression in () if where in declaration.ROLES else expressions:
+            for expression in () if where == "the roles" else expressions:
                 used |= sympify(expression).free_symbols
         return frozenset(p for p in self.parameters if p in used)
 

@@ -127,11 +127,13 @@ def pieces(system: System) -> Pieces:
     parameters: dict[str, dict[str, Any]] = {
         p.name: _entry(system.values[p.name], p.unit, system.notes.get(p.name, "")) for p in model.parameters
     }
-    case_hash = ""
+    case_hash, roles = "", model.roles()
     if settled:
         case_hash = settled.case.digest
         for name, given in settled.inputs.items():
             parameters[name] = _entry(given.value, given.parameter.unit, given.note)
+            if given.parameter.latex:
+                roles.setdefault("symbols", {})[name] = given.parameter.latex
     sources = [entry["source"] for entry in parameters.values()]
     cited = [key_of(source) for source in sources if source.startswith("source:")]
     return Pieces(
@@ -142,7 +144,7 @@ def pieces(system: System) -> Pieces:
         parameters=parameters,
         switches=dict(model.switches),
         start=dict(system.start),
-        roles=model.roles(),
+        roles=roles,
         citations=tuple(dict.fromkeys([*model.sources, *(key for key in cited if key in references())])),
     )
 

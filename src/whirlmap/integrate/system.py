@@ -150,12 +150,6 @@ class System(Listed):
         return self.model.speed.name if self.model.speed else ""
 
     @property
-    def speed_input(self) -> str:
-        """Name of the dimensional input that is the speed in other words; empty where the case has none."""
-        groups = self.machine.groups if self.machine else None
-        return groups.speed.name if groups and groups.speed else ""
-
-    @property
     def vector(self) -> Array:
         """Values of the parameters in declared order, shape (parameter,)."""
         return np.array([float(self.values[name]) for name in self.parameters])
@@ -211,8 +205,7 @@ class System(Listed):
         """
         if not self.speed:
             raise RangeError(f"{self.model.name} declares no speed")
-        changes: dict[str, Any] = {self.speed: value}
-        return self.replace(**changes)
+        return self.replace(**dict[str, Any]({self.speed: value}))
 
     @cached_property
     def orders(self) -> tuple[Fraction, ...]:
@@ -266,11 +259,11 @@ class System(Listed):
             Printed as a table; a notebook shows it as one.
         """
         try:
+            period = f"{self.period:.6g}"
             together = f"common period {self.common_multiple} T" if self.repeats else "no common period"
-            times = f"period T = {self.period:.6g}, {together}"
+            times = f"period T = {period}, {together}" if self.model.forced else f"unforced, typical time {period}"
         except RangeError as error:  # all frequencies are zero: such a system can be had, and is to be seen too
             times = str(error)
-        times = times if self.model.forced else f"unforced, typical time {self.period:.6g}"
         inputs = self.machine.listing().tables if self.machine else ()
         return system_listing(self.case, self.model, self.values, self.notes, self.start, times, inputs)
 
@@ -349,9 +342,7 @@ class System(Listed):
 
 
 def _exact(parameter: Parameter, value: Any) -> Any:
-    if not parameter.order:
-        return float(value)
-    exact = exact_order(value, parameter.name)
+    exact = exact_order(value, parameter.name) if parameter.order else None
     return float(value) if exact is None else exact
 
 

@@ -20,7 +20,7 @@ from sympy import Expr, Integer
 from whirlmap.equations import Parameter, cos, pi, sin, when
 
 F_0 = Parameter("F_0", "1", "transmitted mesh load T_p/(R_bp K_p c)", measure="force", at_least=0)
-phi_m = Parameter("phi_m", "rad", "direction in which the pinion pushes the gear, from x", latex=r"\varphi_m")
+phi_m = Parameter("phi_m", "rad", "direction in which the pinion pushes the gear, from x", latex=r"\phi_m")
 
 # stiffness = fourier: K_m (1 + sum of v_n cos(n phi + chi_n)), phi the mesh phase
 v_1 = Parameter("v_1", "1", "1st harmonic of the mesh stiffness over its mean")

@@ -14,7 +14,7 @@ from sympy import Expr
 from whirlmap.equations import Parameter, sqrt, when
 from whirlmap.films.law import CENTRE
 
-eps_r = Parameter("eps_r", "1", "eccentricity at which the surfaces touch", latex=r"\epsilon_r", above=0, below=1)
+eps_r = Parameter("eps_r", "1", "eccentricity at which the surfaces touch", latex=r"\varepsilon_r", above=0, below=1)
 kappa_r = Parameter("kappa_r", "1", "stiffness of one bearing's wall, K_r/K_p", latex=r"\kappa_r", at_least=0)
 mu_r = Parameter("mu_r", "1", "dry friction coefficient of journal on bearing", latex=r"\mu_r", at_least=0)
 

@@ -1,6 +1,6 @@
 """Listings of objects: a few lines and short tables, as text in a terminal and as HTML in a notebook."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
 from textwrap import wrap
@@ -77,3 +77,8 @@ class Listed:
 
     def _repr_html_(self) -> str:
         return self.listing().html()
+
+
+def brackets(facts: Mapping[str, str]) -> str:
+    """Facts as one line: ``speed (no safe speeds), load (no bearing loads)``."""
+    return ", ".join(f"{name} ({words})" for name, words in facts.items())

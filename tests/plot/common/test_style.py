@@ -1,5 +1,6 @@
 """The house style: limits, symbols, colours, saving, and no trace in matplotlib's settings."""
 
+import json
 import sys
 
 import matplotlib as mpl
@@ -8,6 +9,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from whirlmap.errors import OutputError
+from whirlmap.models import FAMILIES
 from whirlmap.plot import draw_section, encode
 from whirlmap.plot.common.labels import symbol
 from whirlmap.plot.common.limits import cell_edges, is_log, limits, markersize, runs
@@ -28,6 +30,22 @@ from whirlmap.results.status import Status
 )  # fmt: skip
 def test_names_become_symbols(name, latex):
     assert symbol(name) == latex
+
+
+@pytest.mark.parametrize("name", list(FAMILIES))
+def test_symbols_that_stock_models_declare_are_those_that_their_names_give(name):
+    """A declared symbol may say more than a name; those of the stock models say the same, so that no label moves."""
+    model = FAMILIES[name].model()
+    declared = {q.name: q.latex for q in (*model.states, *model.parameters, *FAMILIES[name].vocabulary) if q.latex}
+    for parameter, latex in declared.items():
+        assert symbol(parameter).replace("{", "").replace("}", "") == f"${latex}$".replace("{", "").replace("}", "")
+
+
+def test_a_declared_symbol_is_what_a_dataset_of_its_model_is_labelled_with(chaos):
+    roles = {"symbols": {"x": r"\Xi^\ast"}, "velocities": {"x": "v"}}
+    ds = chaos["section"].assign_attrs(roles=json.dumps(roles))
+    assert draw_section(ds, "x").get_xlabel() == r"$\Xi^\ast$ [–]"
+    assert draw_section(chaos["section"], "x").get_xlabel() == "$x$ [–]"
 
 
 @pytest.mark.parametrize("values", [[0.5, 0.5 + 1e-11], [0.0], [1e-16, -1e-16], [], [np.nan], [3.0, np.inf]])

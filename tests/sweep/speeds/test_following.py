@@ -23,7 +23,7 @@ def hardening(d=0.1):
     x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
     s, damping = Parameter("s", "1", "speed", above=0), Parameter("d", "1", "damping", above=0)
     rates = {x: v, v: 0.3 * cos(s * t) - damping * v - x - x**3 / 2}
-    model = Model("hardening", (x, v), (s, damping), rates, harmonics=(s,), clocks={"shaft": s}, swing=(x,))
+    model = Model("hardening", (x, v), (s, damping), rates, harmonics=(s,), clocks={"shaft": s}, swing=(x,), speed=s)
     return System(model, {"s": 1.0, "d": d})
 
 

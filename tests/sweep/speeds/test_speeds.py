@@ -116,5 +116,5 @@ def test_bad_questions_are_refused(rig, speeds, limit, word):
 
 
 def test_a_model_without_a_speed_is_refused():
-    with pytest.raises(RangeError, match="no parameter 's'"):
+    with pytest.raises(RangeError, match="duffing declares no speed="):
         safe_speeds(whirlmap.load("duffing"), [1.0, 2.0], 0.5)

@@ -68,6 +68,7 @@ def campbell(
             raise
         _say_why_none(system, swept, f"{error}. {instead(system)}", json=json)
         return
+    report.say_not_declared(system, "bodies")
     shown = shown_in(Dimensions(system, own=dimensionless), ds)
     files = destination.write(ds, lambda _: pictures.campbell(system, shown))
     missing = int((ds["status"] != 0).sum())

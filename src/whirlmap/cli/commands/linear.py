@@ -65,6 +65,7 @@ def linear(
     except NotLinearError as error:  # what there is of an answer is the equilibrium, and why there is no more
         note = f"{error}. {instead(system)}"
     else:
+        report.say_not_declared(system, "bodies")
         films = {name: _film(one) for name, one in film_coefficients(system).items()}
         try:
             limit = stability_threshold(system, *bracket) if bracket else None

@@ -10,6 +10,7 @@ from whirlmap.cli.commands import diagnose_file as recorded
 from whirlmap.cli.common import options, report
 from whirlmap.cli.common import series_options as signals
 from whirlmap.errors import InputError
+from whirlmap.results.listing import brackets
 
 if TYPE_CHECKING:
     from whirlmap.cases import Resolved
@@ -125,6 +126,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
         "period": system.period,
         "common_multiple": system.common_multiple if system.repeats else None,
         "common_period": system.common_period if system.repeats else None,
+        "speed": system.speed,
         "clocks": _clocks(system),
         "period_s": system.period * units.of("time").size if units.known else None,
         "sources": {key: references()[key].text for key in model.sources if key in references()},
@@ -254,7 +256,8 @@ def _print(facts: dict[str, Any]) -> None:
     if facts["clocks"]:
         hertz = any(c["Hz"] is not None for c in facts["clocks"].values())
         clocks = [(n, c["frequency"], c["s"], *([c["Hz"]] if hertz else [])) for n, c in facts["clocks"].items()]
-        columns = ("clock", "frequency, per unit of the model's time", "speed ratio s", *(["Hz"] if hertz else []))
+        ratio = f"speed ratio {facts['speed'] or 's'}"
+        columns = ("clock", "frequency, per unit of the model's time", ratio, *(["Hz"] if hertz else []))
         rest.append(report.table("Clocks", columns, clocks, numbers=range(1, len(columns))))
     begin = [
         (n, report.number(s["start"]) + _unit(s["unit"]), _in_unit(s["dimensional"]), s["meaning"],
@@ -267,8 +270,8 @@ def _print(facts: dict[str, Any]) -> None:
     if facts["oil_not_judged"]:
         typer.echo(f"temperature of the oil: not judged, for {facts['oil_not_judged']}")
     _print_periods(facts)
-    for text in facts["not_declared"]:
-        typer.echo(f"not declared: {text}")
+    if facts["not_declared"]:
+        typer.echo(f"not declared: {brackets(facts['not_declared'])}")
     for name, text in facts["stops"].items():
         typer.echo(f"a run ends with {name}: {text}")
     for state, rate in facts.get("equations", {}).items():

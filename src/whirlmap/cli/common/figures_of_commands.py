@@ -87,7 +87,7 @@ def operating_point(system: "System") -> str:
     if settled:
         shown |= {name: one.written for name, one in settled.inputs.items() if _by_user(one.note)}
         speeds = list(settled.results("shaft_speed").values())
-        if speeds and system.speed_input not in shown:
+        if speeds and settled.speed_input not in shown:
             shown["speed"] = f"{abs(speeds[0]) * 30 / pi:.4g} rpm"
     return f"{system.case}: {', '.join(f'{name} = {value}' for name, value in shown.items())}" if shown else system.case
 

@@ -151,6 +151,12 @@ def say_assumptions(
     return say_strains([base.replace(**at) for base, at in zip(bases, points, strict=True)])
 
 
+def say_not_declared(system: "System", role: str) -> None:
+    """Say on standard error what an answer lacks because the model does not declare a role."""
+    if words := system.model.not_declared().get(role):
+        say(f"{system.model.name} declares no {role}: {words}")
+
+
 def say_strains(systems: Iterable["System"]) -> list[str]:
     """Say on standard error which assumptions any of these systems strains, and return these texts."""
     from whirlmap.assumptions.strained import repeated

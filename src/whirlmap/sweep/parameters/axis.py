@@ -13,7 +13,7 @@ from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.system import System
 from whirlmap.integrate.varied_inputs import VariedInputs, input_of
 from whirlmap.results.schema import variable
-from whirlmap.sweep.parameters.own_units import as_parameter, in_parameters, refuse_unknown, size_of
+from whirlmap.sweep.parameters.own_units import as_parameter, in_parameters, refuse_unknown, size_of, speed_input
 from whirlmap.sweep.parameters.ranges import Range, numbers_and_unit
 
 Array = NDArray[np.float64]
@@ -26,7 +26,7 @@ def is_input(system: System, name: str, *, beside: bool = False) -> bool:
     of that parameter may change.
     """
     if name in system.parameters or (
-        name == system.speed_input and not beside and isfinite(Dimensions(system).worth("rotation"))
+        name == speed_input(system) and not beside and isfinite(Dimensions(system).worth("rotation"))
     ):
         return False
     return input_of(system, name) is not None

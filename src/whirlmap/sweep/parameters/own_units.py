@@ -82,9 +82,10 @@ def size_of(system: System, quantity: Quantity, unit: str, option: str) -> float
 def _refuse_without_unit(system: System, found: Range, rotation: float, option: str) -> None:
     if not math.isfinite(rotation):
         return
-    ends, expected = f"{found.start:g}:{found.stop:g}", 'speeds with their unit, as in "speed=500 rpm:6000 rpm'
+    ends, name = f"{found.start:g}:{found.stop:g}", speed_input(system) or "speed"
+    expected = f'speeds with their unit, as in "{name}=500 rpm:6000 rpm'
     expected += ':50"' if option == "--vary" else '"'
-    if found.name == system.speed_input:
+    if found.name == speed_input(system):
         raise InputError(f"{option}: found {found.name}={ends} without units, expected {expected}")
     if found.name == system.speed and found.stop > MOST_S:
         rpm = found.stop * rotation * 30 / math.pi
@@ -121,9 +122,14 @@ def _words(text: str) -> list[str]:
     return "".join(c if c.isalnum() or c == "_" else " " for c in text).split()
 
 
+def speed_input(system: System) -> str:
+    """Name of the dimensional input that is the speed in other words; empty where the case has none."""
+    return system.machine.speed_input if system.machine else ""
+
+
 def as_parameter(system: System, name: str) -> str:
     """The model's speed for the dimensional input that is the speed, any other name as it is."""
-    return system.speed if name and name == system.speed_input else name
+    return system.speed if name and name == speed_input(system) else name
 
 
 def refuse_twice(system: System, names: set[str], found: Range) -> None:

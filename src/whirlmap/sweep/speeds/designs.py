@@ -15,7 +15,7 @@ from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.schema import variable
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.sweep.speeds.run_up_and_down import cold_motions, motions_met, outcome
-from whirlmap.sweep.speeds.verdicts import Judge, Verdict, amplitude_variable, shaft_speed, verdict_variable
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, amplitude_variable, shaft_speed, speed_of, verdict_variable
 
 Array = NDArray[np.float64]
 
@@ -50,7 +50,7 @@ def safe_probability(
         ``probability(s)`` of safe, ``probability_low``, ``probability_high``; ``probability_of(why, s)``,
         by name of the `Verdict`.
     """
-    at, speed = np.asarray(speeds, dtype=float), system.speed
+    at, speed = np.asarray(speeds, dtype=float), speed_of(system)
     judged = judge_machines(
         system, draws, at, limits, quantity=quantity, follow=follow, labelling=labelling, execution=execution
     )
@@ -114,7 +114,7 @@ def judge_machines(
     RangeError
         No machine; machines of different models or orders of harmonics; a shaft at rest.
     """
-    speed = system.speed
+    speed = speed_of(system)
     at, allowed = np.asarray(speeds, dtype=float), np.asarray(limits, dtype=float)
     if not machines:
         raise RangeError("found no machine, expected at least one")

@@ -28,7 +28,7 @@ from whirlmap.sweep.diagrams.in_batches import BATCH
 from whirlmap.sweep.interruptible import Work, batches, in_parts
 from whirlmap.sweep.speeds.designs import judge_machines
 from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
-from whirlmap.sweep.speeds.verdicts import Judge, Verdict, clearance, shaft_speed
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, clearance, shaft_speed, speed_of
 from whirlmap.sweep.speeds.windows import widest_window
 
 Array = NDArray[np.float64]
@@ -154,7 +154,7 @@ def _refuse_axes(axes: Mapping[str, Array], system: System) -> None:
     if not 1 <= len(axes) <= 2:
         raise RangeError(f"found {len(axes)} design parameters, expected one or two")
     for name, values in axes.items():
-        if name in (system.speed, system.speed_input):
+        if name in (speed_of(system), system.machine and system.machine.speed_input):
             raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")
         if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
             raise RangeError(f"values of {name!r} must be finite and ascend, and be two or more")

@@ -28,7 +28,7 @@ from whirlmap.sweep.diagrams.in_batches import FIRST
 from whirlmap.sweep.interruptible import Work, batches, in_parts
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
-from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed
+from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed, speed_of
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
 
 Array = NDArray[np.float64]
@@ -101,9 +101,7 @@ def safe_speeds(
     is finished.
     """
     at = np.atleast_1d(np.asarray(speeds, dtype=float))
-    speed = system.speed
-    if not speed:
-        raise RangeError(f"{system.model.name} declares no speed=...: safe speeds are those of a model with one")
+    speed = speed_of(system)
     refuse_speeds(at, limit)
     judge, progress = Judge(system, quantity, labelling, execution), execution.progress
     block, limits = LANES * (execution.workers or cores()), np.full(at.size, float(limit))

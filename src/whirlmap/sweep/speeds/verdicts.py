@@ -136,6 +136,13 @@ def verdicts(regime: ArrayLike, amplitude: ArrayLike, limit: ArrayLike, touching
     return out.astype(np.int8)
 
 
+def speed_of(system: System) -> str:
+    """Name of the parameter that is the speed, or `RangeError` for a model that declares none."""
+    if not system.speed:
+        raise RangeError(f"{system.model.name} declares no speed=...: safe speeds are those of a model with one")
+    return system.speed
+
+
 def shaft_speed(system: System) -> float:
     """Speed of the first shaft at ``s = 1`` [rad/s], or NaN for a system without dimensions."""
     return float(Dimensions(system).worth("rotation"))
