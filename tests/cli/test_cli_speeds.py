@@ -49,7 +49,7 @@ def test_limit_and_range_of_the_case_are_the_defaults():
 
 
 def test_draws_over_tolerances_give_probabilities():
-    line = f"speeds {RIG} --points 4 --tolerance c=5% --tolerance M=10% --draws 3 --quiet --json"
+    line = f"speeds {RIG} --points 4 --input-tolerance c=5% --input-tolerance M=10% --draws 3 --quiet --json"
     done = run(line)
     assert done.exit_code == 0, done.output
     facts = json.loads(done.stdout)
@@ -66,7 +66,8 @@ def test_draws_over_tolerances_give_probabilities():
         ("--limit 20 --range 500:6000", "--limit: found 20 without a unit"),
         ("--range 500:6000", "--range: found '500:6000' without units"), ("--range 10:60", "rpm"),
         ('--range "1 kg:2 rpm"', "--range: found the unit 'kg'"),
-        ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "as in --tolerance c=5%"),
+        ("--input-tolerance c=-5%", "expected a tolerance"), ("--input-tolerance nothing=5%", "nothing"),
+        ("--input-tolerance c", "as in --input-tolerance c=5%"),
     ],
 )  # fmt: skip
 def test_wrong_input_gets_one_message(options, word):

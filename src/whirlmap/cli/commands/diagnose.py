@@ -58,7 +58,7 @@ def diagnose(
     points: Annotated[
         int,
         typer.Option(
-            "--points", metavar="N", min=1, max=100_000_000, rich_help_panel=options.COMPUTING,
+            "--section-points", metavar="N", min=1, max=100_000_000, rich_help_panel=options.COMPUTING,
             help="Section points of the correlation dimension, where the motion does not return.",
         ),
     ] = 5000,

@@ -23,7 +23,7 @@ SEARCH = "Search"
 
 EXAMPLES = (
     "whirlmap identify --sets 32 --variant intended-porous-positive-shaft",
-    "whirlmap identify --store search --minutes 120 --refine 20 --out answer",
+    "whirlmap identify --store search --minutes 120 --generations 20 --out answer",
     "whirlmap identify --store search --resume --minutes 0 --out answer --force",
     "whirlmap identify --store search --resume --share 3/12 --no-pilot",
 )
@@ -50,7 +50,7 @@ def identify(
     seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Of the design.")] = 1,
     refine: Annotated[
         int,
-        typer.Option("--refine", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
+        typer.Option("--generations", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
                      help="Generations of 64 sets of differential evolution from the best of each edition, when the blocks"
                      " are finished; not with --share."),
     ] = 0,
@@ -126,9 +126,9 @@ def identify(
     if resume and store is None:
         raise RangeError("--resume goes on with the search in --store: give one")
     if refine and n > 1:
-        raise RangeError("--refine needs all blocks: when all shares are finished, run it without --share")
+        raise RangeError("--generations needs all blocks: when all shares are finished, run it without --share")
     if refine and sets < LEAST:
-        raise RangeError(f"--refine needs at least {LEAST} sets of a variant, and --sets is {sets}")
+        raise RangeError(f"--generations needs at least {LEAST} sets of a variant, and --sets is {sets}")
     if dask is not None and workers is not None:
         raise RangeError("--workers are threads of this process, and a cluster has its own: give one of them")
     variants = chosen(tuple(edition or ()), tuple(variant or ()))

@@ -89,13 +89,13 @@ def range_of(system: "System", text: str | None) -> tuple[float, float]:
 def tolerances_of(texts: Sequence[str] | None) -> dict[str, float]:
     """Half widths of ranges over their middle, by name."""
     found = {}
-    for name, text in options.assignments(texts, "--tolerance").items():
+    for name, text in options.assignments(texts, "--input-tolerance").items():
         try:
             half = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
         except ValueError:
             half = -1.0
         if not 0 < half < 1:
-            raise InputError(f"--tolerance: found {name}={text}, expected a share between 0 and 100 %, as in c=5%")
+            raise InputError(f"--input-tolerance: found {name}={text}, expected a tolerance between 0 and 100 %, as in c=5%")
         found[name] = half
     return found
 
@@ -112,7 +112,7 @@ def drawn_machines(
     for name in tolerances:
         if name not in inputs and name not in system.parameters:
             raise InputError(
-                f"--tolerance: {system.case} is not given {name!r}.{nearest(name, [*inputs, *system.parameters])}"
+                f"--input-tolerance: {system.case} is not given {name!r}.{nearest(name, [*inputs, *system.parameters])}"
                 f"\n  inputs: {' '.join(inputs)}\n  parameters: {' '.join(system.parameters)}"
             )
     random, clearance = np.random.default_rng(seed), given(system, "c")

@@ -165,7 +165,7 @@ Tolerance = Annotated[
 
 #: What the text of an option looks like, where it is not that of --set.
 EXAMPLES = {
-    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--tolerance": "--tolerance c=5%",
+    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--input-tolerance": "--input-tolerance c=5%",
     "--threshold": "--threshold s=0.5:4", "--draw": "--draw xi_m=normal:0.1:0.01",
 }  # fmt: skip
 
