@@ -147,7 +147,9 @@ def diagnose(
     data["drift_rate"] = variable((), speed[0], "1/time", "speed of the first state that drifts, in its unit")
     data["drift_state"] = variable((), state[0], "1", "index of that state, -1: none")
     data["thinning"] = variable((), returns.thinning[0], "1", "power of time with which the narrowest gap falls")
-    data["winding"] = variable((), measured.winding[0], "1", "rotation number of the section of motion that does not return")
+    turned = measured.winding[0]
+    data["rotation_number"] = variable((), turned, "1", "rotation number of the section of motion that does not return")
+    data["winding"] = variable((), turned, "1", "former name of rotation_number, for one release")
     data["regime"] = regime_variable((), label)
     data["confidence"] = variable(
         (), confidence, "1", "share of the start states, times that of the indicators asked, that speak for the label"

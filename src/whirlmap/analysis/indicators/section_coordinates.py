@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.indicators.birkhoff import Winding, winding_numbers
+from whirlmap.analysis.indicators.birkhoff import RotationNumber, rotation_numbers
 
 Array = NDArray[np.float64]
 
@@ -134,16 +134,16 @@ def moving_coordinates(
     return x, moves
 
 
-def windings_of(
+def rotation_numbers_of(
     section: Array, cyclic: Mapping[int, float] | None = None, ranges: Array | None = None
-) -> list[Winding]:
+) -> list[RotationNumber]:
     """Rotation numbers of section points, shape (time, state, point), in the plane of their two largest extents.
 
     The section holds 65 points or more.
 
     The direction of turning depends on the plane, so that number and 1 - number mean the same.
     """
-    out = [Winding(np.nan, np.nan, "not-finite")] * section.shape[2]
+    out = [RotationNumber(np.nan, np.nan, "not-finite")] * section.shape[2]
     for part in parts_of(section.shape[2]):
         some = None if ranges is None else ranges[:, part]
         columns, moves = moving_coordinates(section[:, :, part], cyclic, some)
@@ -151,9 +151,9 @@ def windings_of(
         lines, planes = np.flatnonzero(count == 1), np.flatnonzero(count > 1)
         # One coordinate turns in the plane of itself and its last value.
         line = columns[lines, moves[lines].argmax(axis=1)]
-        found = winding_numbers(line[:, 1:], line[:, :-1])
+        found = rotation_numbers(line[:, 1:], line[:, :-1])
         if planes.size:
-            found += winding_numbers(*largest_extents(columns[planes]))
+            found += rotation_numbers(*largest_extents(columns[planes]))
         for k, winding in zip(np.concatenate([lines, planes]), found, strict=True):
             out[part[k]] = winding
     return out

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.indicators.section_coordinates import OBSERVABLES, windings_of
+from whirlmap.analysis.indicators.section_coordinates import OBSERVABLES, rotation_numbers_of
 from whirlmap.analysis.indicators.section_indicators import LEAST, evidence_of
 from whirlmap.analysis.labels.forgetting import LEFT, forget
 from whirlmap.analysis.labels.locked import locked_multiple
@@ -194,7 +194,7 @@ class _Judge:
             winding = [UNKNOWN] * these.size
             if run.returns and rows // self.every >= TURNED:
                 strobed = np.stack([self.record.strobed[left[k]] for k in these], axis=2)
-                winding = windings_of(strobed, self.cyclic, self.record.ranges[:, left[these]])
+                winding = rotation_numbers_of(strobed, self.cyclic, self.record.ranges[:, left[these]])
             judged = decide(
                 Evidence(
                     run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,

@@ -187,7 +187,7 @@ def headline(verdict: dict[str, Any]) -> str:
         words.append(f"at time {report.number(verdict.get('end_time'))}{units['end_time']}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
     elif verdict["regime"] == "not-settled":
-        turns, power = (report.number(verdict[name]) for name in ("winding", "thinning"))
+        turns, power = (report.number(verdict[name]) for name in ("rotation_number", "thinning"))
         film = f"{turns} turns per T, a film thins as time to the power {power}"
         words.append("contracts to an orbit that was not reached" if verdict["thinning"] is None else film)
     elif verdict["regime"] == "drifting":
