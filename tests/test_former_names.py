@@ -20,6 +20,6 @@ def test_the_former_names_of_resolved_cases_warn_and_work():
 
 
 def test_the_rotation_number_is_written_under_both_names():
-    ds = whirlmap.label_points(whirlmap.load("duffing", gamma=0.2), {"gamma": [0.2, 0.21]}, transient=20, lyapunov=0)
+    ds = whirlmap.label_points(whirlmap.load("duffing", gamma=0.2), {"gamma": [0.2, 0.21]})
     assert ds["rotation_number"].identical(ds["winding"].rename("rotation_number").assign_attrs(ds["rotation_number"].attrs))
     assert ds["winding"].attrs["long_name"].startswith("former name of rotation_number")
