@@ -6,7 +6,7 @@ every difference between the editions stands in the line that it changes.
 Editions
 --------
 literal
-    Equations (30)-(41) as printed; only meaningless subscripts are mended (y_2 -> y_p in (30), C_om -> C_1p in (39),
+    Equations (30)-(41) as printed; only meaningless subscripts are corrected (y_2 -> y_p in (30), C_om -> C_1p in (39),
     the film integrals of bearing 2 in (32) and (33)). One film group, one shaft stiffness, for both journals.
 intended
     Signs, film and mass ratios as derived; the paper's clock (the mesh) and its forcing orders.

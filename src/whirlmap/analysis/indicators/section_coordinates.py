@@ -11,7 +11,7 @@ Array = NDArray[np.float64]
 
 #: Observables of each point: fixed random combinations of its scaled coordinates, so that no symmetry hides the motion.
 OBSERVABLES = 3
-#: A coordinate whose spread is below this part of its magnitude stands still.
+#: A coordinate whose spread is below this part of its magnitude is constant.
 STILL = 1e-10
 #: The same part of the range that it has over the motion.
 FIXED = 1e-9
@@ -84,7 +84,7 @@ def _columns(section: Array, cyclic: Mapping[int, float] | None) -> Array:
 
 
 def _least(x: Array, cyclic: Mapping[int, float] | None, ranges: Array | None) -> Array:
-    """Spread of each coordinate, shape (point, coordinate), up to which it stands still."""
+    """Spread of each coordinate, shape (point, coordinate), up to which it is constant."""
     least = STILL * np.maximum(np.abs(x).max(axis=2), 1e-300)
     if ranges is None:
         return np.asarray(least)
@@ -119,7 +119,7 @@ def moving_coordinates(
     Returns
     -------
     columns : array, shape (point, coordinate, time)
-        Zero where a coordinate stands still, or the point is not finite. Nothing moves in an empty section.
+        Zero where a coordinate is constant, or the point is not finite. Nothing moves in an empty section.
     moves : array of bool, shape (point, coordinate)
     """
     x = _columns(section, cyclic)

@@ -127,7 +127,7 @@ class _Judge:
             # One with a label is judged anew when it stops: a label that an early stretch gave does not stay by itself.
             due = (found.regime[at] == Regime.undecided) | sure | (done >= self.most)
             self._vote(run, np.flatnonzero(run.running & due), left, done, late, final=done >= self.most)
-            # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
+            # A torus does not change its size steadily: a section that does is a transient, or beats more slowly than this.
             torus, forbidden = found.regime[at] == Regime.quasi_periodic, self.no_torus[left]
             changes = at[torus & (np.isfinite(found.growth[at]) | forbidden)]
             found.regime[changes], found.confidence[changes], found.rule[changes] = Regime.undecided, 0.0, Rule.regular

@@ -98,7 +98,7 @@ def regime(
     late_growth : array, shape (point,), optional
         As there; half of the growth where absent.
     section : array, shape (time, state, point), optional
-        Section points once per T, or crossings; the columns of points that return are not looked at.
+        Section points once per T, or crossings; the columns of points that return are not used.
     common : int
         Number of T after which the forcing repeats.
     cyclic : mapping of state index to period, optional
@@ -150,10 +150,10 @@ def decide(evidence: Evidence) -> Findings:
     one since a quarter of the record. After the longest run fewer digits are enough where they have grown so: digits that
     stand still are chaos, digits that fall a transient. The extents of the first and last third must agree. No rotation
     number may be a ratio with a denominator up to 200 within its error, where that is small enough to say so, and no near
-    return of the section may close further (`SectionEvidence.closes`): that is an orbit of high period, on its way.
+    return of the section may close further (`SectionEvidence.closes`): that is an approach to an orbit of high period.
 
     Limits: a torus about to break up, and chaos whose exponent is below 10 / duration, are undecided. A transient longer
-    than the run is what it looks like.
+    than the run is labelled by its appearance.
     """
     votes = votes_of(evidence)
     chaotic, torus = votes == Vote.chaotic, votes == Vote.torus

@@ -124,7 +124,7 @@ def sure_of_zero(e: Evidence) -> NDArray[np.bool_]:
 
 
 def rests(e: Evidence) -> NDArray[np.bool_]:
-    """Whether averages and extents stand still after the longest run.
+    """Whether averages and extents are constant after the longest run.
 
     With an exponent that is zero for sure that says torus: the 0-1 test takes slow beats of many frequencies for chaos, and
     averages over them converge slowly.

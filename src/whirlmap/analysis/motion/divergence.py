@@ -39,7 +39,7 @@ def mean_divergence(ensemble: Ensemble, periods: int) -> tuple[Array, Array]:
     Returns
     -------
     mean, error : array, shape (point,)
-        Per unit of time; NaN in points that end on the way, and for models whose rates jump, where volumes change at once.
+        Per unit of time; NaN in points that end before, and for models whose rates jump, where volumes change at once.
 
     Notes
     -----

@@ -65,7 +65,7 @@ class TangentRun:
 def run_with_section(
     ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None
 ) -> tuple[Array, Array]:
-    """Local exponents of successive periods T, and the section points met on the way.
+    """Local exponents of successive periods T, and the section points of the run.
 
     Parameters
     ----------

@@ -153,7 +153,7 @@ def lyapunov_spectrum(
     ensemble, _ = make_ensemble(
         system, repeat, steps=steps, accuracy=accuracy, method=method, tangents=count, workers=workers, swarm=True
     )
-    ensemble = tuned(ensemble).ensemble  # vectors that vanish on the way would not come back
+    ensemble = tuned(ensemble).ensemble  # vectors that vanish during the run would stay zero
     align = max(transient // 10, 5)
     ensemble.advance(max(transient - align, 0) * ensemble.strobe, progress=progress)
     carried = tuned(ensemble, FINE, returns=True)
