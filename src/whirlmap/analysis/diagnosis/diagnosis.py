@@ -15,7 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.diagnosis.swarm_measures import (
+from whirlmap.analysis.diagnosis.perturbed_ensemble import (
     multipliers,
     number,
     record_series,
@@ -77,7 +77,7 @@ def diagnose(
     max_periods : int
         T after which the exponents stop, whatever their error.
     points : int
-        Section points of the correlation dimension, over the whole swarm.
+        Section points of the correlation dimension, over the whole perturbed ensemble.
     record : int
         Least T of the recorded time series, rounded up to whole common periods.
     steps, accuracy, method, workers
@@ -98,12 +98,12 @@ def diagnose(
     for name, given, least in (("max_periods", max_periods, 16), ("points", points, 1), ("record", record, 1)):
         if given < least:
             raise RangeError(f"{name} must be at least {least}, not {given}")
-    swarm = {system.parameters[0]: np.full(RUNS, system.vector[0])}
+    many = {system.parameters[0]: np.full(RUNS, system.vector[0])}
     ensemble, found = make_ensemble(
-        system, swarm, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=True,
+        system, many, steps=steps, accuracy=accuracy, method=method, workers=workers, perturbed=True,
     )  # fmt: skip
     cyclic = cyclic_states(system)
-    measured = Labelling(settling, workers=workers).measure_ensemble(system, swarm, ensemble, found, progress)
+    measured = Labelling(settling, workers=workers).measure_ensemble(system, many, ensemble, found, progress)
     returns, label = measured.returns, Regime(int(measured.returns.regime[0]))
     same = (returns.regime == returns.regime[0]) & (returns.period == returns.period[0])
     alive = np.flatnonzero(same & ensemble.running)

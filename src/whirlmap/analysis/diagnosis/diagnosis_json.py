@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from whirlmap.analysis.diagnosis.swarm_measures import number
+from whirlmap.analysis.diagnosis.perturbed_ensemble import number
 from whirlmap.analysis.variational.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
 from whirlmap.results.findings import Findings
 from whirlmap.results.regime import Regime

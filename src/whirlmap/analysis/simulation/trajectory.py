@@ -266,7 +266,7 @@ def _one(
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
     return make_ensemble(
-        system, repeat, steps=steps, accuracy=accuracy, method=method, workers=workers, swarm=starts > 1
+        system, repeat, steps=steps, accuracy=accuracy, method=method, workers=workers, perturbed=starts > 1
     )  # fmt: skip
 
 

@@ -54,7 +54,7 @@ class Tuned:
 
 
     @property
-    def of_swarm(self) -> Array:
+    def of_ensemble(self) -> Array:
         """Error of each exponent where all points are runs of one operating point.
 
         The median: in chaos some runs diverge from their finer ones within the test run.
