@@ -30,7 +30,7 @@ def sentence(line: str) -> str:
         ("identify --share 1/3", "--share needs --store"),
         ("identify --page docs.md", "--page needs --out"),
         ("identify --page docs.md --out answer", "docs.md: expected a page with the lines"),
-        ("identify --resume", "--resume goes on with the search in --store"),
+        ("identify --resume", "--resume continues the search in --store"),
         ("identify --store x --share 1/2 --generations 3", "run it without --share"),
         ("identify --sets 4 --generations 3", "at least 5 sets"),
         ("identify --dask tcp://127.0.0.1:9 --workers 2", "give one of them"),

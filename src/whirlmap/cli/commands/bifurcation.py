@@ -133,7 +133,7 @@ def bifurcation(
         _print(facts, states[0])
         report.print_written(files)
     if not work.complete:
-        go_on = "the same command computes all points anew"
+        go_on = "the same command computes all points again"
         if follow is None and work.dataset.sizes[swept.name] < swept.count:
             go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"
         report.interrupted(facts["incomplete"], files, go_on)

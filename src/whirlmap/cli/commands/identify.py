@@ -47,7 +47,7 @@ def identify(
                      help="Only this reading of the paper, as intended-porous-positive-shaft; may be repeated. A wrong name"
                      " is answered with the list."),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Of the design.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Seed of the design.")] = 1,
     refine: Annotated[
         int,
         typer.Option("--generations", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
@@ -62,10 +62,10 @@ def identify(
     store: Annotated[
         Path | None,
         typer.Option("--store", metavar="FOLDER", rich_help_panel=options.OUTPUT,
-                     help="Keep what is finished, block by block; a killed search goes on from there with --resume."),
+                     help="Keep what is finished, block by block; a killed search continues with --resume."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", rich_help_panel=options.OUTPUT, help="Go on with the search in --store.")
+        bool, typer.Option("--resume", rich_help_panel=options.OUTPUT, help="Continue the search in --store.")
     ] = False,
     share: Annotated[
         str,
@@ -124,7 +124,7 @@ def identify(
     if n > 1 and store is None:
         raise RangeError("--share needs --store, which the shares have in common")
     if resume and store is None:
-        raise RangeError("--resume goes on with the search in --store: give one")
+        raise RangeError("--resume continues the search in --store: give one")
     if refine and n > 1:
         raise RangeError("--generations needs all blocks: when all shares are finished, run it without --share")
     if refine and sets < LEAST:
@@ -151,7 +151,7 @@ def identify(
                 )
         except KeyboardInterrupt:
             interrupted = True
-            kept = f"kept; go on with --store {store} --resume" if store else "reported, and then lost: use --store"
+            kept = f"kept; continue with --store {store} --resume" if store else "reported, and then lost: use --store"
             say(f"interrupted: what was finished is {kept}")
     found = answer(variants, settings, blocks)
     if found is None:

@@ -143,4 +143,4 @@ def speeds(
         speed_report.show(facts)
         report.print_written(files)
     if facts["incomplete"]:
-        report.interrupted(facts["incomplete"], files, "the same command judges all speeds anew; with --range, fewer")
+        report.interrupted(facts["incomplete"], files, "the same command judges all speeds again; with --range, fewer")
