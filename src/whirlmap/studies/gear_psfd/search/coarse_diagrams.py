@@ -22,7 +22,7 @@ from whirlmap.studies.gear_psfd.search.variants import VARIANTS, Variant
 from whirlmap.sweep.points.label_points import label_points
 from whirlmap.sweep.store.fingerprint import kernel_hash
 
-OnProgress = Callable[[int], None]
+Progress = Callable[[int], None]
 
 #: Method of integration.
 METHOD = "dop853"
@@ -84,7 +84,7 @@ def sets_of(variant: Variant, settings: Settings, first: int, count: int) -> Arr
 
 
 def diagrams(
-    variant: Variant, sets: Array, settings: Settings, *, workers: int | None = None, progress: OnProgress | None = None
+    variant: Variant, sets: Array, settings: Settings, *, workers: int | None = None, progress: Progress | None = None
 ) -> xr.Dataset:
     """Compute the coarse labelled diagrams of many parameter sets in one call.
 

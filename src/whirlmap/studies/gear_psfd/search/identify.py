@@ -22,7 +22,7 @@ from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.results.wilson import wilson_interval
 from whirlmap.studies.gear_psfd.search.blocks import Blocks
-from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, OnProgress, Settings, diagrams, judge_sets, sets_of
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, Progress, Settings, diagrams, judge_sets, sets_of
 from whirlmap.studies.gear_psfd.search.tasks import Task, computed
 from whirlmap.studies.gear_psfd.search.variants import Variant
 
@@ -128,7 +128,7 @@ def search(
     share: tuple[int, int] = (1, 1),
     client: Any = None,
     workers: int | None = None,
-    progress: OnProgress | None = None,
+    progress: Progress | None = None,
     told: Callable[[str], None] = lambda _text: None,
 ) -> Iterator[str]:
     """Compute blocks, round by round over the variants, and yield the name of each that is new.

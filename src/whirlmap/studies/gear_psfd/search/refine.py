@@ -12,7 +12,7 @@ from scipy.optimize import differential_evolution
 from whirlmap.errors import RangeError
 from whirlmap.studies.gear_psfd.claims.labelled import Array
 from whirlmap.studies.gear_psfd.search.blocks import Blocks
-from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, OnProgress, Settings, judge_sets
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Judged, Progress, Settings, judge_sets
 from whirlmap.studies.gear_psfd.search.tasks import Task, computed
 from whirlmap.studies.gear_psfd.search.variants import Variant
 
@@ -32,7 +32,7 @@ def refine(
     score: Callable[[Judged], Array] = lambda judged: judged.total,
     client: Any = None,
     workers: int | None = None,
-    progress: OnProgress | None = None,
+    progress: Progress | None = None,
     more: Callable[[], bool] = lambda: True,
 ) -> Judged:
     """Refine the best sets of one variant.

@@ -13,7 +13,7 @@ import xarray as xr
 
 from whirlmap.errors import OutputError
 from whirlmap.studies.gear_psfd.claims.labelled import Array
-from whirlmap.studies.gear_psfd.search.coarse_diagrams import METHOD, OnProgress, Settings, diagrams
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import METHOD, Progress, Settings, diagrams
 from whirlmap.studies.gear_psfd.search.variants import Variant
 from whirlmap.sweep.store.fingerprint import kernel_hash
 
@@ -38,7 +38,7 @@ def computed(
     *,
     client: Any = None,
     workers: int | None = None,
-    progress: OnProgress | None = None,
+    progress: Progress | None = None,
 ) -> Iterator[tuple[str, xr.Dataset]]:
     """Compute pieces and yield each, with its name, as it is finished.
 
@@ -63,7 +63,7 @@ def computed(
 
 
 def _by_cluster(
-    tasks: list[Task], settings: Settings, client: Any, progress: OnProgress | None
+    tasks: list[Task], settings: Settings, client: Any, progress: Progress | None
 ) -> Iterator[tuple[str, xr.Dataset]]:
     from distributed import as_completed
 
