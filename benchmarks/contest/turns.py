@@ -18,7 +18,7 @@ Run = Callable[[], tuple[float, Array]]
 
 @dataclass
 class Contender:
-    """One way of integrating one problem.
+    """One method of integrating one problem.
 
     Attributes
     ----------

@@ -3,6 +3,7 @@
 Names are imported when they are first used, so that importing the package costs nothing.
 """
 
+import warnings
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.linear.ross_bearing import ross_bearing as ross_bearing
     from whirlmap.analysis.linear.stability_threshold import stability_threshold as stability_threshold
     from whirlmap.analysis.signals.diagnose_series import diagnose_series as diagnose_series
-    from whirlmap.analysis.simulation.surface_crossings import switchings as switchings
+    from whirlmap.analysis.simulation.surface_crossings import surface_crossings as surface_crossings
     from whirlmap.analysis.simulation.trajectory import section as section
     from whirlmap.analysis.simulation.trajectory import simulate as simulate
     from whirlmap.analysis.spectra.spectrum import full_spectrum as full_spectrum
@@ -63,7 +64,7 @@ _HOMES = {
     "floquet_multipliers": "whirlmap.analysis.variational.floquet",
     "full_spectrum": "whirlmap.analysis.spectra.spectrum",
     "power_spectrum": "whirlmap.analysis.spectra.spectrum",
-    "switchings": "whirlmap.analysis.simulation.surface_crossings",
+    "surface_crossings": "whirlmap.analysis.simulation.surface_crossings",
     "section": "whirlmap.analysis.simulation.trajectory",
     "simulate": "whirlmap.analysis.simulation.trajectory",
     "in_units": "whirlmap.integrate.in_units",
@@ -81,6 +82,9 @@ _HOMES = {
     "waterfall": "whirlmap.sweep.diagrams.waterfall",
 }
 
+#: Former names, for one release.
+_FORMER = {"switchings": "surface_crossings"}
+
 __all__ = ["__version__", "plot", *_HOMES]
 
 
@@ -88,6 +92,9 @@ def __getattr__(name: str) -> Any:
     """Import a public name from its home."""
     if name in _HOMES:
         return getattr(import_module(_HOMES[name]), name)
+    if name in _FORMER:
+        warnings.warn(f"whirlmap.{name} is now whirlmap.{_FORMER[name]}", DeprecationWarning, stacklevel=2)
+        return __getattr__(_FORMER[name])
     if name == "plot":
         return import_module("whirlmap.plot")
     raise AttributeError(f"module 'whirlmap' has no attribute {name!r}")

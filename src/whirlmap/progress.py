@@ -27,7 +27,7 @@ class Progress:
     what : str
         A word or two, in front of the bar.
     total : float or None
-        Periods expected; None where nobody knows.
+        Periods expected; None where unknown.
     quiet : bool
         Show nothing.
     most : bool

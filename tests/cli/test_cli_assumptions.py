@@ -10,7 +10,7 @@ from whirlmap.cli.main import app
 
 LONG = "machines/jeffcott-rig --set 'L=17 mm' --set 'c=30 um'"
 COMMANDS = {
-    "diagnose": f"diagnose {LONG} --points 64 --max-periods 32 --quiet",
+    "diagnose": f"diagnose {LONG} --section-points 64 --max-periods 32 --quiet",
     "linear": f"linear {LONG}",
     "campbell": f"campbell {LONG} --vary s=0.2:0.4:3",
     "speeds": f"speeds {LONG} --points 2 --no-follow --transient 8 --quiet",

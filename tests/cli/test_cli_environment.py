@@ -123,7 +123,7 @@ def test_temperatures_as_people_write_them(text):
         "basins duffing --grid x=-1:1:100000 --grid v=-1:1:100000",
         "attractors duffing --starts 10000000000",
         "speeds machines/jeffcott-rig --points 10000000000",
-        "speeds machines/jeffcott-rig --points 4 --tolerance c=5% --draws 10000000000",
+        "speeds machines/jeffcott-rig --points 4 --input-tolerance c=5% --draws 10000000000",
         "improve machines/jeffcott-rig --vary c=60um:140um:2 --points 10000000000",
         "improve machines/jeffcott-rig --vary c=60um:140um:100000 --vary xi=0.01:0.02:100000",
     ],

@@ -63,7 +63,7 @@ def test_draws_over_tolerances_give_the_probabilities_of_a_known_range():
     for share, expected in ((0.8, 0.0), (1.0, 0.5), (1.1, 0.75), (1.2, 1.0)):
         limit = float(reached[share].max()) * um
         line = f'speeds {RIG} --points 2 --range {speeds[0]}:{speeds[1]} --limit "{limit!r} um" --no-follow --quiet --json'
-        line = f"{line} --tolerance U=20% --draws {draws}"
+        line = f"{line} --input-tolerance U=20% --draws {draws}"
         done = run(line)
         assert done.exit_code == 0, done.output
         facts = json.loads(done.stdout)
@@ -83,7 +83,8 @@ def test_draws_over_tolerances_give_the_probabilities_of_a_known_range():
         ("--limit 20 --range 500:6000", "--limit: found 20 without a unit"),
         ("--range 500:6000", "--range: found '500:6000' without units"), ("--range 10:60", "rpm"),
         ('--range "1 kg:2 rpm"', "--range: found the unit 'kg'"),
-        ("--tolerance c=-5%", "share"), ("--tolerance nothing=5%", "nothing"), ("--tolerance c", "as in --tolerance c=5%"),
+        ("--input-tolerance c=-5%", "expected a tolerance"), ("--input-tolerance nothing=5%", "nothing"),
+        ("--input-tolerance c", "as in --input-tolerance c=5%"),
     ],
 )  # fmt: skip
 def test_wrong_input_gets_one_message(options, word):

@@ -32,8 +32,8 @@ def imported(folder, command):
     "command",
     [
         "diagnose duffing --set gamma=0.29",  # periodic: Floquet multipliers
-        "diagnose duffing --points 600 --max-periods 64",  # chaotic: 0-1 test, recurrence, correlation dimension
-        "diagnose lorenz --points 600 --max-periods 64 --json",  # not forced: crossings of a section
+        "diagnose duffing --section-points 600 --max-periods 64",  # chaotic: 0-1 test, recurrence, correlation dimension
+        "diagnose lorenz --section-points 600 --max-periods 64 --json",  # not forced: crossings of a section
         "show gear-psfd/machine",
     ],
 )

@@ -6,7 +6,7 @@ from sympy import Abs
 
 import whirlmap
 from whirlmap.analysis.linear.linearisation import linear_analysis
-from whirlmap.analysis.motion.ensembles import SWARM, make_ensemble
+from whirlmap.analysis.motion.ensembles import PERTURBATION, make_ensemble
 from whirlmap.equations import Model, Parameter, Section, State, cos, sqrt, t
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import FLOOR, likeness, limits, scales
@@ -71,14 +71,14 @@ def test_a_blow_up_is_a_divergence_without_any_bound():
         assert e.end_time[0] * length == pytest.approx(1.0, abs=0.02)
 
 
-def test_a_swarm_is_as_small_as_its_states():
+def test_a_perturbed_ensemble_is_as_small_as_its_states():
     system = whirlmap.load("duffing").replace(start={"x": 1e-6, "v": 0.0})
     many = {"gamma": np.full(8, 1e-7)}
-    e, _ = make_ensemble(system, many, steps=20, swarm=True)
+    e, _ = make_ensemble(system, many, steps=20, perturbed=True)
     apart = np.abs(e.x - e.x[:, :1]).max()
-    assert 0 < apart <= 2 * SWARM  # the declared start is one: that is what the model calls a size
+    assert 0 < apart <= 2 * PERTURBATION  # the declared start is one: that is what the model calls a size
     model = Model("still", (x, v), (k, omega), {x: v, v: k * cos(omega * t) - x - v / 10}, harmonics=(omega,))
-    e, _ = make_ensemble(System(model, {"k": 1e-9, "omega": 2.0}), {"k": np.full(8, 1e-9)}, steps=20, swarm=True)
+    e, _ = make_ensemble(System(model, {"k": 1e-9, "omega": 2.0}), {"k": np.full(8, 1e-9)}, steps=20, perturbed=True)
     assert 0 < np.abs(e.x - e.x[:, :1]).max() < 1e-14
 
 

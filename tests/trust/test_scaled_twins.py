@@ -104,7 +104,7 @@ def test_the_unscaled_ones_are_right(name):
 @pytest.mark.parametrize("name", some(["duffing-1", "gear-4", "van-der-pol-free", "roessler-2"], ["duffing-1"]))
 @pytest.mark.parametrize("scales", some([(1e-9, 1.0), (1e-6, 2.5e-3), (1e3, 1e6)], [(1e-9, 1.0)]))
 def test_diagnosis(name, scales):
-    """The swarm of starts stays on one attractor at any scale; exponents count per unit of the model's time."""
+    """The perturbed ensemble stays on one attractor at any scale; exponents count per unit of the model's time."""
     wanted = SYSTEMS[name][4]
     one, ds = whirlmap.diagnose(system_of(name, 1.0, 1.0)), whirlmap.diagnose(system_of(name, *scales))
     assert label(one) == label(ds) == wanted

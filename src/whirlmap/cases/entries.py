@@ -25,7 +25,7 @@ NO_SOURCE = "no source given"
 
 @dataclass(frozen=True)
 class Given:
-    """A number as somebody wrote it.
+    """A number as it was written.
 
     Attributes
     ----------

@@ -199,7 +199,7 @@ class _Work:
                 }
 
     def _choose_ways(self, routes: tuple[Route, ...], layer: Layer) -> None:
-        """Take the way in which a layer gives an input, and forget how the layers below gave it."""
+        """Take over the alternative by which a layer gives an input, and forget those of the layers below."""
         for target, route in alternatives.chosen(routes, layer).items():
             for name in (target, *(r.key for r in routes if r.target.name == target)):
                 self.inputs.pop(name, None)

@@ -32,6 +32,7 @@ from whirlmap.cli.commands import (
     speeds,
 )
 from whirlmap.cli.common import interrupts
+from whirlmap.cli.common.former_options import with_new_spellings
 from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
 from whirlmap.errors import WhirlmapError
 from whirlmap.results.files import WRITTEN
@@ -85,6 +86,7 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments."""
+        args = with_new_spellings(self.name or "", args)
         given_twice(self.params, args)
         return super().parse_args(ctx, args)
 

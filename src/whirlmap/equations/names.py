@@ -18,6 +18,7 @@ _RESULTS = """
     frequency frequency_step resolution power density floor line_frequency line_power line_present line_floor
     line_fraction broadband_fraction
     mode growth damping_ratio whirl line clock equilibrium drift_state drift_rate growth_rate thinning grazings
+    rotation_number rotation_number_error
 """
 
 #: Dimensions and variables of the Datasets that have varied parameters or states for dimensions.

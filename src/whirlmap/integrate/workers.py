@@ -7,7 +7,7 @@ from types import TracebackType
 
 from whirlmap.kernels.running.root_choice import RootChoice, adopt, chosen
 
-#: Events that say that nobody waits any more for what this thread computes: of its own pool, and of those around it.
+#: Events that cancel the work of this thread: of its own pool, and of the pools around it.
 _GIVEN_UP: ContextVar[tuple[Event, ...]] = ContextVar("given up", default=())
 
 
@@ -42,6 +42,6 @@ def _begin(choice: RootChoice, events: tuple[Event, ...]) -> None:
 
 
 def stop_if_given_up() -> None:
-    """Raise `KeyboardInterrupt` in a thread of `Workers` whose results nobody waits for any more."""
+    """Raise `KeyboardInterrupt` in a thread of `Workers` whose work was cancelled."""
     if any(event.is_set() for event in _GIVEN_UP.get()):
         raise KeyboardInterrupt

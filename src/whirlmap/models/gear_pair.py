@@ -6,7 +6,7 @@ every difference between the editions stands in the line that it changes.
 Editions
 --------
 literal
-    Equations (30)-(41) as printed; only meaningless subscripts are mended (y_2 -> y_p in (30), C_om -> C_1p in (39),
+    Equations (30)-(41) as printed; only meaningless subscripts are corrected (y_2 -> y_p in (30), C_om -> C_1p in (39),
     the film integrals of bearing 2 in (32) and (33)). One film group, one shaft stiffness, for both journals.
 intended
     Signs, film and mass ratios as derived; the paper's clock (the mesh) and its forcing orders.
@@ -382,14 +382,14 @@ GEAR_PAIR = Family(
     meanings={
         "edition": "equations as printed, as derived, or as derived with each shaft on its own clock",
         "film": "with h^3 + 12 Phi H, or as printed with h^3 dropped",
-        "arc": "half film fixed at 0..pi, or where the pressure is positive",
+        "arc": "half-Sommerfeld film, fixed at 0..pi, or Guembel film, where the pressure is positive",
         "contact": "whether a journal that reaches its bearing ends the run, rubs from its roughness on, or goes on",
         "mesh": "teeth without direction or load, or along the line of action with a transmitted torque",
         "stiffness": "mesh stiffness that is constant, a Fourier series, or that of one pair of teeth and two",
         "backlash": "teeth without play, or that leave each other inside a dead zone",
-        "torsion": "rotors that turn uniformly, or that swing about it",
-        "suspension": "housings on a linear and a cubic spring, or on the linear one alone",
-        "centring": "journals without or with a spring beside the film",
+        "torsion": "rotors that turn uniformly, or that oscillate about uniform rotation",
+        "suspension": "bearing supports with a linear and a cubic spring, or with the linear one alone",
+        "centring": "journals without or with a centring spring (squirrel cage) beside the film",
     },
     vocabulary=(
         xi_5, kappa_g, Gamma_2, chi_p, chi_g, a_1, a_2, kappa_c1, kappa_c2, *torsion.PARAMETERS, *rub.PARAMETERS,

@@ -133,7 +133,7 @@ JEFFCOTT = Family(
     switches={"rotor": ("rigid", "flexible"), "arc": ("fixed", "positive"), "bearing": ("journal", "damper")},
     meanings={
         "rotor": "rigid, its mass on the journals; or on a flexible shaft with massless journals",
-        "arc": "half film fixed at 0..pi, or where the pressure is positive",
+        "arc": "half-Sommerfeld film, fixed at 0..pi, or Guembel film, where the pressure is positive",
         "bearing": "journals that turn in their film, or dampers that do not, with a squirrel cage",
     },
     default=lambda chosen: {"rotor": "flexible", "arc": "positive"} if chosen["bearing"] == "damper" else {},

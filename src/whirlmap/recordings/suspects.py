@@ -9,7 +9,7 @@ Array = NDArray[np.float64]
 
 #: A value is suspect that lies further from the median than this many widths of the central 99 %.
 FAR = 5.0
-#: Equal samples in a row that count as standing still, at least, and over their mean number in the record.
+#: Equal samples in a row that count as a constant value, at least, and over their mean number in the record.
 STILL, OVER_MEAN = 20, 12
 #: Levels of a signal below which it is no sampled motion but a switch.
 LEVELS = 12

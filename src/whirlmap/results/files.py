@@ -216,7 +216,7 @@ def elsewhere(fill: Callable[[Path], object], name: str, full: Path) -> Path | N
 
 
 def _claim(trial: Path, path: Path) -> None:
-    """Name a file, unless somebody else took the name while it was computed."""
+    """Name a file, unless the name was taken while it was computed."""
     try:
         os.link(trial, path)
     except OSError:  # the name is taken, or the file system has no hard links

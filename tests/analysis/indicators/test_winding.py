@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, logistic, sines
 
-from whirlmap.analysis.indicators.birkhoff import converged_digits, locking_ratio, weighted_average, winding_number
+from whirlmap.analysis.indicators.birkhoff import converged_digits, locking_ratio, rotation_number, weighted_average
 from whirlmap.errors import RangeError
 
 
@@ -31,7 +31,7 @@ def test_average_converges_faster_than_any_power():
 
 @pytest.mark.parametrize("rate", [GOLDEN, 1 - GOLDEN, 0.02137, 0.49, 1 / np.pi])
 def test_winding_of_a_rigid_rotation(rate):
-    found = winding_number(*plane(rate * np.arange(2000) + 0.1))
+    found = rotation_number(*plane(rate * np.arange(2000) + 0.1))
     assert found.status == "ok"
     assert found.number == pytest.approx(rate, abs=1e-9)
     assert found.error < 1e-7
@@ -40,7 +40,7 @@ def test_winding_of_a_rigid_rotation(rate):
 def test_winding_of_the_circle_map_against_its_lift():
     """The lift's total turn over N is the rotation number to 1/N; the average is far better, as half a record shows."""
     lift = circle_map(0.4, 0.8, 4000)
-    found = winding_number(*plane(lift))
+    found = rotation_number(*plane(lift))
     assert found.number == pytest.approx((lift[-1] - lift[0]) / 3999, abs=3e-4)
     assert found.error < 1e-9
     assert not locking_ratio(found.number, found.error).locked
@@ -48,7 +48,7 @@ def test_winding_of_the_circle_map_against_its_lift():
 
 def test_a_locked_circle_map_has_a_rational_winding():
     """K = 0.9 at Omega = 1/2: by symmetry the rotation number is exactly 1/2. At 0.5 + 1e-3 it is locked there."""
-    found = winding_number(*plane(circle_map(0.501, 0.9, 2000)))
+    found = rotation_number(*plane(circle_map(0.501, 0.9, 2000)))
     assert found.number == pytest.approx(0.5, abs=1e-12)
     locking = locking_ratio(found.number, found.error)
     assert locking.locked and locking.ratio == Fraction(1, 2)
@@ -71,4 +71,4 @@ def test_digits_tell_tori_from_chaos():
 
 def test_chaos_has_no_winding_number():
     x = logistic(4.0, 2000)
-    assert winding_number(x[1:], x[:-1]).status == "through-centre"
+    assert rotation_number(x[1:], x[:-1]).status == "through-centre"

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from maps import GOLDEN, circle_map, henon, logistic
 
-from whirlmap.analysis.indicators.birkhoff import Winding
-from whirlmap.analysis.indicators.section_coordinates import Watch, windings_of
+from whirlmap.analysis.indicators.birkhoff import RotationNumber
+from whirlmap.analysis.indicators.section_coordinates import Watch, rotation_numbers_of
 from whirlmap.analysis.indicators.section_indicators import SectionEvidence, evidence_of
 from whirlmap.analysis.labels.regime import decide, regime
 from whirlmap.analysis.labels.votes import Evidence, Vote
@@ -19,7 +19,7 @@ def section_evidence(section, cyclic=None):
 
 def judged(*, status=Status.ok, multiple=0, exponent=0.1, error=0.001, duration=1000.0, late=None, K=0.99, low=0.95,
            digits=1.5, before=1.0, uneven=0.0, closes=False, winding=None, final=False, returns=True):  # fmt: skip
-    turned = winding or Winding(np.nan, np.nan, "through-centre")
+    turned = winding or RotationNumber(np.nan, np.nan, "through-centre")
     numbers = (np.array([v]) for v in (K, low, digits, before, digits, uneven, closes))
     late = exponent * duration / 2 if late is None else late
     e = Evidence(np.array([status]), np.array([multiple]), np.array([exponent]), np.array([error]), np.array([duration]),
@@ -54,10 +54,10 @@ TORUS = {"exponent": 0.0, "K": 0.02, "low": -0.02, "digits": 9.0}
         ({**TORUS, "digits": 4.2, "before": 4.1, "final": True, "error": 0.1}, Regime.undecided),
         ({**TORUS, "uneven": 0.1}, Regime.undecided),  # its extent still changes: a transient
         ({**TORUS, "closes": True}, Regime.undecided),  # an orbit of high period, on its way
-        ({**TORUS, "digits": 3.0, "winding": Winding(0.381966011, 1e-9, "ok")}, Regime.quasi_periodic),
-        ({**TORUS, "digits": 3.0, "winding": Winding(1 / 3 + 1e-9, 1e-9, "ok")}, Regime.undecided),  # hops
-        ({**TORUS, "winding": Winding(8 / 27, 1e-8, "ok")}, Regime.undecided),  # locked to 8/27, for all one knows
-        ({**TORUS, "digits": 3.0, "before": 2.5, "winding": Winding(0.381966, 1e-3, "ok")}, Regime.undecided),
+        ({**TORUS, "digits": 3.0, "winding": RotationNumber(0.381966011, 1e-9, "ok")}, Regime.quasi_periodic),
+        ({**TORUS, "digits": 3.0, "winding": RotationNumber(1 / 3 + 1e-9, 1e-9, "ok")}, Regime.undecided),  # hops
+        ({**TORUS, "winding": RotationNumber(8 / 27, 1e-8, "ok")}, Regime.undecided),  # locked to 8/27, for all one knows
+        ({**TORUS, "digits": 3.0, "before": 2.5, "winding": RotationNumber(0.381966, 1e-3, "ok")}, Regime.undecided),
         ({**TORUS, "exponent": -0.001, "error": 1e-4, "late": -0.5}, Regime.undecided),  # little, but more than three errors
         ({**TORUS, "exponent": 0.005, "error": 1e-4, "late": 0.7}, Regime.quasi_periodic),  # shear, which comes to an end
         ({"K": 0.5, "low": 0.1, "digits": 2.7, "final": True}, Regime.chaotic),  # but for one over the longest run
@@ -104,19 +104,19 @@ def test_bits_of_evidence_do_not_depend_on_the_company():
     henons[:, 1, 3:6] = 7.0
     henons[:, :, 8:12] = np.stack([logistic(3.574, 300), logistic(3.574, 300)], axis=1)[:, :, None]
     henons[9, 0, 20] = np.nan
-    whole, turns = section_evidence(henons), windings_of(henons)
+    whole, turns = section_evidence(henons), rotation_numbers_of(henons)
     assert np.isfinite(whole.growth).sum() == 39
     for k in range(40):
         alone = section_evidence(henons[:, :, k : k + 1])
         for name in ("growth", "growth_low", "digits"):
             np.testing.assert_array_equal(getattr(alone, name)[0], getattr(whole, name)[k])
-        assert repr(windings_of(henons[:, :, k : k + 1])[0]) == repr(turns[k])
+        assert repr(rotation_numbers_of(henons[:, :, k : k + 1])[0]) == repr(turns[k])
 
 
 def test_one_coordinate_turns_in_the_plane_of_its_last_value():
     x = np.cos(2 * np.pi * GOLDEN * np.arange(512))
     for section in (x[:, None, None], np.stack([np.ones(512), x], axis=1)[:, :, None]):
-        turned = windings_of(section)[0].number
+        turned = rotation_numbers_of(section)[0].number
         assert turned in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
 
 
@@ -136,7 +136,7 @@ def test_an_angle_enters_by_its_circle():
     for phase in (angle, angle % (2 * np.pi)):
         e = section_evidence(phase[:, None, None], cyclic={0: 2 * np.pi})
         assert e.digits[0] > 8
-        turned = windings_of(phase[:, None, None], {0: 2 * np.pi})[0].number
+        turned = rotation_numbers_of(phase[:, None, None], {0: 2 * np.pi})[0].number
         assert turned in (pytest.approx(GOLDEN), pytest.approx(1 - GOLDEN))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap.analysis.diagnosis.swarm_measures import record_series
+from whirlmap.analysis.diagnosis.perturbed_ensemble import record_series
 from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.analysis.motion.record_length import (
     LONGEST,

@@ -12,7 +12,7 @@ GEARBOX = "machines/turbo-gearbox"
 
 
 def test_shares_agree_with_the_located_crossings():
-    """With backlash the driving flanks are a declared surface, whose crossings `switchings` times."""
+    """With backlash the driving flanks are a declared surface, whose crossings `surface_crossings` times."""
     system = whirlmap.load(GEARBOX, stiffness="rectangular", backlash="dead_zone")
     at = np.array([3000.0, 5000.0, 9000.0]) * np.pi / 30 / shaft_speed(system)
     ds = Judge(system)({"s": at}, np.ones(3))
@@ -21,7 +21,7 @@ def test_shares_agree_with_the_located_crossings():
     settled = dict(zip(system.states, ds["end_state"].values[1].tolist(), strict=True))
     parting = system.replace(start=settled, s=float(at[1]))
     series = whirlmap.simulate(parting, periods=system.common_multiple)
-    share = float(whirlmap.switchings(parting, series)["share"].sel(surface="drive_side"))
+    share = float(whirlmap.surface_crossings(parting, series)["share"].sel(surface="drive_side"))
     assert 0.5 < share < 0.9 and float(ds["tooth_contact"][1]) == pytest.approx(share, abs=0.02)
 
 

@@ -33,9 +33,9 @@ def test_nonperiodic_points_are_labelled_only_with_evidence():
     assert bare["regime"].values.tolist() == [Regime.periodic, Regime.undecided, Regime.undecided]
     ds = bifurcation_diagram(system, "omega", at, lyapunov=1024)
     assert ds["regime"].values.tolist() == [Regime.periodic, Regime.quasi_periodic, Regime.quasi_periodic]
-    assert np.isfinite(ds["winding"].values).tolist() == [False, True, True]
+    assert np.isfinite(ds["rotation_number"].values).tolist() == [False, True, True]
     alone = bifurcation_diagram(system, "omega", at[1:2], lyapunov=1024)
-    for name in ("lyapunov", "winding", "confidence"):
+    for name in ("lyapunov", "rotation_number", "confidence"):
         assert alone[name].values[0] == ds[name].values[1]
 
 

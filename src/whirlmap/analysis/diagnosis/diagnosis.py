@@ -15,7 +15,7 @@ from typing import Any, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.diagnosis.swarm_measures import (
+from whirlmap.analysis.diagnosis.perturbed_ensemble import (
     multipliers,
     number,
     record_series,
@@ -72,7 +72,7 @@ def diagnose(
     max_periods : int
         T after which the exponents stop, whatever their error.
     points : int
-        Section points of the correlation dimension, over the whole swarm.
+        Section points of the correlation dimension, over the whole perturbed ensemble.
     record : int
         Least T of the recorded time series, rounded up to whole common periods.
     labelling : Labelling, optional
@@ -117,13 +117,13 @@ def diagnose(
     for name, given, least in (("max_periods", max_periods, 16), ("points", points, 1), ("record", record, 1)):
         if given < least:
             raise RangeError(f"{name} must be at least {least}, not {given}")
-    swarm = {system.parameters[0]: np.full(RUNS, system.vector[0])}
+    many = {system.parameters[0]: np.full(RUNS, system.vector[0])}
     ensemble, found = make_ensemble(
-        system, swarm, swarm=True, integration=labelling.integration, execution=execution
+        system, many, perturbed=True, integration=labelling.integration, execution=execution
     )  # fmt: skip
     cyclic = cyclic_states(system)
     progress = execution.progress
-    measured = measure_ensemble(system, swarm, labelling, ensemble, found, progress)
+    measured = measure_ensemble(system, many, labelling, ensemble, found, progress)
     returns, label = measured.returns, Regime(int(measured.returns.regime[0]))
     same = (returns.regime == returns.regime[0]) & (returns.period == returns.period[0])
     alive = np.flatnonzero(same & ensemble.running)
@@ -167,7 +167,9 @@ def diagnose(
     data["drift_rate"] = variable((), speed[0], "1/time", "speed of the first state that drifts, in its unit")
     data["drift_state"] = variable((), state[0], "1", "index of that state, -1: none")
     data["thinning"] = variable((), returns.thinning[0], "1", "power of time with which the narrowest gap falls")
-    data["winding"] = variable((), measured.winding[0], "1", "rotation number of the section of motion that does not return")
+    turned = measured.winding[0]
+    data["rotation_number"] = variable((), turned, "1", "rotation number of the section of motion that does not return")
+    data["winding"] = variable((), turned, "1", "former name of rotation_number, for one release")
     data["regime"] = regime_variable((), label)
     data["confidence"] = variable(
         (), confidence, "1", "share of the start states, times that of the indicators asked, that speak for the label"

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from whirlmap.analysis.diagnosis.swarm_measures import number
+from whirlmap.analysis.diagnosis.perturbed_ensemble import number
 from whirlmap.analysis.variational.kaplan_yorke import kaplan_yorke, kaplan_yorke_error
 from whirlmap.results.findings import Findings
 from whirlmap.results.regime import Regime
@@ -42,7 +42,8 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
         "starts_agree": int(ds["starts_agree"]),
         "growth_rate": number(ds["growth_rate"]),
         "thinning": number(ds["thinning"]),
-        "winding": number(ds["winding"]),
+        "rotation_number": number(ds["rotation_number"]),
+        "winding": number(ds["rotation_number"]),
         "drift_rate": number(ds["drift_rate"]),
         "drift_state": str(np.asarray(ds["state"])[int(ds["drift_state"])]) if int(ds["drift_state"]) >= 0 else None,
         "lyapunov": [number(v) for v in exponent],

@@ -66,7 +66,7 @@ def converged_digits(values: ArrayLike) -> Array:
 
 
 @dataclass(frozen=True)
-class Winding:
+class RotationNumber:
     """Rotation number of a closed section curve.
 
     Attributes
@@ -86,7 +86,7 @@ class Winding:
     status: str
 
 
-def winding_number(x: ArrayLike, y: ArrayLike, *, least_gap: float = 0.02) -> Winding:
+def rotation_number(x: ArrayLike, y: ArrayLike, *, least_gap: float = 0.02) -> RotationNumber:
     """Rotation number of points that go round a closed curve, with its error.
 
     Parameters
@@ -110,12 +110,12 @@ def winding_number(x: ArrayLike, y: ArrayLike, *, least_gap: float = 0.02) -> Wi
     u, v = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if u.shape != v.shape or u.ndim != 1 or u.size < 64:
         raise RangeError(f"x and y have shapes {u.shape} and {v.shape}: twice (time,) with at least 64 are needed.")
-    return winding_numbers(u[None], v[None], least_gap=least_gap)[0]
+    return rotation_numbers(u[None], v[None], least_gap=least_gap)[0]
 
 
-def winding_numbers(x: Array, y: Array, *, least_gap: float = 0.02) -> list[Winding]:
-    """`winding_number` of many curves, ``x`` and ``y`` of shape (curve, time)."""
-    out = [Winding(np.nan, np.nan, "not-finite")] * len(x)
+def rotation_numbers(x: Array, y: Array, *, least_gap: float = 0.02) -> list[RotationNumber]:
+    """`rotation_number` of many curves, ``x`` and ``y`` of shape (curve, time)."""
+    out = [RotationNumber(np.nan, np.nan, "not-finite")] * len(x)
     finite = np.flatnonzero((np.isfinite(x) & np.isfinite(y)).all(axis=1))
     u, v = x[finite], y[finite]
     angle = np.arctan2(v - weighted_average(v.T)[:, None], u - weighted_average(u.T)[:, None]) / (2 * np.pi)
@@ -132,8 +132,8 @@ def winding_numbers(x: Array, y: Array, *, least_gap: float = 0.02) -> list[Wind
     error = np.abs(weighted_average(lifted[:, :half].T) - weighted_average(lifted[:, half : 2 * half].T))
     open_gap = np.take_along_axis(gaps, widest, axis=1)[:, 0] >= least_gap
     for k, curve in enumerate(finite):
-        found = Winding(float(number[k]), float(error[k]), "ok")
-        out[curve] = found if open_gap[k] else Winding(np.nan, np.nan, "through-centre")
+        found = RotationNumber(float(number[k]), float(error[k]), "ok")
+        out[curve] = found if open_gap[k] else RotationNumber(np.nan, np.nan, "through-centre")
     return out
 
 

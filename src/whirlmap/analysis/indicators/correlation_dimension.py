@@ -72,7 +72,7 @@ def correlation_dimension(
         Radii whose correlation sum exceeds this feel the size of the attractor and are not used.
     resolution : float
         Smallest distance that means anything, as a fraction of the root mean square distance of two points;
-        below it lie the errors of the integration. No smaller radius is looked at.
+        below it lie the errors of the integration. No smaller radius is used.
     blocks : int
         Number of parts in the resampling; whole trajectories where there are as many.
     workers : int

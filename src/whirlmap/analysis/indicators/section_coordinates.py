@@ -5,13 +5,13 @@ from collections.abc import Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.indicators.birkhoff import Winding, winding_numbers
+from whirlmap.analysis.indicators.birkhoff import RotationNumber, rotation_numbers
 
 Array = NDArray[np.float64]
 
 #: Observables of each point: fixed random combinations of its scaled coordinates, so that no symmetry hides the motion.
 OBSERVABLES = 3
-#: A coordinate whose spread is below this part of its magnitude stands still.
+#: A coordinate whose spread is below this part of its magnitude is constant.
 STILL = 1e-10
 #: The same part of the range that it has over the motion.
 FIXED = 1e-9
@@ -84,7 +84,7 @@ def _columns(section: Array, cyclic: Mapping[int, float] | None) -> Array:
 
 
 def _least(x: Array, cyclic: Mapping[int, float] | None, ranges: Array | None) -> Array:
-    """Spread of each coordinate, shape (point, coordinate), up to which it stands still."""
+    """Spread of each coordinate, shape (point, coordinate), up to which it is constant."""
     least = STILL * np.maximum(np.abs(x).max(axis=2), 1e-300)
     if ranges is None:
         return np.asarray(least)
@@ -119,7 +119,7 @@ def moving_coordinates(
     Returns
     -------
     columns : array, shape (point, coordinate, time)
-        Zero where a coordinate stands still, or the point is not finite. Nothing moves in an empty section.
+        Zero where a coordinate is constant, or the point is not finite. Nothing moves in an empty section.
     moves : array of bool, shape (point, coordinate)
     """
     x = _columns(section, cyclic)
@@ -134,16 +134,16 @@ def moving_coordinates(
     return x, moves
 
 
-def windings_of(
+def rotation_numbers_of(
     section: Array, cyclic: Mapping[int, float] | None = None, ranges: Array | None = None
-) -> list[Winding]:
+) -> list[RotationNumber]:
     """Rotation numbers of section points, shape (time, state, point), in the plane of their two largest extents.
 
     The section holds 65 points or more.
 
     The direction of turning depends on the plane, so that number and 1 - number mean the same.
     """
-    out = [Winding(np.nan, np.nan, "not-finite")] * section.shape[2]
+    out = [RotationNumber(np.nan, np.nan, "not-finite")] * section.shape[2]
     for part in parts_of(section.shape[2]):
         some = None if ranges is None else ranges[:, part]
         columns, moves = moving_coordinates(section[:, :, part], cyclic, some)
@@ -151,9 +151,9 @@ def windings_of(
         lines, planes = np.flatnonzero(count == 1), np.flatnonzero(count > 1)
         # One coordinate turns in the plane of itself and its last value.
         line = columns[lines, moves[lines].argmax(axis=1)]
-        found = winding_numbers(line[:, 1:], line[:, :-1])
+        found = rotation_numbers(line[:, 1:], line[:, :-1])
         if planes.size:
-            found += winding_numbers(*largest_extents(columns[planes]))
+            found += rotation_numbers(*largest_extents(columns[planes]))
         for k, winding in zip(np.concatenate([lines, planes]), found, strict=True):
             out[part[k]] = winding
     return out

@@ -89,7 +89,7 @@ def evidence_of(
     common : int
         Number of T after which the forcing repeats.
     grows : array of bool, shape (point,), optional
-        Whose tangent vectors grow for sure: no return is looked for; all may where absent.
+        Whose tangent vectors grow for sure: no return is sought for them; all may where absent.
     final : bool
         Where not, what tells chaos (the 0-1 test and ``rough``), which takes as long as all else, is asked only where a
         label can come of it: of points that grow, and of long records with averages that converge slowly.

@@ -74,7 +74,7 @@ def zero_one_test(
         Weight of the damping term; 0 for clean section points, about 1 for measured signals. It hides bounded
         oscillation and weak noise, at the price of needing longer series to see weak chaos.
     longest : float
-        Largest displacement looked at, as a share of the series.
+        Largest lag used, as a share of the series.
     seed : int
         Of the angles.
 
@@ -99,7 +99,7 @@ def zero_one_test(
     4. K_c is the correlation of D(n) with n; K is the median over c, because single angles are resonant
        [gottwald2009].
 
-    Limits: a long transient and a slow drift look regular. Bands of chaos around a periodic cycle look regular until
+    Limits: a long transient and a slow drift appear regular. Bands of chaos around a periodic cycle appear regular until
     the diffusion inside outgrows the hops between: take off the cycle first (`remove_cycle`). K between 0.2
     and 0.8 says nothing.
     """

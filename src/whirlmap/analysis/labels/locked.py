@@ -47,7 +47,7 @@ def locked_multiple(
         Frequencies of the forcing's harmonics over the fastest one, exact; equal ones count once.
         The fractions of numbers such as 0.618... may have denominators of any size.
     scale : array, shape (state,) or (state, point)
-        Range of each state over the motion (of a state that stands still, what counts as small for it is 1).
+        Range of each state over the motion (1 for a state that is constant).
     cyclic : mapping of state index to period, optional
         Angles; they count by their places on a circle.
 

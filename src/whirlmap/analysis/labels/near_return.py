@@ -10,7 +10,7 @@ from whirlmap.analysis.steady.return_search import ROUNDING
 
 Array = NDArray[np.float64]
 
-#: Longest return that is looked for, in section points.
+#: Longest return that is sought, in section points.
 LONGEST = 200
 
 

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.indicators.section_coordinates import OBSERVABLES, windings_of
+from whirlmap.analysis.indicators.section_coordinates import OBSERVABLES, rotation_numbers_of
 from whirlmap.analysis.indicators.section_indicators import LEAST, evidence_of
 from whirlmap.analysis.labels.forgetting import LEFT, forget
 from whirlmap.analysis.labels.locked import locked_multiple
@@ -127,7 +127,7 @@ class _Judge:
             # One with a label is judged anew when it stops: a label that an early stretch gave does not stay by itself.
             due = (found.regime[at] == Regime.undecided) | sure | (done >= self.most)
             self._vote(run, np.flatnonzero(run.running & due), left, done, late, final=done >= self.most)
-            # A torus does not change its size steadily: what does is on its way elsewhere, or beats more slowly than this.
+            # A torus does not change its size steadily: a section that does is a transient, or beats more slowly than this.
             torus, forbidden = found.regime[at] == Regime.quasi_periodic, self.no_torus[left]
             changes = at[torus & (np.isfinite(found.growth[at]) | forbidden)]
             found.regime[changes], found.confidence[changes], found.rule[changes] = Regime.undecided, 0.0, Rule.regular
@@ -194,7 +194,7 @@ class _Judge:
             winding = [UNKNOWN] * these.size
             if run.returns and rows // self.every >= TURNED:
                 strobed = np.stack([self.record.strobed[left[k]] for k in these], axis=2)
-                winding = windings_of(strobed, self.cyclic, self.record.ranges[:, left[these]])
+                winding = rotation_numbers_of(strobed, self.cyclic, self.record.ranges[:, left[these]])
             judged = decide(
                 Evidence(
                     run.status[these], np.zeros(these.size, dtype=np.int64), value, error, duration, late[these], seen,

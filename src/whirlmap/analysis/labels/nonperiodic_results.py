@@ -41,7 +41,7 @@ class NonperiodicResults:
     x : array, shape (state, point)
         Where the run was left, at phase zero.
     nearest : array of int
-        Return in common periods that the section comes nearest to, 0 where none was looked for.
+        Return in common periods that the section comes nearest to, 0 where none was sought.
     nearness : array
         Its scaled distance, by the last section point.
     returned : array of bool

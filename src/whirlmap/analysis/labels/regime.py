@@ -20,8 +20,8 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.indicators.birkhoff import Winding
-from whirlmap.analysis.indicators.section_coordinates import Watch, windings_of
+from whirlmap.analysis.indicators.birkhoff import RotationNumber
+from whirlmap.analysis.indicators.section_coordinates import Watch, rotation_numbers_of
 from whirlmap.analysis.indicators.section_indicators import LEAST, SMOOTH, evidence_of
 from whirlmap.analysis.labels.forgetting import FORGOTTEN
 from whirlmap.analysis.labels.votes import INDICATORS, Evidence, Vote, grows_plainly, rests, sure_of_zero, votes_of
@@ -71,7 +71,7 @@ class Rule(IntEnum):
 
 
 #: Section points, once per common period, from which a rotation number is sought; what is said where there are fewer.
-TURNED, UNKNOWN = 128, Winding(np.nan, np.nan, "not-finite")
+TURNED, UNKNOWN = 128, RotationNumber(np.nan, np.nan, "not-finite")
 
 
 @gives_dataset
@@ -98,7 +98,7 @@ def regime(
     late_growth : array, shape (point,), optional
         As there; half of the growth where absent.
     section : array, shape (time, state, point), optional
-        Section points once per T, or crossings; the columns of points that return are not looked at.
+        Section points once per T, or crossings; the columns of points that return are not used.
     common : int
         Number of T after which the forcing repeats.
     cyclic : mapping of state index to period, optional
@@ -120,7 +120,7 @@ def regime(
     windings = [UNKNOWN] * where.size
     strobed = seen[(section.shape[0] - 1) % common :: common]
     if returns and section.shape[0] >= LEAST and len(strobed) >= TURNED:  # without a common period a section is no curve
-        for k, winding in zip(nonperiodic, windings_of(strobed, cyclic), strict=True):
+        for k, winding in zip(nonperiodic, rotation_numbers_of(strobed, cyclic), strict=True):
             windings[k] = winding
     given = (exponent, exponent_error, duration)
     value, error, time = (np.broadcast_to(np.asarray(v, dtype=float), where.shape) for v in given)
@@ -137,7 +137,7 @@ def decide(evidence: Evidence) -> Findings:
     Findings
         Over ``point``: ``regime``; ``rule``, which decided (`Rule`); ``confidence``, the share of the indicators asked that
         speak for the label (1 for ended runs, 0 for undecided); ``vote(indicator, point)``; the numbers ``zero_one``,
-        ``zero_one_low``, ``digits``, ``winding`` and ``winding_error``.
+        ``zero_one_low``, ``digits``, ``rotation_number`` and ``rotation_number_error``.
 
     Notes
     -----
@@ -150,10 +150,10 @@ def decide(evidence: Evidence) -> Findings:
     one since a quarter of the record. After the longest run fewer digits are enough where they have grown so: digits that
     stand still are chaos, digits that fall a transient. The extents of the first and last third must agree. No rotation
     number may be a ratio with a denominator up to 200 within its error, where that is small enough to say so, and no near
-    return of the section may close further (`SectionEvidence.closes`): that is an orbit of high period, on its way.
+    return of the section may close further (`SectionEvidence.closes`): that is an approach to an orbit of high period.
 
     Limits: a torus about to break up, and chaos whose exponent is below 10 / duration, are undecided. A transient longer
-    than the run is what it looks like.
+    than the run is labelled by its appearance.
     """
     votes = votes_of(evidence)
     chaotic, torus = votes == Vote.chaotic, votes == Vote.torus
@@ -203,7 +203,7 @@ def decide(evidence: Evidence) -> Findings:
         label[there], confidence[there], rule[there] = ended, 1.0, Rule.end
     other = ~np.isin(evidence.status, (Status.ok, Status.contact, Status.diverged))
     label[other], confidence[other], rule[other] = Regime.undecided, 0.0, Rule.end
-    s, w = evidence.section, evidence.winding
+    s, turns, errors = evidence.section, [v.number for v in evidence.winding], [v.error for v in evidence.winding]
     return Findings(
         {
             "regime": regime_variable("point", label),
@@ -214,8 +214,10 @@ def decide(evidence: Evidence) -> Findings:
             "zero_one_low": variable("point", s.growth_low, "1", "its lower quartile over angles"),
             "closes": variable("point", s.closes.astype(np.int8), "1", "whether a near return of the section comes nearer"),
             "digits": variable("point", s.digits, "1", "digits to which Birkhoff averages converge"),
-            "winding": variable("point", [v.number for v in w], "1", "rotation number of the section, turns per point"),
-            "winding_error": variable("point", [v.error for v in w], "1", "its error"),
+            "rotation_number": variable("point", turns, "1", "rotation number of the section, turns per point"),
+            "rotation_number_error": variable("point", errors, "1", "its error"),
+            "winding": variable("point", turns, "1", "former name of rotation_number, for one release"),
+            "winding_error": variable("point", errors, "1", "former name of rotation_number_error, for one release"),
         },
         {"indicator": ("indicator", list(INDICATORS))},
     )

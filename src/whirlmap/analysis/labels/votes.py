@@ -6,7 +6,7 @@ from enum import IntEnum
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.indicators.birkhoff import Winding
+from whirlmap.analysis.indicators.birkhoff import RotationNumber
 from whirlmap.analysis.indicators.section_indicators import LEAST, LEAST_RETURNS, LONG, SLOWLY, SMOOTH, SectionEvidence
 
 Array = NDArray[np.float64]
@@ -70,7 +70,7 @@ class Evidence:
     late_growth : array
         Growth of the logarithm of the tangent vector over the last half of it.
     section : SectionEvidence
-    winding : tuple of Winding
+    winding : tuple of RotationNumber
     final : bool
         Whether this is the longest run.
     returns : bool
@@ -84,7 +84,7 @@ class Evidence:
     duration: Array
     late_growth: Array
     section: SectionEvidence
-    winding: tuple[Winding, ...]
+    winding: tuple[RotationNumber, ...]
     final: bool = True
     returns: bool = True
 
@@ -124,7 +124,7 @@ def sure_of_zero(e: Evidence) -> NDArray[np.bool_]:
 
 
 def rests(e: Evidence) -> NDArray[np.bool_]:
-    """Whether averages and extents stand still after the longest run.
+    """Whether averages and extents are constant after the longest run.
 
     With an exponent that is zero for sure that says torus: the 0-1 test takes slow beats of many frequencies for chaos, and
     averages over them converge slowly.

@@ -14,7 +14,7 @@ from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.system import System
 
-#: How far to either side of an equilibrium a kink of the rates is looked for, over the sizes of the states.
+#: How far to either side of an equilibrium a kink of the rates is sought, over the sizes of the states.
 STEP = 1e-6
 #: Change of the derivatives from one side to the other, over their own size, that is a kink: smooth ones change by `STEP`.
 KINK = 1e-3

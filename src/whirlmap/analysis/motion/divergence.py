@@ -39,7 +39,7 @@ def mean_divergence(ensemble: Ensemble, periods: int) -> tuple[Array, Array]:
     Returns
     -------
     mean, error : array, shape (point,)
-        Per unit of time; NaN in points that end on the way, and for models whose rates jump, where volumes change at once.
+        Per unit of time; NaN in points that end before, and for models whose rates jump, where volumes change at once.
 
     Notes
     -----
@@ -83,7 +83,7 @@ def shrinks_areas(ensemble: Ensemble) -> NDArray[np.bool_]:
     return out
 
 
-def swarm_divergence(ensemble: Ensemble, good: NDArray[np.bool_], multiple: int = 0) -> tuple[float, float]:
+def ensemble_divergence(ensemble: Ensemble, good: NDArray[np.bool_], multiple: int = 0) -> tuple[float, float]:
     """Mean divergence over the good runs of a perturbed ensemble and its standard error, over whole returns."""
     if not good.any():
         return np.nan, np.nan

@@ -37,7 +37,7 @@ ACCURACY, UNFORCED_ACCURACY = 1e-6, 1e-9
 TANGENT_STEPS = 16
 #: Start states of one perturbed ensemble differ by this part of the sizes of their states, so that they end on one attractor
 #: but decorrelate in chaos.
-SWARM = 1e-6
+PERTURBATION = 1e-6
 
 
 #: Phases of the forcing at which the rates at a start are asked.
@@ -93,7 +93,7 @@ def make_ensemble(
     *,
     starts: Array | None = None,
     tangents: int = 0,
-    swarm: bool = False,
+    perturbed: bool = False,
     turn: Array | None = None,
     ranges: Array | None = None,
     integration: Integration = INTEGRATION,
@@ -108,9 +108,9 @@ def make_ensemble(
         Parameters that differ between points.
     starts : array, shape (state, point), optional
         Start states; where absent the model's default starts, with the system's own start values on top.
-    swarm : bool
-        Move every start by `SWARM` of the sizes of its states (`first_sizes`) in its own fixed random direction (the first
-        point stays).
+    perturbed : bool
+        Move every start by `PERTURBATION` of the sizes of its states (`first_sizes`) in its own fixed random direction (the
+        first point stays).
 
     turn : array, shape (point,), optional
         T of the points of an unforced model, where it is known; the typical time where absent.
@@ -139,11 +139,11 @@ def make_ensemble(
             x[system.states.index(name)] = value
     else:
         x, found = np.array(starts, dtype=float), np.ones(values.shape[1], dtype=bool)
-    if swarm:
+    if perturbed:
         kicks = np.random.default_rng(7).normal(size=x.shape)
         kicks[:, 0] = 0
         size = first_sizes(system.model, values, x)
-        x = x + SWARM * size * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
+        x = x + PERTURBATION * size * kicks / np.maximum(np.linalg.norm(kicks, axis=0), 1e-300)
     chosen = method_named(integration.method or "dop853")
     usual = ACCURACY if forced else UNFORCED_ACCURACY
     wanted = (usual if accuracy is None else accuracy) if steps is None else None

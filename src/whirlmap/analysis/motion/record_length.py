@@ -105,7 +105,7 @@ def recorded(
 ) -> NDArray[np.float64]:
     """Run an ensemble for so many T and save some states every ``every`` T: array, shape (save, state, point).
 
-    In stretches, for what is saved on the way holds all states, and a whole block of lanes for a single point.
+    In parts, for a call of the kernel saves all states, and a whole block of lanes for a single point.
     """
     numbers = ensemble.model.dimension * -(-ensemble.points // LANES) * LANES / every
     least = every.numerator

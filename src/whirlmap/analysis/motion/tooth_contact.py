@@ -28,7 +28,7 @@ def tooth_contact(ensemble: Ensemble, periods: NDArray[np.int64], progress: Call
     ensemble : Ensemble
         Points of a model with teeth, at phase zero. It is left where it is.
     periods : array of int, shape (point,)
-        T to look at: one return of a periodic motion; 0 where nothing is asked.
+        T to evaluate: one return of a periodic motion; 0 where no contact is asked for.
 
     Returns
     -------

@@ -4,7 +4,7 @@ A run that settles slowly returns to the tolerance long before it stands on its 
 over 1 - rho, rho the largest multiplier. Two such runs are therefore compared by the orbits that they settle on, as Newton's
 method closes them (`newton`).
 
-A run that has not settled yet is on its way to a known orbit where the map is as good as linear about it: with the
+A run in its transient converges to a known orbit where the map is nearly linear about the orbit: with the
 eigenvectors of the monodromy matrix as coordinates, w, one return must take w to L w (L the multipliers) up to half of
 (1 - rho) |w|. What the map adds to its linear part shrinks with the square of |w|, so that from there on every return brings
 the run nearer. Kinks in the map are no such remainder, and another orbit that lies about this one can look like an approach
@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 #: Tolerances of settling within which a run that has returned is on a closed orbit; and the part of each state's range
 #: within which it is on one that could not be closed.
 SETTLED, SAME_POINT = 10, 1e-4
-#: How far Newton's method may take a run that has returned, over the scale of each state: beyond, it is on the way to
+#: How far Newton's method may take a run that has returned, over the scale of each state: beyond, it belongs to
 #: another orbit.
 FAR = 0.03
 #: Part of what one return contracts by that its map may differ from the linear one.
@@ -138,7 +138,7 @@ def scaled(difference: Array, scale: Array, cyclic: Mapping[int, float] | None) 
 
 
 def flows_into(saved: Array, orbit: ClosedOrbit, cyclic: Mapping[int, float] | None = None) -> NDArray[np.bool_]:
-    """Whether runs are on an orbit, or on their way to it.
+    """Whether runs are on an orbit, or converge to it.
 
     Parameters
     ----------

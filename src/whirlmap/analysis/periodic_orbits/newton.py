@@ -1,7 +1,7 @@
 """Periodic orbits by Newton's method, also those that motions approach too slowly for integration.
 
 F is the map over m common periods, M its Jacobian, the monodromy matrix, and x goes to x + (I - M)^-1 (F(x) - x) until it
-stands still [parker1989, ch. 5]. It converges quadratically: what the last step leaves is of the order of its square.
+converges [parker1989, ch. 5]. It converges quadratically: what the last step leaves is of the order of its square.
 
 A motion that contracts by 1e-5 in a period takes two million of them to return to 1e-9. Its orbit is found from its present
 state, and counts only if all of these hold:
@@ -123,7 +123,7 @@ def newton(
     Returns
     -------
     x : array, shape (state, point)
-        A point of each orbit, whether it attracts or repels; somewhere on the way where the method has not converged.
+        A point of each orbit, whether it attracts or repels; an intermediate iterate where the method has not converged.
     distance : array, shape (point,)
         Scaled distance after one return, before the last step; NaN where the method has not converged.
     went : Rounds
@@ -155,7 +155,7 @@ def newton(
 
 
 def _step(change: Array, went: Rounds) -> Array:
-    """Steps to where points stand still over a round, infinite where a round has ended."""
+    """Newton steps to the fixed points of a return, infinite where a return has ended."""
     step = np.full(change.shape, np.inf)
     good = np.flatnonzero(np.isfinite(went.matrix).all(axis=(1, 2)))
     if good.size:

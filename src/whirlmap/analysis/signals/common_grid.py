@@ -16,7 +16,7 @@ BELIEVED, ANYTHING = 0.01, 0.1
 NEAR = 0.02
 #: Periods that a record must hold at least.
 PERIODS = 2.5
-#: Multiples of a fundamental looked at beyond the Nyquist frequency, their largest share of the power, and finest grid that
+#: Multiples of a fundamental considered beyond the Nyquist frequency, their largest share of the power, and finest grid that
 #: may have them.
 FOLDED, WEAK, COARSE = 60, 0.05, 3
 #: Coefficients of sums of two lines.

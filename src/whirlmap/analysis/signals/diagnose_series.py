@@ -28,13 +28,13 @@ from whirlmap.results.schema import regime_variable, variable, with_attributes
 
 Array = NDArray[np.float64]
 
-#: Samples below which nothing is said, and swings of the motion below which nothing is.
+#: Least number of samples, and of oscillations of the motion, for a diagnosis.
 FEWEST, FEWEST_SWINGS = 1000, 30
 #: Share of the power in the strongest bins, over which the mean frequency is taken: noise lies in the others.
 STRONG = 0.95
-#: Samples per swing to which a finely sampled signal is thinned before it is embedded.
+#: Samples per oscillation to which a finely sampled signal is thinned before it is embedded.
 FINE = 40
-#: Samples whose false neighbours, vectors whose distances, and points whose recurrences are looked at.
+#: Samples used for false neighbours, vectors used for distances, and points used for recurrences.
 NEIGHBOURS, VECTORS, RECURRENT = 12_000, 8_000, 1_500
 #: Smallest rate, and the inverse of the largest.
 SLOWEST = 1e-280
@@ -71,12 +71,13 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     Raises
     ------
     RangeError
-        Fewer than 1000 samples or 30 swings, a constant signal, numbers that are not finite, a rate that is not positive.
+        Fewer than 1000 samples or 30 oscillations, a constant signal, numbers that are not finite, a rate that is not
+        positive.
 
     Notes
     -----
     1. The root mean square frequency, over the strongest bins of the spectrum that hold 95 % of the power, gives the
-       swing. A signal with more than 80 samples per swing is thinned, after an anti-alias filter, to about 40;
+       oscillation. A signal with more than 80 samples per oscillation is thinned, after an anti-alias filter, to about 40;
        exponents and dimension are of the thinned signal.
     2. Steadiness (`steadiness`): where level, frequency or mean change within the record, it is ``not-steady``.
     3. Regular motion (`regular_motion`): 98 % of the power in lines; periodic where they have a common fundamental and

@@ -2,8 +2,8 @@
 
 Shared by `rosenstein` and `kantz`, which differ in what they average.
 
-Between samples a motion goes far: at 40 samples per swing the nearest sample of a neighbouring pass lies up to 1/13 of the
-radius ahead or behind, which is more than the passes are apart. That part of a distance belongs to the zero exponent of
+Between samples a motion goes far: at 40 samples per oscillation the nearest sample of a neighbouring pass lies up to 1/13 of
+the radius ahead or behind, which is more than the passes are apart. That part of a distance belongs to the zero exponent of
 the flow and does not grow. For a part ``a`` along the flow and a part ``u exp(L t)`` across it the mean logarithm over all
 directions is ln(1 + exp(L t)) + const: it starts with half of the exponent and reaches it only when the attractor's
 size is felt. So a neighbour is a point of the interpolated motion, at the time at which it passes nearest.
@@ -26,7 +26,7 @@ Array = NDArray[np.float64]
 FASTEST = (0.35, 0.42)
 #: Largest noise of a flow, over the standard deviation: a map has about 1, a motion of 13 samples per swing 0.01 to 0.04.
 SMOOTH = 0.1
-#: Nearest samples among which neighbours are looked for at most.
+#: Nearest samples among which neighbours are sought at most.
 MOST_CANDIDATES = 1500
 #: Samples per swing that motions are interpolated to, and samples at their ends that the interpolation spoils.
 FINE, EDGE = 40, 20

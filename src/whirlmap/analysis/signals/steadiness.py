@@ -27,7 +27,8 @@ APART = 24
 TOLD_APART = 6
 #: Share of the power of a line whose amplitude must be the same in all thirds, and factor by which it may change.
 STRONG, EXCHANGED = 0.02, 1.15
-#: Share of the power of a line whose period a block must hold; shares outside of lines up to which lines are looked at so.
+#: Share of the power of a line whose period a block must hold; shares outside of lines up to which lines are checked in this
+#: way.
 SEEN, FEW, NONE_ELSE = 5e-3, 0.1, 0.01
 
 

@@ -17,7 +17,7 @@ Array = NDArray[np.float64]
 BISECTIONS = 60
 
 
-def switchings(system: System, series: xr.Dataset) -> xr.Dataset:
+def surface_crossings(system: System, series: xr.Dataset) -> xr.Dataset:
     """Locate where a time series crosses the declared surfaces of its model.
 
     Parameters
@@ -52,7 +52,8 @@ def switchings(system: System, series: xr.Dataset) -> xr.Dataset:
     model = system.model
     if not model.switchings:
         raise RangeError(
-            f"{model.name} with these switches declares no discontinuity surface (Switching): there is no crossing to locate"
+            f"{model.name} with these switches declares no discontinuity surface: expected one, as in"
+            " Model(switchings={\"wall\": Switching(x - 1, \"touches the wall\")})"
         )
     if [str(s) for s in series["state"].values] != [s.name for s in model.states]:
         raise RangeError(f"the time series is not one of {model.name} with these switches: it has other states")

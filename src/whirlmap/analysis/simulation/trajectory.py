@@ -322,7 +322,7 @@ def _one(
     system: System, integration: Integration, execution: Execution, starts: int = 1
 ) -> tuple[Ensemble, NDArray[np.bool_]]:
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
-    return make_ensemble(system, repeat, swarm=starts > 1, integration=integration, execution=execution)
+    return make_ensemble(system, repeat, perturbed=starts > 1, integration=integration, execution=execution)
 
 
 def _section_points(

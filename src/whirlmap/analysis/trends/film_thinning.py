@@ -9,7 +9,7 @@ thinning it stands.
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.indicators.birkhoff import winding_numbers
+from whirlmap.analysis.indicators.birkhoff import rotation_numbers
 from whirlmap.analysis.indicators.section_coordinates import largest_extents, moving_coordinates
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import stop_function
@@ -57,7 +57,7 @@ def turning(section: Array, cyclic: dict[int, float] | None) -> float:
     columns, moves = moving_coordinates(section[:, :, None], cyclic)
     if moves.sum() < 2:
         return np.nan
-    return winding_numbers(*largest_extents(columns))[0].number
+    return rotation_numbers(*largest_extents(columns))[0].number
 
 
 def narrowest_gap(model: Model, values: Array, section: Array) -> Array:

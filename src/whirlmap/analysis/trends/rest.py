@@ -19,7 +19,7 @@ Points = NDArray[np.intp]
 PHASES, GOLDEN = 16, (5**0.5 - 1) / 2
 #: Rates at an equilibrium over those where the motion is, and where it was or their terms are large, that count as zero.
 ZERO, ROUNDING = 1e-6, 1e-12
-#: Growth over the time in which the forcing repeats below which an equilibrium does not repel; and over a trial where the
+#: Growth over the time in which the forcing repeats below which an equilibrium does not repel; and over a test run where the
 #: forcing does not repeat, for small motions breathe.
 NEUTRAL, DIES = 1e-9, -3.0
 
@@ -71,7 +71,7 @@ def resting_places(
 
 
 def _times(ensemble: Ensemble, points: Points) -> Array:
-    """Times in a common period at which a forced model is looked at, shape (phase, points)."""
+    """Times in a common period at which a forced model is evaluated, shape (phase, points)."""
     # Spaced by the golden section: evenly spaced ones would meet a harmonic at few phases of its own.
     phases = np.arange(PHASES if ensemble.model.forced else 1) * GOLDEN % 1
     return np.asarray(phases[:, None] * (ensemble.common_multiple * ensemble.period[points]))

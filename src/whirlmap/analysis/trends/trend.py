@@ -1,7 +1,7 @@
 """Trends of a motion, from its section points alone: steady growth, decay or drift.
 
 The sections of a bounded motion (a cycle, a torus, chaos) have spreads that do not change from one part of a long record to
-the next, and a mean that stands still. A steady change is a candidate only: whether it goes on without end is another
+the next, and a constant mean. A steady change is a candidate only: whether it is unbounded is another
 question (`goes_on`).
 """
 
@@ -31,7 +31,7 @@ class Trend:
     growth : array, shape (point,)
         Growth rate of the amplitude, negative where it dies away; NaN where it does not change steadily.
     drift : array, shape (state, point)
-        Speed of the mean; zero in states whose mean stands still or does not move steadily.
+        Speed of the mean; zero in states whose mean is constant or does not move steadily.
     """
 
     growth: Array
@@ -49,7 +49,7 @@ def trend(section: Array, cyclic: dict[int, float] | None = None, least: Array |
     cyclic : mapping of state index to period, optional
         Angles, which are left out: one that goes round does not drift.
     least : array, shape (state, point), optional
-        Spread below which a state stands still: that of the surface that a section lies on is rounding.
+        Spread below which a state counts as constant: that of the surface that a section lies on is rounding.
 
     Notes
     -----

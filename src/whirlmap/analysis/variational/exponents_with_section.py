@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.indicators.section_indicators import LEAST
-from whirlmap.analysis.motion.divergence import missed, off_zero, swarm_divergence
+from whirlmap.analysis.motion.divergence import ensemble_divergence, missed, off_zero
 from whirlmap.analysis.motion.section_crossing import run_with_crossings
 from whirlmap.analysis.variational.lyapunov import BLOCKS, in_phase, mean_and_error
 from whirlmap.analysis.variational.tangent_accuracy import FINE, tuned
@@ -65,7 +65,7 @@ class TangentRun:
 def run_with_section(
     ensemble: Ensemble, periods: int, *, align: int, progress: Callable[[int], None] | None = None
 ) -> tuple[Array, Array]:
-    """Local exponents of successive periods T, and the section points met on the way.
+    """Local exponents of successive periods T, and the section points of the run.
 
     Parameters
     ----------
@@ -125,7 +125,7 @@ def exponents_to_error(
     all exponents misses of the mean divergence, and the time direction of a cycle of zero.
     """
     carried = tuned(ensemble, FINE, returns=multiple > 0)
-    ensemble, floor = carried.ensemble, carried.of_swarm
+    ensemble, floor = carried.ensemble, carried.of_ensemble
     rate = 2 * np.pi / float(ensemble.period.max())  # of one operating point
     pieces: list[Array] = []
     sections: list[Array] = []
@@ -139,7 +139,7 @@ def exponents_to_error(
         done += stretch
         rates = np.concatenate(pieces)
         good = ensemble.running
-        value, error = _swarm_mean(rates[:, :, good], cycle)
+        value, error = _ensemble_mean(rates[:, :, good], cycle)
         if not good.any():
             reason = "no run went on to the end"
             break
@@ -150,7 +150,7 @@ def exponents_to_error(
             reason = f"stopped at {done} T"
             break
         stretch = min(done, max(whole(most) - done, cycle))
-    divergence, spread = swarm_divergence(ensemble, good, multiple)
+    divergence, spread = ensemble_divergence(ensemble, good, multiple)
     error = np.maximum(np.maximum(error, floor), ROUNDING * np.abs(value).max(initial=rate))
     order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
     value, error = value[order], missed(value[order], error[order], divergence, spread, ensemble.model.dimension)
@@ -163,7 +163,7 @@ def exponents_to_error(
     )  # fmt: skip
 
 
-def _swarm_mean(rates: Array, cycle: int) -> tuple[Array, Array]:
+def _ensemble_mean(rates: Array, cycle: int) -> tuple[Array, Array]:
     """Mean over runs, and its error, of rates per T, of which the forcing or the motion repeats after so many."""
     if rates.shape[2] == 0:
         return np.full(rates.shape[1], np.nan), np.full(rates.shape[1], np.nan)

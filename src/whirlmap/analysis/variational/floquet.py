@@ -24,7 +24,7 @@ SEGMENTS = 4
 CLOSE, DOUBLINGS = 1e-9, 6
 #: Least steps of the eighth-order method per T.
 STEPS = 64
-#: Most passes round the orbit until its invariant subspaces stand still, and how still that is.
+#: Most passes round the orbit until its invariant subspaces have converged, and the tolerance of that.
 PASSES, STILL = 60, 1e-7
 
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Unpack
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.motion.divergence import missed, swarm_divergence
+from whirlmap.analysis.motion.divergence import ensemble_divergence, missed
 from whirlmap.analysis.motion.ensembles import make_ensemble, run_attributes
 from whirlmap.analysis.variational.tangent_accuracy import FINE, tuned
 from whirlmap.errors import RangeError
@@ -158,10 +158,10 @@ def lyapunov_spectrum(
         raise RangeError(f"starts must be at least 1, not {starts}")
     repeat = {system.parameters[0]: np.full(starts, system.vector[0])}
     ensemble, _ = make_ensemble(
-        system, repeat, tangents=count, swarm=True, integration=integration, execution=execution
+        system, repeat, tangents=count, perturbed=True, integration=integration, execution=execution
     )
     progress = execution.progress
-    ensemble = tuned(ensemble).ensemble  # vectors that vanish on the way would not come back
+    ensemble = tuned(ensemble).ensemble  # vectors that vanish during the run would stay zero
     align = max(transient // 10, 5)
     ensemble.advance(max(transient - align, 0) * ensemble.strobe, progress=progress)
     carried = tuned(ensemble, FINE, returns=True)
@@ -174,14 +174,14 @@ def lyapunov_spectrum(
         )
     means, errors = mean_and_error(rates)
     good = ensemble.status == Status.ok
-    divergence, spread = swarm_divergence(ensemble, good)
+    divergence, spread = ensemble_divergence(ensemble, good)
     if good.any():
         value = means[:, good].mean(axis=1)
         within = np.sqrt((errors[:, good] ** 2).sum(axis=1)) / good.sum()
         between = means[:, good].std(axis=1, ddof=1) / np.sqrt(good.sum()) if good.sum() > 1 else within
         early, late = np.array_split(rates[:, :, good].mean(axis=2), 2)
         half = early.mean(axis=0) - late.mean(axis=0)
-        error = np.max([within, between, np.abs(half) / 2, carried.of_swarm, in_phase(rates[:, :, good])], axis=0)
+        error = np.max([within, between, np.abs(half) / 2, carried.of_ensemble, in_phase(rates[:, :, good])], axis=0)
         order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
         value, means, rates = value[order], means[order], rates[:, order]
         error = missed(value, error[order], divergence, spread, system.model.dimension)

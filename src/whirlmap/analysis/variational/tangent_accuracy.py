@@ -54,7 +54,7 @@ class Tuned:
 
 
     @property
-    def of_swarm(self) -> Array:
+    def of_ensemble(self) -> Array:
         """Error of each exponent where all points are runs of one operating point.
 
         The median: in chaos some runs diverge from their finer ones within the test run.
@@ -97,7 +97,7 @@ def tuned(ensemble: Ensemble, wanted: tuple[float, float] = COARSE, *, returns: 
         if not returns:
             error[:, left[stalled]] = 0.0
         orth[left[seen]] = _needed(finer[..., seen], steps[left[seen]])
-        # Where a trial ends, its steps are too long for the motion itself.
+        # Where a test run ends, its steps are too long for the motion itself.
         stay = ((takes & ~good) | ~seen) & (2 * steps[left] <= MOST) & (doubling < DOUBLINGS)
         left = left[stay]
         steps[left] *= 2
@@ -106,7 +106,7 @@ def tuned(ensemble: Ensemble, wanted: tuple[float, float] = COARSE, *, returns: 
 
 
 def _trial(ensemble: Ensemble, points: NDArray[np.intp], steps: Integers) -> tuple[Array, Array]:
-    """Growth of the vectors in each T of a trial with these steps, and with twice as many, shape (T, vector, point).
+    """Growth of the vectors in each T of a test run with these steps, and with twice as many, shape (T, vector, point).
 
     In each T both begin at the same states and vectors: in chaos they would diverge, and show that instead of their errors.
     """

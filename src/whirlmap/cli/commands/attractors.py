@@ -94,7 +94,7 @@ def attractors(
         say_attractors(facts)
         report.print_written(files)
     if not work.complete:
-        report.interrupted(facts["incomplete"], files, "the same command settles all starts anew")
+        report.interrupted(facts["incomplete"], files, "the same command integrates all starts again")
 
 
 def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:

@@ -79,4 +79,4 @@ def basins(
         say_attractors(facts)
         report.print_written(files)
     if not work.complete:
-        report.interrupted(facts["incomplete"], files, "the same command settles all starts anew")
+        report.interrupted(facts["incomplete"], files, "the same command integrates all starts again")

@@ -123,7 +123,7 @@ def bifurcation(
         _print(facts, states[0])
         report.print_written(files)
     if not work.complete:
-        go_on = "the same command computes all points anew"
+        go_on = "the same command computes all points again"
         if follow is None and work.dataset.sizes[name] < swept.count:
             swept = swept if units_of_inputs else in_parameters(system, swept)
             go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"

@@ -61,7 +61,7 @@ def diagnose(
     points: Annotated[
         int,
         typer.Option(
-            "--points", metavar="N", min=1, max=100_000_000, rich_help_panel=options.COMPUTING,
+            "--section-points", metavar="N", min=1, max=100_000_000, rich_help_panel=options.COMPUTING,
             help="Section points of the correlation dimension, where the motion does not return.",
         ),
     ] = 5000,
@@ -184,7 +184,7 @@ def headline(verdict: dict[str, Any]) -> str:
         words.append(f"at time {report.number(verdict.get('end_time'))}{units['end_time']}")
         words += [str(verdict["end_reason"])] if verdict.get("end_reason") else []
     elif verdict["regime"] == "not-settled":
-        turns, power = (report.number(verdict[name]) for name in ("winding", "thinning"))
+        turns, power = (report.number(verdict[name]) for name in ("rotation_number", "thinning"))
         film = f"{turns} turns per T, a film thins as time to the power {power}"
         words.append("contracts to an orbit that was not reached" if verdict["thinning"] is None else film)
     elif verdict["regime"] == "drifting":

@@ -24,7 +24,7 @@ SEARCH = "Search"
 
 EXAMPLES = (
     "whirlmap identify --sets 32 --variant intended-porous-positive-shaft",
-    "whirlmap identify --store search --minutes 120 --refine 20 --out answer",
+    "whirlmap identify --store search --minutes 120 --generations 20 --out answer",
     "whirlmap identify --store search --resume --minutes 0 --out answer --force",
     "whirlmap identify --store search --resume --share 3/12 --no-pilot",
 )
@@ -48,10 +48,10 @@ def identify(
                      help="Only this reading of the paper, as intended-porous-positive-shaft; may be repeated. A wrong name"
                      " is answered with the list."),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Of the design.")] = 1,
+    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Seed of the design.")] = 1,
     refine: Annotated[
         int,
-        typer.Option("--refine", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
+        typer.Option("--generations", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
                      help="Generations of 64 sets of differential evolution from the best of each edition, when the blocks"
                      " are finished; not with --share."),
     ] = 0,
@@ -63,10 +63,10 @@ def identify(
     store: Annotated[
         Path | None,
         typer.Option("--store", metavar="FOLDER", rich_help_panel=options.OUTPUT,
-                     help="Keep what is finished, block by block; a killed search goes on from there with --resume."),
+                     help="Keep what is finished, block by block; a killed search continues with --resume."),
     ] = None,
     resume: Annotated[
-        bool, typer.Option("--resume", rich_help_panel=options.OUTPUT, help="Go on with the search in --store.")
+        bool, typer.Option("--resume", rich_help_panel=options.OUTPUT, help="Continue the search in --store.")
     ] = False,
     share: Annotated[
         str,
@@ -125,11 +125,11 @@ def identify(
     if n > 1 and store is None:
         raise RangeError("--share needs --store, which the shares have in common")
     if resume and store is None:
-        raise RangeError("--resume goes on with the search in --store: give one")
+        raise RangeError("--resume continues the search in --store: give one")
     if refine and n > 1:
-        raise RangeError("--refine needs all blocks: when all shares are finished, run it without --share")
+        raise RangeError("--generations needs all blocks: when all shares are finished, run it without --share")
     if refine and sets < LEAST:
-        raise RangeError(f"--refine needs at least {LEAST} sets of a variant, and --sets is {sets}")
+        raise RangeError(f"--generations needs at least {LEAST} sets of a variant, and --sets is {sets}")
     if dask is not None and workers is not None:
         raise RangeError("--workers are threads of this process, and a cluster has its own: give one of them")
     variants = chosen(tuple(edition or ()), tuple(variant or ()))
@@ -152,7 +152,7 @@ def identify(
                 )
         except KeyboardInterrupt:
             interrupted = True
-            kept = f"kept; go on with --store {store} --resume" if store else "reported, and then lost: use --store"
+            kept = f"kept; continue with --store {store} --resume" if store else "reported, and then lost: use --store"
             say(f"interrupted: what was finished is {kept}")
     found = answer(variants, settings, blocks)
     if found is None:

@@ -119,7 +119,7 @@ def improve(
         _print(facts)
         report.print_written(files)
     if not work.complete:
-        report.interrupted(facts["incomplete"], files, "the same command tries all designs anew")
+        report.interrupted(facts["incomplete"], files, "the same command computes all designs again")
 
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:

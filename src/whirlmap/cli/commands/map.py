@@ -106,7 +106,7 @@ def map(  # noqa: A001 (the command's name)
         typer.Option(
             "--share", metavar="I/N", rich_help_panel=STORE,
             help="Work on share I of N of the chunks (I from 1): the jobs of a Slurm array work on one store with"
-            " --share $SLURM_ARRAY_TASK_ID/N. Run again, a share goes on where it was.",
+            " --share $SLURM_ARRAY_TASK_ID/N. A share that is run again continues where it stopped.",
         ),
     ] = None,
     dask: Annotated[
@@ -264,7 +264,7 @@ class _Watch:
             where = f"were kept in {names}" if files else "lost, for neither --out nor --store was given"
             return f"{done} {where}\n  with --store DIR the next run can be gone on with"
         again = [Path(sys.argv[0]).name, *(word for word in sys.argv[1:] if word not in ("--resume", "--force")), "--resume"]
-        return f"{done} kept in {store}; go on with\n  {shlex.join(again)}"
+        return f"{done} kept in {store}; continue with\n  {shlex.join(again)}"
 
     def facts(self, points: int, refine: bool) -> dict[str, Any]:
         """What the sweep came to."""

@@ -64,7 +64,7 @@ def reproduce(
         made_now = [f.name for f in sorted(out.glob("[!.]*")) if f.stat().st_mtime >= begun] if out.is_dir() else []
         kept = f"data, figures and report that were finished are in {out}: {', '.join(made_now)}"
         say(f"interrupted: {kept if made_now else f'nothing was finished, so nothing was written into {out}'}")
-        say("  the same command computes all anew; with --case one edition at a time")
+        say("  the same command computes everything again; with --case one edition at a time")
         raise typer.Exit(INTERRUPTED) from None
     if json:
         report.print_json({"quality": quality, "out": out, **made})

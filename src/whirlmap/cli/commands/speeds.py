@@ -17,7 +17,7 @@ SPEEDS = "Speeds"
 EXAMPLES = (
     'whirlmap speeds machines/turbo-gearbox --limit "25 um"',
     'whirlmap speeds gear-psfd/machine --limit "40 um" --range "1500 rpm:9000 rpm" --out speeds.png',
-    'whirlmap speeds machines/jeffcott-rig --tolerance c=5% --tolerance M=10% --draws 64',
+    'whirlmap speeds machines/jeffcott-rig --input-tolerance c=5% --input-tolerance M=10% --draws 64',
     "whirlmap speeds gear-psfd/intended --limit 0.6 --range 0.5:4 --points 200 --no-follow",
 )
 
@@ -65,7 +65,7 @@ def speeds(
     tolerance: Annotated[
         list[str] | None,
         typer.Option(
-            "--tolerance", metavar="NAME=PERCENT", rich_help_panel=SPEEDS,
+            "--input-tolerance", metavar="NAME=PERCENT", rich_help_panel=SPEEDS,
             help="Parameter or input and its tolerance, half the width of the range of its draws; may be repeated.",
         ),
     ] = None,
@@ -120,7 +120,7 @@ def speeds(
         if tolerances and work.complete:
             progress.later(0)
             progress.more_points(drawn_points)
-            drawn, limits = drawn_machines(system, tolerances, draws, allowed, seed=seed, option="--tolerance")
+            drawn, limits = drawn_machines(system, tolerances, draws, allowed, seed=seed, option="--input-tolerance")
             try:
                 chance = safe_probability(
                     system, drawn, at, limits, quantity=quantity, follow=follow, labelling=labelling, execution=execution
@@ -142,4 +142,4 @@ def speeds(
         speed_report.show(facts)
         report.print_written(files)
     if facts["incomplete"]:
-        report.interrupted(facts["incomplete"], files, "the same command judges all speeds anew; with --range, fewer")
+        report.interrupted(facts["incomplete"], files, "the same command judges all speeds again; with --range, fewer")

@@ -221,7 +221,7 @@ def computing(*names: str, **different: Any) -> Callable[[Callable[..., None]], 
 
 #: What the text of an option looks like, where it is not that of --set.
 EXAMPLES = {
-    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--tolerance": "--tolerance c=5%",
+    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--input-tolerance": "--input-tolerance c=5%",
     "--threshold": "--threshold s=0.5:4", "--draw": "--draw xi_m=normal:0.1:0.01",
 }  # fmt: skip
 
@@ -270,13 +270,13 @@ def brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple[float,
 def tolerances_of(texts: Sequence[str] | None) -> dict[str, float]:
     """Half widths of ranges over their middle, by name."""
     found = {}
-    for name, text in assignments(texts, "--tolerance").items():
+    for name, text in assignments(texts, "--input-tolerance").items():
         try:
             half = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
         except ValueError:
             half = -1.0
         if not 0 < half < 1:
-            raise InputError(f"--tolerance: found {name}={text}, expected a share between 0 and 100 %, as in c=5%")
+            raise InputError(f"--input-tolerance: found {name}={text}, expected a share between 0 and 100 %, as in c=5%")
         found[name] = half
     return found
 

@@ -212,7 +212,7 @@ class _Forward:
             return e
         symbol = self._new()
         if self.uses is not None:
-            self.uses[symbol] = 2  # a seed on the way, if it depends on several
+            self.uses[symbol] = 2  # an intermediate seed, if it depends on several
         self.assign(symbol, e)
         return symbol
 

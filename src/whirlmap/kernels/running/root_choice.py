@@ -103,7 +103,7 @@ def chosen() -> RootChoice:
 def using(choice: RootChoice) -> Iterator[None]:
     """Compute with a given choice inside of the context, in this thread; other threads keep theirs.
 
-    An ensemble is made and advanced in the same context: steps that must be mended get their kernel while it advances.
+    An ensemble is made and advanced in the same context: step retries get their kernel while it advances.
     """
     token = _USED.set(choice)
     try:

@@ -67,11 +67,11 @@ class SurfaceStep:
     g0, d0, ... : Value
         Rows of values and rates of the surfaces at these places.
     done, to : Value
-        Parts of the step that are taken, and that the next trial goes to.
+        Parts of the step that are taken, and the end of the next iterate.
     pending, seeking, fresh : Value
         Lanes that have not ended their step, those that seek a crossing, and those that come from one in this step.
     most : Value
-        Longest part of the step that a trial may take.
+        Longest part of the step that an iterate may take.
     """
 
     def __init__(self, r: Routine, sizes: Sizes, method: Method, surfaces: Surfaces) -> None:
@@ -87,7 +87,7 @@ class SurfaceStep:
         self.crossed, self.dips, self.most = r.local(LANE), r.local(LANE), r.local(LANE)
         self.pending, self.seeking, self.fresh, self.flag = (r.local(INTS) for _ in range(4))
         self.shift = r.local(LANE, n)
-        self.spare = r.local(LANE, max(sizes.slots, n))  # derivatives that nobody asks for
+        self.spare = r.local(LANE, max(sizes.slots, n))  # derivatives that are not used
         vectors = surfaces.tangent is not None or sizes.along
         self.count = r.at["count"] if vectors else integer(0)
         self.modes = r.row(r.at["y"], r.b.mul(r.b.add(self.count, integer(1)), integer(n)))

@@ -23,7 +23,7 @@ def limits(values: ArrayLike, *, amplitude: float = 0.0, others: float = 0.0, ma
     amplitude : float
         Peak-to-peak range of the whole motion, of which the values may be a section.
     others : float
-        Largest magnitude of all states, for one that stands still but for rounding.
+        Largest magnitude of all states, for one that is constant but for rounding.
     margin : float
         Room on either side, over the range.
     """

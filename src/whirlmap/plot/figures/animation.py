@@ -47,7 +47,7 @@ def animate_orbit(
 ) -> Path:
     """Write the last ``turns`` T of a motion as a film of two seconds (GIF): a point with its trail, and a mark once per T.
 
-    Reads ``x(time, state)``, ``turn``, ``status`` and ``end_time`` of `whirlmap.simulate`. The axes stand still, the
+    Reads ``x(time, state)``, ``turn``, ``status`` and ``end_time`` of `whirlmap.simulate`. The axes are fixed, the
     whole path is seen behind.
 
     Parameters
@@ -101,7 +101,7 @@ def animate_orbit(
     figure.suptitle(fill(title, 52) if title else "")
     moving = _Moving(ax, last_turns(alive, turns + trail), x, y, trail, marks=marks)
     figure.draw_without_rendering()
-    figure.set_layout_engine("none")  # the axes stand still from here on
+    figure.set_layout_engine("none")  # the axes are fixed from here on
     writer = PillowWriter(fps=RATE, metadata={"comment": "whirlmap"})
     dots = float(dpi or set_by_user("savefig.dpi") or SCREEN_DPI)
 

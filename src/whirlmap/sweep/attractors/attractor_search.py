@@ -223,7 +223,7 @@ class Search:
         """Run on what has no label while it approaches an orbit, for the time that contraction is given at most.
 
         Besides the known orbits that is one to which Newton's method leads from one of these runs: where all contract
-        slowly none may have settled. It counts once a run is on its way to it.
+        slowly none may have settled. It counts once a run converges to it.
         """
         f = self.found
         left = self._without_label()

@@ -228,7 +228,8 @@ def _evidence(
         duration=length * tangent.period, section=record, common=cycle, cyclic=cyclic_states(system),
     )  # fmt: skip
     # The label is that of `label_points`; what the indicators say of it is beside it.
-    votes = judged.drop_vars(["regime", "rule", "confidence", "winding", "closes"]).rename(point="attractor").assign(
+    known = ["regime", "rule", "confidence", "rotation_number", "winding", "closes"]
+    votes = judged.drop_vars(known).rename(point="attractor").assign(
         lyapunov=variable("attractor", mean, "1/time", "largest Lyapunov exponent"),
         lyapunov_error=variable("attractor", spread, "1/time", "one standard error of it, from block means"),
     )

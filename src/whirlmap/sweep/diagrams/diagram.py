@@ -74,10 +74,11 @@ def bifurcation_diagram(
     -------
     xr.Dataset
         ``section(parameter, period, state)`` once per T; ``regime``, ``status``, ``period_T`` (in T), ``period_common``,
-        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``rule``, ``winding``,
-        ``end_time`` (parameter); ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak`` (parameter, quantity) of
-        states and outputs over all steps of the record; ``max_eccentricity``, ``min_film`` (parameter, bearing) where the
-        model has bearings; with ``follow="both"`` also ``hysteresis`` (parameter): whether the two branches differ.
+        ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``, ``rule``,
+        ``rotation_number``, ``end_time`` (parameter); ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``
+        (parameter, quantity) of states and outputs over all steps of the record; ``max_eccentricity``, ``min_film``
+        (parameter, bearing) where the model has bearings; with ``follow="both"`` also ``hysteresis`` (parameter): whether
+        the two branches differ.
 
     Raises
     ------

@@ -59,7 +59,7 @@ class ChunkReport:
     verdicts : Counter
         Points by whether their steps meet the accuracy (`whirlmap.integrate.accuracy.StepVerdict`).
     messages : list of str
-        What was found on the way: damaged chunks, failures.
+        Notes of the run: damaged chunks, failures.
     """
 
     total: int

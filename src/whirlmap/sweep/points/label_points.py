@@ -63,8 +63,8 @@ def label_points(
     xr.Dataset
         Over ``point``, with the varied parameters as coordinates: ``regime``, ``status``, ``period_T`` (in T),
         ``period_common``, ``return_distance``, ``lyapunov``, ``lyapunov_error``, ``lyapunov_periods``, ``confidence``,
-        ``rule``, ``winding``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``, ``step_verdict``,
-        ``grazings``; over
+        ``rule``, ``rotation_number``, ``end_time``, ``settled_after``, ``start_found``, ``steps``, ``step_error``,
+        ``step_verdict``, ``grazings``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in
         clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``.

@@ -91,7 +91,7 @@ class Studio:
         return self
 
     def __exit__(self, *_: object) -> None:
-        """End its processes; figures that nobody has begun are given up."""
+        """End its processes; figures that are not begun are cancelled."""
         if self.pool:
             self.pool.shutdown(cancel_futures=True)
 

@@ -1,4 +1,4 @@
-"""The folder of a reproduction: it replaces only files that an earlier reproduction wrote and nobody has changed."""
+"""The folder of a reproduction: it replaces only unchanged files of an earlier reproduction."""
 
 import hashlib
 import json

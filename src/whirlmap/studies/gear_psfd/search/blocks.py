@@ -76,7 +76,7 @@ def open_blocks(folder: Path | None, identity: Mapping[str, Any], *, resume: boo
     wanted = json.loads(json.dumps(identity))
     if manifest.is_file():
         if not resume:
-            raise OutputError(f"{folder} holds a search already; go on with --resume, or choose another --store")
+            raise OutputError(f"{folder} holds a search already; continue it with --resume, or choose another --store")
         _compare(manifest, wanted)
         return Blocks(folder)
     check_writable(folder)

@@ -24,7 +24,7 @@ from whirlmap.studies.gear_psfd.search.variants import VARIANTS, Variant
 from whirlmap.sweep.points.label_points import label_points
 from whirlmap.sweep.store.fingerprint import kernel_hash
 
-OnProgress = Callable[[int], None]
+Progress = Callable[[int], None]
 
 #: Method of integration.
 METHOD = "dop853"

@@ -14,7 +14,7 @@ import xarray as xr
 from whirlmap.errors import OutputError
 from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.studies.gear_psfd.claims.labelled import Array
-from whirlmap.studies.gear_psfd.search.coarse_diagrams import METHOD, OnProgress, Settings, diagrams
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import METHOD, Progress, Settings, diagrams
 from whirlmap.studies.gear_psfd.search.variants import Variant
 from whirlmap.sweep.store.fingerprint import kernel_hash
 
@@ -61,7 +61,7 @@ def computed(
 
 
 def _by_cluster(
-    tasks: list[Task], settings: Settings, client: Any, progress: OnProgress | None
+    tasks: list[Task], settings: Settings, client: Any, progress: Progress | None
 ) -> Iterator[tuple[str, xr.Dataset]]:
     from distributed import as_completed
 

@@ -144,7 +144,7 @@ def section_and_dimension(
 ) -> Data | None:  # fmt: skip
     """Section points of all runs into ``data``, once per common period; the correlation dimension where wanted.
 
-    The runs of a swarm decorrelate in chaos, and are one sample; on a torus they stay side by side, so that there the
+    The runs of the ensemble decorrelate in chaos, and are one sample; on a torus they stay side by side, so that there the
     points of one long run, ``torus`` of shape (time, state), give the dimension. ``part`` holds the ``members`` of ``runs``
     runs that have not ended; the others have no section.
     """
