@@ -31,6 +31,25 @@ SMALL = {
     "map": "map duffing --vary gamma=0.2:0.21:2 --transient 20",
 }
 
+#: What programs read of each: these keys stay. Those of `diagnose` are the contract of the design.
+KEYS = {
+    "cases": "cases",
+    "show": "case model switches parameters states outputs inputs quantities clocks start warnings period common_period",
+    "simulate": "case model parameters period samples time motion status end_time files incomplete units",
+    "diagnose": "regime period period_common period_turns confidence lyapunov lyapunov_error lyapunov_per_common_period"
+    " phase_exponent kaplan_yorke correlation_dimension correlation_dimension_error indicators amplitude max_eccentricity"
+    " min_film status",
+    "bifurcation": "case model parameters varied values follow sweeps hysteresis files incomplete units",
+    "cache": "path kernels lowered bytes processor roots",
+    "linear": "case model equilibrium eigenvalues stable films threshold units",
+    "campbell": "case model varied values frequency growth damping_ratio whirl line critical modes shapes status",
+    "attractors": "case model attractors outcomes starts seed files incomplete",
+    "basins": "case model attractors outcomes grid starts files incomplete",
+    "speeds": "s rpm limit limit_um verdict verdicts windows stretches margin amplitude min_film max_load operation units",
+    "improve": "case varied designs widest calmest limit limit_um s files incomplete units",
+    "map": "case model varied points regimes chunks chunks_failed store files incomplete",
+}  # fmt: skip
+
 
 def run(line, **more):
     return CliRunner(env={"COLUMNS": "80"}, **more).invoke(app, shlex.split(line))
@@ -68,7 +87,23 @@ def test_examples_use_options_that_exist(name):
 def test_json_is_one_object_alone_on_stdout(name):
     result = run(f"{SMALL[name]} --json")
     assert result.exit_code == 0, result.stderr
-    assert isinstance(json.loads(result.stdout, parse_constant=pytest.fail), dict)
+    facts = json.loads(result.stdout, parse_constant=pytest.fail)
+    assert set(KEYS[name].split()) <= set(facts)
+    if name == "diagnose":
+        assert (facts["regime"], facts["period"], facts["status"]) == ("periodic", 1, "ok")
+        assert len(facts["lyapunov"]) == len(facts["lyapunov_error"]) == 2
+        assert facts["lyapunov"] == sorted(facts["lyapunov"], reverse=True)
+        assert set(facts["amplitude"]["x"]) >= {"peak_to_peak", "rms"}
+        assert all("vote" in vote for vote in facts["indicators"].values())
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_wrong_input_ends_with_two_and_one_message(name, tmp_path, monkeypatch):
+    """Nothing on stdout, no traceback, and no file."""
+    monkeypatch.chdir(tmp_path)
+    done = run(f"{name} no-such-case --json" if name != "new" else "new no-such-case")
+    assert done.exit_code == 2 and done.stdout == "" and list(tmp_path.iterdir()) == []
+    assert done.stderr.startswith("error: ") and done.stderr.count("error:") == 1 and "Traceback" not in done.stderr
 
 
 @pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])

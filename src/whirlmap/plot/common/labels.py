@@ -105,7 +105,7 @@ def axis_label(ds: xr.Dataset, name: str, *, meaning: bool = False) -> str:
     """Symbol and unit of a state, output or coordinate, after its meaning where there is room for it."""
     text = f"{symbol(name, ds)} {unit_text(unit_of(ds, name))}"
     words = str(ds[name].attrs.get("long_name", "")) if meaning and name in ds else ""
-    words = re.split(r"[:;,(]", words)[0].strip()  # what follows is a definition: too long for an axis
+    words = re.split(r"[:;,]|\s\(", words)[0].strip()  # what follows is a definition: too long for an axis
     return f"{words}, {text}" if words and words != name else text
 
 

@@ -1,0 +1,103 @@
+"""Every block of code on the pages, run as a reader would run it: Python, and the commands of shells.
+
+What takes more than about 10 s is marked slow; what cannot be run here is listed with the reason.
+"""
+
+import re
+import shlex
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from typer.testing import CliRunner
+
+from whirlmap.cli.main import app
+
+ROOT = Path(__file__).parents[2]
+PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
+
+#: Start of a command or of a Python block -> why it is not run.
+NOT_RUN = {
+    "whirlmap identify": "a search of hours; tests/cli/test_cli_identify.py runs a small one",
+    "whirlmap reproduce": "minutes of full quality; tests/studies runs a small one",
+    "whirlmap bench": "measures this machine, against peers that are not installed",
+    "whirlmap map gear-psfd/machine": "120 000 points: an hour on 16 cores",
+    "whirlmap map duffing --vary gamma=0.1:0.7:400": "120 000 points",
+    "whirlmap map duffing --vary gamma=0.2:0.6:80": "a job array of SLURM",
+    "whirlmap map --status": "the store of that job array",
+    "with SLURMCluster": "needs a cluster",
+}  # fmt: skip
+#: Start of a command or of a Python block that takes more than about 10 s.
+SLOW = (
+    "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve", "whirlmap basins",
+    "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
+    "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
+    "whirlmap simulate machines/jeffcott-rig",
+    "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',
+)  # fmt: skip
+
+
+def marked(page, line, code):
+    """A block as a parameter of a test: where it stands, and its marks."""
+    why = [reason for start, reason in NOT_RUN.items() if code.startswith(start)]
+    slow = [pytest.mark.slow, pytest.mark.timeout(3000)] if code.startswith(SLOW) else []
+    marks = [pytest.mark.skip(reason=why[0])] if why else slow
+    return pytest.param(code, id=f"{page.relative_to(ROOT).as_posix()}:{line}", marks=marks)
+
+
+def python_blocks():
+    for page in PAGES:
+        text = page.read_text(encoding="utf-8")
+        for found in FENCE.finditer(text):
+            if found[1] == "python" and "from whirlmap.equations import" not in found[2]:
+                yield marked(page, text[: found.start()].count("\n") + 2, found[2])
+
+
+def commands():
+    """Lines that begin with whirlmap, in fenced blocks of a shell (after a prompt) and in indented ones."""
+    for page in PAGES:
+        language = None
+        for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), start=1):
+            if line.startswith("```"):
+                language = None if language is not None else line[3:]
+            elif found := re.match(r"(?:    |\$ |)(whirlmap [a-z].*)$", line):
+                indented = language is None and line.startswith("    ")
+                if indented or (language in ("console", "sh", "") and line[0] != " "):
+                    yield marked(page, number, re.sub(r"\s+# .*$", "", found[1]).strip())
+
+
+@pytest.fixture
+def folder(tmp_path, monkeypatch):
+    """An empty folder, with the files that pages tell the reader to make, as the current one."""
+    page = (ROOT / "docs" / "your_own_model.md").read_text(encoding="utf-8")
+    model, case = (re.search(rf"^```{kind}\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[1] for kind in ("python", "toml"))
+    (tmp_path / "loose_pedestal.py").write_text(model, encoding="utf-8")
+    (tmp_path / "my_case.toml").write_text(case, encoding="utf-8")
+    (tmp_path / "docs").mkdir()
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+@pytest.mark.parametrize("code", list(python_blocks()))
+def test_python(code, folder):
+    exec(compile(code, "block", "exec"), {})
+
+
+@pytest.mark.parametrize("line", list(commands()))
+def test_commands(line, folder):
+    words = shlex.split(line)[1:]
+    if words[0] in ("show", "speeds") and words[1] == "my_gearbox.toml":
+        CliRunner().invoke(app, ["new", "my_gearbox.toml"])
+    done = CliRunner(env={"COLUMNS": "160"}).invoke(app, words)
+    assert done.exit_code == 0, done.output
+    written = [w for flag, w in pairwise(words) if flag in ("--out", "--animate")]
+    assert all(Path(w).exists() for w in written) and (written or done.output.strip())
+
+
+def test_what_is_not_run_stands_on_a_page():
+    """Of the lists above nothing is left over when a page changes."""
+    found = [p.values[0] for p in (*python_blocks(), *commands())]
+    assert len(found) > 40
+    for start in (*NOT_RUN, *SLOW):
+        assert any(code.startswith(start) for code in found) or start == "whirlmap bench", start
