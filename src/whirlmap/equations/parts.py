@@ -57,7 +57,7 @@ class Switching:
     """A surface at which the equations change their form: a tooth leaves its flank, a journal meets the wall.
 
     ``surface`` (of states, parameters and time) is positive on one side. It is declared so that its crossings can be listed
-    and counted by name (`whirlmap.surface_crossings`); ``jumps`` says to the reader that the rates jump there and do not merely
+    and counted by name (`whirlmap.surface_crossings`); ``jumps`` tells the reader that the rates jump there and do not only
     have a kink. Steps find every such surface in the equations themselves, declared or not.
     """
 

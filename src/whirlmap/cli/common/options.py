@@ -276,7 +276,7 @@ def tolerances_of(texts: Sequence[str] | None) -> dict[str, float]:
         except ValueError:
             half = -1.0
         if not 0 < half < 1:
-            raise InputError(f"--input-tolerance: found {name}={text}, expected a share between 0 and 100 %, as in c=5%")
+            raise InputError(f"--input-tolerance: found {name}={text}, expected a tolerance between 0 and 100 %, as in c=5%")
         found[name] = half
     return found
 
