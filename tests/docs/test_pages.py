@@ -24,8 +24,7 @@ NOT_RUN = {
     "whirlmap bench": "measures this machine, against peers that are not installed",
     "whirlmap map gear-psfd/machine": "120 000 points: an hour on 16 cores",
     "whirlmap map duffing --vary gamma=0.1:0.7:400": "120 000 points",
-    "whirlmap map duffing --vary gamma=0.2:0.6:80": "a job array of SLURM",
-    "whirlmap map --status": "the store of that job array",
+    "whirlmap map --status": "the store of a job array of SLURM",
     "with SLURMCluster": "needs a cluster",
 }  # fmt: skip
 #: Start of a command or of a Python block that takes more than about 10 s.
@@ -71,9 +70,11 @@ def commands():
 def folder(tmp_path, monkeypatch):
     """An empty folder, with the files that pages tell the reader to make, as the current one."""
     page = (ROOT / "docs" / "your_own_model.md").read_text(encoding="utf-8")
-    model, case = (re.search(rf"^```{kind}\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[1] for kind in ("python", "toml"))
-    (tmp_path / "loose_pedestal.py").write_text(model, encoding="utf-8")
-    (tmp_path / "my_case.toml").write_text(case, encoding="utf-8")
+    models = [text for kind, text in FENCE.findall(page) if kind == "python" and "from whirlmap.equations import" in text]
+    cases = [text for kind, text in FENCE.findall(page) if kind == "toml"]
+    for names, texts in ((("loose_pedestal.py", "spool.py"), models), (("my_case.toml", "spool.toml"), cases)):
+        for name, text in zip(names, texts, strict=True):
+            (tmp_path / name).write_text(text, encoding="utf-8")
     (tmp_path / "docs").mkdir()
     monkeypatch.chdir(tmp_path)
     return tmp_path

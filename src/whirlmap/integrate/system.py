@@ -1,5 +1,6 @@
 """A system: a model with numbers, ready to integrate."""
 
+import warnings
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from fractions import Fraction
@@ -185,6 +186,12 @@ class System(Listed):
         made = {name: _exact(self.model.parameter(name), value) for name, value in changes.items()}
         begin = self.start if start is None else {**self.start, **start}
         return replace(self, values={**self.values, **made}, start=begin)
+
+    @property
+    def details(self) -> Resolved | None:
+        """Former name of ``machine``."""
+        warnings.warn("System.details is System.machine now", DeprecationWarning, stacklevel=2)
+        return self.machine
 
     def at_speed(self, value: float) -> "System":
         """Return the system with another value of its speed parameter.
