@@ -7,12 +7,15 @@ from typer.testing import CliRunner
 
 from whirlmap.cli.main import app
 from whirlmap.integrate.loading import load
+from whirlmap.options.computed import Settling
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.attractors import attractor_search
 from whirlmap.sweep.attractors import attractors as found
 from whirlmap.sweep.attractors.attractors import attractors
 from whirlmap.sweep.attractors.basins import basins
+from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
 from whirlmap.sweep.interruptible import batches
 from whirlmap.sweep.speeds import safe_speeds as judged
 from whirlmap.sweep.speeds.safe_speeds import safe_speeds
@@ -42,6 +45,18 @@ def test_batches_grow_while_they_take_little_time(monkeypatch):
         sizes.append(part.stop - part.start)
         now[0] += 0.05 * sizes[-1]  # seconds for each point
     assert sizes == [10, 80, *([100] * 19), 10]
+
+
+def test_whoever_iterates_may_stop_and_go_on():
+    duffing, gamma = load("duffing"), np.linspace(0.2, 0.3, 10)
+    options = {"settling": Settling(transient=20, most=4, keep=8), "lyapunov": 0}
+    work = diagram_in_batches(duffing, "gamma", gamma, batch=4, **options)
+    assert work.dataset is None and not work.complete
+    assert next(iter(work)) == 4 and (work.done, work.total) == (4, 10)
+    assert work.dataset.attrs["incomplete"] == "interrupted after 4 of 10 points"
+    assert list(work) == [8, 10] and work.complete and "incomplete" not in work.dataset.attrs
+    whole = bifurcation_diagram(duffing, "gamma", gamma, **options)
+    np.testing.assert_array_equal(work.dataset["section"], whole["section"])
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.steady.settling import Settling
-from whirlmap.errors import RangeError
+from whirlmap.errors import InputError, RangeError
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
 from whirlmap.sweep.parameters.ranges import Range
@@ -123,5 +123,5 @@ def test_a_point_alone_in_a_diagram_in_shares_and_after_a_refinement():
 
 
 def test_values_that_are_no_numbers_are_refused_by_a_sentence():
-    with pytest.raises(RangeError, match="s has no dimension in jeffcott, found the unit 'rpm'"):
+    with pytest.raises(InputError, match="s has no dimension in jeffcott, found the unit 'rpm'"):
         whirlmap.bifurcation_diagram(whirlmap.load("jeffcott"), "s", ["1000 rpm"])

@@ -190,7 +190,7 @@ def _joined(
     if len(made) > 1:
         if made[1].sizes[parameter] < points.size:
             meta = {name: v.attrs for name, v in made[1].variables.items()}
-            beside = {name: ds[name] for name in ds.coords if ds[name].dims == (parameter,)}
+            beside = {name: ds.variables[name] for name in ds.coords if ds[name].dims == (parameter,)}
             made[1] = made[1].reindex({parameter: ds[parameter]}, fill_value=_fill(made[1])).assign_coords(beside)
             for name, own in meta.items():
                 made[1][name].attrs = own
