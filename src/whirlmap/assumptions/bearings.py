@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from math import sqrt
 
-from whirlmap.assumptions.strain import Facts, Strain
+from whirlmap.assumptions.strain import BearingNumbers, Facts, Strain
 
 OIL_DENSITY = 870.0  # kg/m^3; assumed where a case does not give it
 SHORT = 0.25  # length over diameter
@@ -53,11 +53,11 @@ def at_rest(facts: Facts) -> Iterator[Strain]:
 
 def flow(facts: Facts) -> Iterator[Strain]:
     """Laminar flow without inertia, with the case's density or an assumed one."""
-    clock, density = facts.clock, facts.inputs.get("rho", OIL_DENSITY)
+    clock = facts.clock
     if clock is None or not facts.bearings:
         return
-    said = f"(oil of {density:g} kg/m3{'' if 'rho' in facts.inputs else ' assumed'})"
     for bearing in facts.bearings:
+        density, said = _density(bearing)
         value = density * abs(bearing.spin) * clock * bearing.R * bearing.c / bearing.mu
         limit = TAYLOR * sqrt(bearing.R / bearing.c)
         if value > limit:
@@ -69,7 +69,7 @@ def flow(facts: Facts) -> Iterator[Strain]:
                 " laminar one.",
             )  # fmt: skip
     fastest = facts.fastest * clock
-    value = max(density * fastest * b.c**2 / b.mu for b in facts.bearings)
+    value, (_, said) = max((_density(b)[0] * fastest * b.c**2 / b.mu, _density(b)) for b in facts.bearings)
     if value > FILM_INERTIA:
         yield Strain(
             "film_inertia", value, FILM_INERTIA,
@@ -77,3 +77,9 @@ def flow(facts: Facts) -> Iterator[Strain]:
             f" {facts.at}: above about {FILM_INERTIA:g} the oil's inertia, which the film law leaves out,"
             " is felt in the motion at that frequency.",
         )  # fmt: skip
+
+
+def _density(bearing: BearingNumbers) -> tuple[float, str]:
+    """Density of a bearing's oil, and in words."""
+    density = OIL_DENSITY if bearing.rho is None else bearing.rho
+    return density, f"(oil of {density:g} kg/m3{' assumed' if bearing.rho is None else ''})"

@@ -84,7 +84,7 @@ def heat_balance(mu: float, omega: float, R: float, L: float, c: float, eps: flo
 def oil_heat(facts: Facts) -> dict[str, OilHeat]:
     """Heat balance of every bearing whose journal turns in a plain film, at the largest speed that was run."""
     rest, clock = facts.rest_at_speed, facts.clock
-    if facts.values.get("psi", 0.0) != 0.0 or facts.switches.get("film") == "printed" or rest is None or clock is None:
+    if not facts.plain or facts.switches.get("film") == "printed" or rest is None or clock is None:
         return {}
     found = {}
     for bearing in facts.bearings:
@@ -110,7 +110,7 @@ def why_none(facts: Facts) -> str:
     turning = [b for b in facts.bearings if b.spin]
     if not turning or facts.clock is None or oil_heat(facts):
         return ""
-    if facts.values.get("psi", 0.0) != 0.0:
+    if not facts.plain:
         return "oil flows through the porous ring too (psi > 0), and power loss and side flow are those of a plain bearing"
     if facts.switches.get("film") == "printed":
         return "the film as printed is no short bearing's, whose power loss and side flow are known"

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, Union
 import numpy as np
 from sympy import sympify
 
+from whirlmap.equations.groups import Bearing
 from whirlmap.equations.parts import OfMachine
 from whirlmap.integrate.equilibrium import rest_state
 from whirlmap.integrate.system import System, frequencies
@@ -61,6 +62,7 @@ class BearingNumbers:
     mu: float
     spin: float
     eccentricity: str
+    rho: float | None
 
 
 @dataclass(frozen=True)
@@ -129,17 +131,28 @@ class Facts:
         """Angular frequency of the fastest harmonic over the clock's."""
         return float(np.abs(frequencies(self.system.model, self.system.vector[:, None])).max())
 
+    @property
+    def declared(self) -> Mapping[str, Bearing]:
+        """Bearings that the case's family declares."""
+        return self.system.machine.bearings if self.system.machine else {}
+
+    @property
+    def plain(self) -> bool:
+        """Whether no bearing has a porous ring that oil flows through."""
+        rings = [*(b.psi for b in self.declared.values()), *(film.psi for film in self.system.model.films.values())]
+        return all(self.value(psi) == 0.0 for psi in rings)
+
     @cached_property
     def bearings(self) -> tuple[BearingNumbers, ...]:
         """Bearings whose dimensions the case gives."""
-        declared = self.system.machine.bearings if self.system.machine else {}
-        found = []
+        declared, found = self.declared, []
         for name, b in declared.items():
             if not {q.name for q in (b.R, b.L, b.c, b.mu)} <= self.inputs.keys():
                 continue
             ending, words = ("", "The bearing") if len(declared) == 1 else (f"_{name}", f"Bearing {name}")
             R, L, c, mu = (self.inputs[q.name] for q in (b.R, b.L, b.c, b.mu))
-            found.append(BearingNumbers(ending, words, R, L, c, mu, self.value(b.spin), b.eccentricity))
+            rho = self.inputs.get(b.rho.name)
+            found.append(BearingNumbers(ending, words, R, L, c, mu, self.value(b.spin), b.eccentricity, rho))
         return tuple(found)
 
     def value(self, expression: Any) -> float:

@@ -152,7 +152,7 @@ def _equilibrium(facts: Facts, runs: "list[xr.Dataset]") -> Iterator[Strain]:
 
 
 def _unknown(facts: Facts, runs: "list[xr.Dataset]") -> Strain | None:
-    plain, journals = facts.values.get("psi", 0.0) == 0.0, facts.journals
+    journals = facts.journals
     parts = []
     dimensions = len(facts.bearings) >= len(journals)
     lacking = [
@@ -160,7 +160,7 @@ def _unknown(facts: Facts, runs: "list[xr.Dataset]") -> Strain | None:
         for words, there in (
             ("length over diameter", dimensions),
             ("the film's Reynolds number and inertia", dimensions and facts.clock is not None),
-            ("the thickness of the porous ring", plain or len(facts.results("ring")) >= len(journals)),
+            ("the thickness of the porous ring", facts.plain or len(facts.results("ring")) >= len(journals)),
         )
         if not there
     ]

@@ -70,6 +70,8 @@ class Bearing:
         Speed of the journal over the clock's; 0 for a damper.
     eccentricity : str
         Name of the model's output that is the eccentricity of the journal.
+    psi : Expr or int
+        Permeability 12 Phi H/c^3 of its ring; 0 for a plain bearing.
     """
 
     R: Parameter
@@ -79,6 +81,7 @@ class Bearing:
     rho: Parameter
     spin: Expr | int
     eccentricity: str
+    psi: Expr | int = 0
 
 
 @dataclass(frozen=True)

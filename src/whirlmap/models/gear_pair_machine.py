@@ -229,8 +229,8 @@ GEAR_PAIR_MACHINE = replace(
         declare=groups,
         quantities=quantities,
         bearings=lambda _: {
-            "1": Bearing(R_1, L_1, c, mu, rho, pair.j_p, "eps_1"),
-            "2": Bearing(R_2, L_2, c, mu, rho, pair.j_g, "eps_2"),
+            "1": Bearing(R_1, L_1, c, mu, rho, pair.j_p, "eps_1", pair.psi),
+            "2": Bearing(R_2, L_2, c, mu, rho, pair.j_g, "eps_2", pair.psi),
         },
         units={"force": K_p * c, "length": c, "speed": pair.s * omega_0, "rotation": pair.r_p * omega_0},
         routes=ROUTES,
