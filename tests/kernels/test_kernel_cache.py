@@ -172,6 +172,15 @@ def test_what_was_lowered_is_read_again_without_lowering(tmp_path):
     assert run(tmp_path, textwrap.dedent(forbidden) + EVERYTHING) == first
 
 
+@pytest.fixture(scope="module")
+def sound(tmp_path_factory):
+    """A copy of the source, the cache that it filled, and its number."""
+    folder = tmp_path_factory.mktemp("sound")
+    package = Path(whirlmap.__file__).parent
+    shutil.copytree(package, folder / "src" / "whirlmap", ignore=shutil.ignore_patterns("__pycache__"))
+    return folder, run(folder / "kernels", EVERYTHING, folder / "src")
+
+
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
@@ -182,12 +191,11 @@ def test_what_was_lowered_is_read_again_without_lowering(tmp_path):
     ],
     ids=lambda text: text if text.endswith(".py") else "",
 )
-def test_a_change_of_the_source_that_writes_gives_new_numbers(tmp_path, file, old, new):
+def test_a_change_of_the_source_that_writes_gives_new_numbers(sound, tmp_path, file, old, new):
     """An entry of yesterday's source would be a wrong number that nobody can explain."""
-    package = Path(whirlmap.__file__).parent
-    shutil.copytree(package, tmp_path / "src" / "whirlmap", ignore=shutil.ignore_patterns("__pycache__"))
+    whole, before = sound
+    shutil.copytree(whole, tmp_path, ignore=shutil.ignore_patterns("__pycache__"), dirs_exist_ok=True)
     folder = tmp_path / "kernels"
-    before = run(folder, EVERYTHING, tmp_path / "src")
     entries = set(folder.glob("lowered_*.json"))
     changed = tmp_path / "src" / "whirlmap" / file
     text = changed.read_text()
