@@ -27,9 +27,8 @@ RUNS = [
 
 
 def ensemble(case, name, values, tangents, method, steps, phases):
-    e, _ = make_ensemble(
-        whirlmap.load(case), {name: values}, steps=steps, tangents=tangents, method=method, orth=2 if tangents > 1 else 1
-    )
+    e, _ = make_ensemble(whirlmap.load(case), {name: values}, steps=steps, tangents=tangents, method=method)
+    e = e.subset(np.arange(values.size), orth=2) if tangents > 1 else e
     e.turns[:] = phases
     return e
 
