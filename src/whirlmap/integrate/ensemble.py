@@ -70,7 +70,7 @@ class Segment:
 
 
 class Ensemble:
-    """Points of one model, at one phase of the forcing.
+    """Points of one model, each at a whole number of T after phase zero.
 
     Parameters
     ----------
