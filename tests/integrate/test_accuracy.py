@@ -111,11 +111,6 @@ def test_members_run_as_if_all_ran():
     rest = np.setdiff1d(np.arange(70), members)
     np.testing.assert_array_equal(part.x[:, rest], begin[:, rest])
     assert np.all(part.turns[rest] == 0)
-    with pytest.raises(RangeError, match="same phase"):
-        gear = load("gear-psfd/reference")
-        e, _ = make_ensemble(gear, {"s": np.array([2.0, 3.0])}, steps=24)
-        e.advance(1, members=np.array([0]))
-        e.advance(1)
 
 
 def test_an_oscillator_too_fast_for_the_ladder_is_stiff():

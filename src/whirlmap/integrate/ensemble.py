@@ -38,8 +38,6 @@ def cores() -> int:
 #: divided: they take less than some milliseconds, Python's part of a call 0.1. As little work in all starts no threads.
 TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
 
-#: Turns that are counted at most; no run reaches them.
-MOST_TURNS = 2**62
 #: Longest common period, in T, over which a trial looks; where it is longer, a trial takes one turn of the slowest harmonic,
 #: but at least `TRIAL` of them.
 LONG_TRIAL, TRIAL = 1000, 128
@@ -72,7 +70,7 @@ class Segment:
 
 
 class Ensemble:
-    """Points of one model, at one phase of the forcing.
+    """Points of one model, each at a whole number of T after phase zero.
 
     Parameters
     ----------
@@ -176,12 +174,11 @@ class Ensemble:
         self._y = np.concatenate([x, _tangent_start(self.sizes, tangents, orthonormal), sides])
 
     def _group(self) -> None:
-        """Group the points by kernel and steps."""
+        """Group the points by kernel and orthonormalisations per T."""
         self._groups = [
-            Group(self, m, members[(pairs == pair).all(axis=1)], *map(int, pair))
+            Group(self, m, members[self.point_orth[members] == orth], int(orth))
             for m, members in variants(self.model, self.values)
-            for pairs in [np.stack([self.point_steps[members], self.point_orth[members]], axis=1)]
-            for pair in np.unique(pairs, axis=0)
+            for orth in np.unique(self.point_orth[members])
         ]
 
     @property
@@ -285,7 +282,7 @@ class Ensemble:
 
     def advance(
         self,
-        n_periods: int,
+        n_periods: int | Integers,
         *,
         members: NDArray[np.intp] | None = None,
         save_every: int = 0,
@@ -293,12 +290,14 @@ class Ensemble:
         extremes: bool | Literal["between"] = False,
         progress: Callable[[int], None] | None = None,
     ) -> Segment:
-        """Run points for ``n_periods`` T; those that run are packed into full blocks, wherever they stand.
+        """Run points for some T; those that run are packed into full blocks, wherever they stand.
 
         Parameters
         ----------
+        n_periods : int or array of int, shape (member,)
+            T that they run: one number for all, or one for each.
         members : array of int, optional
-            Indices of the points; all of them where absent. They must stand at the same phase.
+            Indices of the points; all of them where absent.
         save_every : int
             Steps between saved states, where all points take the same steps; zero saves none.
         save_periods : int or Fraction
@@ -313,9 +312,11 @@ class Ensemble:
         Returns
         -------
         Segment
-            Of the members, in their order.
+            Of the members, in their order, as long as the longest run: rows beyond a shorter one are NaN, of growths zero.
         """
         members = np.arange(self.points) if members is None else members
+        periods = np.broadcast_to(np.asarray(n_periods, dtype=np.int64), members.shape)
+        longest = int(periods.max(initial=0)) if np.ndim(n_periods) else int(n_periods)
         if save_every and save_periods:
             raise RangeError("save_every and save_periods exclude each other")
         save = save_periods if save_periods else Fraction(save_every, self.steps) if save_every else Fraction(0)
@@ -323,29 +324,29 @@ class Ensemble:
             raise RangeError(f"states every {save} T are not a whole number of steps apart")
         rows = self.model.dimension + len(self.model.outputs)
         segment = Record(
-            saved=np.full((int(n_periods // save) if save else 0, self.model.dimension, members.size), np.nan),
-            growth=np.zeros((n_periods if self.tangents and self.orthonormal else 0, self.tangents, members.size)),
+            saved=np.full((int(longest // save) if save else 0, self.model.dimension, members.size), np.nan),
+            growth=np.zeros((longest if self.tangents and self.orthonormal else 0, self.tangents, members.size)),
             sums=np.zeros((5, rows if extremes else 0, members.size)),
         )
         place = np.full(self.points, -1, dtype=np.intp)
         place[members] = np.arange(members.size)
         running = self.running
-        phases = self.turns[members[running[members]]] % min(self.common_multiple, MOST_TURNS)
-        if phases.size and phases.min() < phases.max():
-            raise RangeError("points that run together must stand at the same phase of their common period")
+        to_do = np.zeros(self.points, dtype=np.int64)  # steps
+        to_do[members] = periods * self.point_steps[members]
         tasks = [
             (group, local)
             for group in self._groups
             for local in _tasks(
-                np.flatnonzero((place[group.members] >= 0) & running[group.members]), n_periods * group.steps, self.workers
+                np.flatnonzero((place[group.members] >= 0) & running[group.members]), to_do[group.members], self.workers
             )
         ]
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
             group, local = task
-            group.advance(local, n_periods, save, segment, place, between=extremes == "between", progress=progress)
+            own = periods[place[group.members[local]]]
+            group.advance(local, own, save, segment, place, between=extremes == "between", progress=progress)
 
-        work_in_all = sum(-(-local.size // LANES) * n_periods * group.steps for group, local in tasks)
+        work_in_all = sum(int(to_do[group.members[local]].sum()) // LANES for group, local in tasks)
         if self.workers == 1 or len(tasks) == 1 or work_in_all < SHORT:
             for task in tasks:
                 work(task)
@@ -354,13 +355,18 @@ class Ensemble:
                 for _ in pool.map(work, tasks):
                     pass
         still = self.running[members]
-        self.turns[members[still]] += n_periods
-        statistics = _statistics(segment.sums, n_periods * self.point_steps[members], still) if extremes else None
+        self.turns[members[still]] += periods[still]
+        statistics = _statistics(segment.sums, to_do[members], still) if extremes else None
         return Segment(segment.saved, segment.growth, statistics)
 
 
-def _tasks(local: NDArray[np.intp], steps: int, workers: int) -> list[NDArray[np.intp]]:
-    """Whole blocks for one call of a kernel: enough calls to keep all workers busy to the end, none of them small."""
+def _tasks(local: NDArray[np.intp], to_do: Integers, workers: int) -> list[NDArray[np.intp]]:
+    """Whole blocks for one call of a kernel: enough calls to keep all workers busy to the end, none of them small.
+
+    Points with about as many steps ``to_do`` share a block: it takes as long as the longest of its runs.
+    """
+    local = local[np.argsort(to_do[local], kind="stable")]
+    steps = int(to_do[local].mean()) if local.size else 1
     blocks = -(-local.size // LANES)
     each = min(-(-blocks // (TASKS * workers)), MOST_BLOCKS) if workers > 1 else MOST_BLOCKS
     each = max(each, -(-SHORT // max(steps, 1))) * LANES

@@ -1,11 +1,10 @@
-"""Points of an ensemble that share one kernel and one number of steps, advanced some blocks at a time."""
+"""Points of an ensemble that share one kernel, advanced some blocks at a time."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from math import lcm
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -43,52 +42,52 @@ class Record:
 
 
 class Group:
-    """Points that share one kernel, one number of steps and one of orthonormalisations.
+    """Points that share one kernel, and one number of orthonormalisations per T.
 
-    The kernel is that of a model's plain form where a parameter is zero, or that of the model itself.
+    The kernel is that of a model's plain form where a parameter is zero, or that of the model itself. Each point has its own
+    steps per T, phase and run.
     """
 
-    def __init__(self, ensemble: Ensemble, model: Model, members: Points, steps: int, orth: int) -> None:
-        self.ensemble, self.members, self.steps, self.orth = ensemble, members, steps, orth
+    def __init__(self, ensemble: Ensemble, model: Model, members: Points, orth: int) -> None:
+        self.ensemble, self.members, self.orth = ensemble, members, orth
         self.kernel: LaneKernel = lane_kernel(
             model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
         )
         limits = ensemble.limits[:, members]
         self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members], limits, ensemble.sizes[:, members])
-        self.h = ensemble.period[members] / steps
-        self.waves = Waves.of(ensemble.orders, steps, self.kernel.source.nodes)
+        self.steps = ensemble.point_steps[members]
+        self.h = ensemble.period[members] / self.steps
+        self.waves = Waves.of(ensemble.orders, self.steps, self.kernel.source.nodes)
         self._packed: tuple[Points, dict[str, Any]] = np.zeros(0, dtype=np.intp), {}  # of the last call
         self.rescue = Rescue(
             model, ensemble.method, ensemble.tangents, ensemble.values[:, members], limits, redo=ensemble.redo
         )
 
     def advance(
-        self, local: Points, n_periods: int, save: Fraction | int, record: Record, place: Points, *, between: bool,
+        self, local: Points, n_periods: Integers, save: Fraction | int, record: Record, place: Points, *, between: bool,
         progress: Callable[[int], None] | None = None,
     ) -> None:  # fmt: skip
-        """Advance some points, redoing failed steps until each has reached the end or ended.
+        """Advance some points, each by its own number of T, redoing failed steps until each has reached its end or ended.
 
-        ``local`` holds indices into the group's members; ``place`` the columns of all points in the record; ``between``
-        says whether extremes between steps count. The kernel is called for some steps at a time (`CALL`), which changes no
-        bit.
+        ``local`` holds indices into the group's members, in an order in which neighbours have about as many steps to do;
+        ``place`` the columns of all points in the record; ``between`` says whether extremes between steps count. The kernel
+        is called for some steps at a time (`CALL`), which changes no bit.
         """
         e = self.ensemble
         at = self.members[local]
-        run = _Run(self, local, n_periods * self.steps, int(save * self.steps), record, between=between)
-        length, said = max(FIRST // run.blocks, 1), 0
-        while run.begin < run.total:
+        run = _Run(self, local, n_periods, save, record, between=between)
+        length, most, said = max(FIRST // run.blocks, 1), int(run.total.max()), 0
+        while run.goes_on:
             stop_if_given_up()
             begun = perf_counter()
-            run.end = min(run.begin + length, run.total)
-            self._reach_end(local, run)
-            if run.end < run.total:
-                if not run.alive.any():
-                    run.end = run.total
-                faster = CALL / max(perf_counter() - begun, 1e-6)
-                length = max(int(length * min(faster, 8.0)), LEAST)
-            run.begin = run.end
+            run.call(length)
+            lost = np.flatnonzero(run.failed.reshape(-1)[: local.size] >= 0)
+            if lost.size:
+                self._mend(local, lost, run)
+            faster = CALL / max(perf_counter() - begun, 1e-6)
+            length = min(max(int(length * min(faster, 8.0)), LEAST), most)
             if progress:
-                now = run.end * at.size // self.steps
+                now = run.periods_done()
                 progress(now - said)
                 said = now
         to = place[at]
@@ -104,27 +103,13 @@ class Group:
                 # The growth between the orthonormalisations of one T adds up.
                 into[:, :, to] = flat.reshape(into.shape[0], -1, into.shape[1], at.size).sum(axis=1)
 
-    def _reach_end(self, local: Points, run: _Run) -> None:
-        """Take the points of a run that have not ended to the end of the present call."""
-        chosen = np.arange(run.blocks)
-        if run.begin:
-            run.active[:], run.first[:] = run.alive, run.begin
-            chosen = np.flatnonzero(run.active.any(axis=(1, 2)))
-        while chosen.size:
-            run.call(chosen, int(self.ensemble.turns[self.members[local[0]]]) * self.steps)
-            lost = np.flatnonzero(run.failed.reshape(-1)[: local.size] >= 0)
-            if not lost.size:
-                break
-            run.active[:] = 0
-            self._mend(local, lost, run)
-            run.failed[:] = -1
-            chosen = np.flatnonzero(run.active.any(axis=(1, 2)))
-
     def packed(self, local: Points) -> dict[str, Any]:
-        """Steps and inputs of some points in blocks; they are often those of the call before."""
+        """Arguments of some points that stay the same, in blocks; they are often those of the call before."""
         last, blocks = self._packed
         if not (blocks and np.array_equal(last, local)):
-            blocks = {"h": blocked(self.h[None, local]), **self.inputs.blocks(local)}
+            waves = self.waves.rows(self.steps[local])
+            blocks = {"h": blocked(self.h[None, local]), "waves": self.waves.table, **self.inputs.blocks(local)}
+            blocks |= {name: blocked(rows) for name, rows in waves.items()}
             self._packed = local, blocks  # at once: another thread may have other points
         return blocks
 
@@ -134,21 +119,21 @@ class Group:
         members, points = local[lost], self.members[local[lost]]
         block, lane = lost // LANES, lost % LANES
         failed, part = run.failed[block, 0, lane], run.reached[block, 0, lane]
-        h, y = self.h[members], np.ascontiguousarray(run.y[block, :, lane].T)
-        step = e.turns[points] * self.steps + failed
-        outcome = self.rescue.mend(members, y, self.waves.angles(step, part), (1 - part) * h, run.cause[block, 0, lane])
+        run.failed[block, 0, lane] = -1
+        h, steps, y = self.h[members], self.steps[members], np.ascontiguousarray(run.y[block, :, lane].T)
+        angles = self.waves.angles(steps, e.turns[points], failed, part)
+        outcome = self.rescue.mend(members, y, angles, (1 - part) * h, run.cause[block, 0, lane])
         run.y[block, :, lane] = y.T
         ended = outcome.status != Status.ok
         e.status[points[ended]] = outcome.status[ended]
-        e.end_time[points[ended]] = ((step + part) * h + outcome.time)[ended]
+        e.end_time[points[ended]] = ((e.turns[points] * steps + failed + part) * h + outcome.time)[ended]
         e.end_stop[points[ended]] = outcome.stop[ended]
         on = ~ended
-        run.alive[block[ended], 0, lane[ended]] = 0
+        run.active[block[ended], 0, lane[ended]] = 0
         if not on.any():
             return
         done = failed[on] + 1
         run.first[block[on], 0, lane[on]] = done
-        run.active[block[on], 0, lane[on]] = done < run.end
         run.after_mended_step(block[on], lane[on], done)
         if run.folded:
             self._fold(members[on], block[on], lane[on], run)
@@ -167,83 +152,76 @@ class Group:
         run.sums[block, :, :, lane] = sums
 
 
-#: Arrays of a run that a kernel changes, beside those that it saves into.
-_IN_PLACE = ("y", "active", "failed", "sums", "cause", "reached", "tally")
-
-
 class _Run:
-    """Arrays of one advance of some points, laid out in blocks; a call takes them from ``begin`` to ``end``, in steps."""
+    """Arrays of one advance of some points, laid out in blocks.
+
+    Every point takes the steps from its ``first`` on, to before its ``total``, as long as it is ``active``.
+    """
 
     def __init__(
-        self, group: Group, local: Points, total: int, save_every: int, record: Record, *, between: bool
+        self, group: Group, local: Points, n_periods: Integers, save: Fraction | int, record: Record, *, between: bool
     ) -> None:
         e = group.ensemble
-        self.group, self.local, self.total, self.save_every = group, local, total, save_every or total + 1
+        self.group, self.local = group, local
         self.count, self.n = e.tangents, e.model.dimension
         rows = self.n * (1 + self.count) + group.kernel.source.sizes.surfaces
         self.y = blocked(e._y[:rows, group.members[local]])
         self.blocks = self.y.shape[0]
         self.inputs = group.packed(local)
-        self.first, self.active, self.failed = (np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1))
+        self.lanes = local[np.minimum(np.arange(self.blocks * LANES), local.size - 1)]  # the last one fills its block
+        self.steps = group.steps[self.lanes]
+        never = n_periods.max() * self.steps + 1
+        self.total = blocked((n_periods * group.steps[local])[None])
+        self.save_every, self.orth_every = (
+            (steps if recorded.shape[0] else never).reshape(self.y.shape[0], 1, LANES)
+            for steps, recorded in (
+                (self.steps * save.numerator // save.denominator, record.saved), (self.steps // group.orth, record.growth),
+            )
+        )  # fmt: skip
+        self.first, self.active, self.failed, self.cause = (
+            np.full((self.blocks, 1, LANES), v, dtype=np.int64) for v in (0, 0, -1, 0)
+        )
         self.active.reshape(-1)[: local.size] = 1
-        self.alive = self.active.copy()  # those that have not ended
-        self.begin = self.end = 0
         self.saved = np.full((self.blocks, record.saved.shape[0], self.n, LANES), np.nan)
         self.growth = np.zeros((self.blocks, group.orth * record.growth.shape[0], self.count, LANES))
-        self.orth_every = group.steps // group.orth if record.growth.shape[0] else total + 1
-        self.cause = np.zeros((self.blocks, 1, LANES), dtype=np.int64)
         self.reached, self.tally = np.zeros((self.blocks, 1, LANES)), np.zeros((self.blocks, 2, LANES))
         self.folded = 0 if not record.sums.shape[1] else 2 if between else 1
+        self.pieces = np.full_like(self.first, FINE) if self.folded == 2 else pieces(self.steps)
         self.sums = np.zeros((self.blocks, 5, record.sums.shape[1], LANES))
         if self.folded:
             self.sums[:, 0, : self.n] = self.y[:, : self.n]  # the reference: the present state
             self.sums[:, 1], self.sums[:, 2] = np.inf, -np.inf
 
-    def call(self, chosen: Points, phase: int) -> None:
-        """Call the kernel for some blocks; arrays of blocks that are not all of them go there and back as copies.
+    @property
+    def goes_on(self) -> bool:
+        """Whether any point has steps to take."""
+        return bool(((self.first < self.total) & (self.active != 0)).any())
 
-        ``phase`` is the number of steps after phase zero at which the run began. The kernel begins at the last step before
-        the call at which what is saved and the growths both begin anew: up to the call's own first step all lanes wait.
-        """
-        begin = 0
-        if self.begin:
-            unit = lcm(self.save_every if self.saved.shape[1] else 1, self.orth_every if self.growth.shape[1] else 1)
-            begin = self.begin // unit * unit
-        whole, all_steps = chosen.size == self.blocks, begin == 0 and self.end == self.total
-        arrays: dict[str, Any] = {name: getattr(self, name) for name in _IN_PLACE}
-        steady = {name: self.inputs[name] for name in ("h", "p", "offsets")}
-        if not whole:
-            arrays = {name: np.ascontiguousarray(a[chosen]) for name, a in arrays.items()}
-            steady = {name: np.ascontiguousarray(a[chosen]) for name, a in steady.items()}
-        first, parts = self.first, dict[str, slice]()
-        if whole and all_steps:
-            arrays |= {"saved": self.saved, "growth": self.growth}
-        else:
-            for name, every in (("saved", self.save_every), ("growth", self.orth_every)):
-                parts[name] = slice(begin // every, self.end // every)
-                arrays[name] = np.ascontiguousarray(getattr(self, name)[chosen, parts[name]])
-            first = np.ascontiguousarray(first[chosen] - begin)
-        kernel = self.group.kernel
+    def periods_done(self) -> int:
+        """T that all points have run; one that has ended has run all of them."""
+        done = np.where(self.active != 0, self.first, self.total).reshape(-1)
+        return int((done // self.steps)[: self.local.size].sum())
+
+    def call(self, length: int) -> None:
+        """Call the kernel: every point takes so many steps more, or those that it has left, up to one that fails."""
+        kernel, turns = self.group.kernel, self.group.ensemble.turns[self.group.members[self.lanes]]
+        last = np.minimum(self.first + length, self.total)
         kernel.advance(
-            blocks=chosen.size, count=self.count, **arrays, **steady, first=first, tables=self.inputs["tables"],
-            **self.group.waves.arguments(phase + begin), steps=self.end - begin, save_every=self.save_every,
-            saves=arrays["saved"].shape[1], orth_every=self.orth_every, events=arrays["growth"].shape[1], folded=self.folded,
-            pieces=FINE if self.folded == 2 else pieces(self.group.steps), work=kernel.work(),
+            blocks=self.blocks, count=self.count, y=self.y, **self.inputs, first=self.first, last=last, active=self.active,
+            begin=blocked(self.group.waves.begin(self.steps, turns, self.first.reshape(-1))), failed=self.failed,
+            save_every=self.save_every, saves=self.saved.shape[1], saved=self.saved, orth_every=self.orth_every,
+            events=self.growth.shape[1], growth=self.growth, folded=self.folded, sums=self.sums, cause=self.cause,
+            reached=self.reached, tally=self.tally, pieces=self.pieces, work=kernel.work(),
         )  # fmt: skip
-        if not whole:
-            for name in _IN_PLACE:
-                getattr(self, name)[chosen] = arrays[name]
-        for name, part in parts.items():
-            getattr(self, name)[chosen, part] = arrays[name]
-        if begin:
-            self.failed[self.failed >= 0] += begin
+        np.copyto(self.first, last, where=(self.failed < 0) & (self.active != 0))
 
     def after_mended_step(self, block: Points, lane: Points, done: Integers) -> None:
         """Do after mended steps what the kernel does after its own where it is due: orthonormalise, and save."""
         k, n = self.count, self.n
-        due = done % self.orth_every == 0
+        every = self.orth_every[block, 0, lane]
+        due = done % every == 0
         if k and due.any():
-            b, l, event = block[due], lane[due], done[due] // self.orth_every - 1  # noqa: E741
+            b, l, event = block[due], lane[due], (done // every)[due] - 1  # noqa: E741
             rows = slice(n, n * (1 + k))
             size = self.group.ensemble.sizes[:, self.group.members[self.local[b * LANES + l]]].T[:, :, None]
             vectors = self.y[b, rows, l].reshape(-1, k, n).transpose(0, 2, 1)
@@ -251,6 +229,7 @@ class _Run:
             length = np.diagonal(r, axis1=1, axis2=2)
             self.y[b, rows, l] = (size * q * np.sign(length)[:, None, :]).transpose(0, 2, 1).reshape(-1, n * k)
             self.growth[b, event, :, l] += np.log(np.abs(length))
-        save = (done % self.save_every == 0) & (done // self.save_every <= self.saved.shape[1])
-        b, l, event = block[save], lane[save], done[save] // self.save_every - 1  # noqa: E741
+        every = self.save_every[block, 0, lane]
+        save = done % every == 0
+        b, l, event = block[save], lane[save], (done // every)[save] - 1  # noqa: E741
         self.saved[b, event, :, l] = self.y[b, :n, l]

@@ -76,7 +76,7 @@ def test_a_motion_that_does_not_come_nearer_goes_elsewhere(rotor):
 
 def test_an_orbit_that_repels_is_closed_but_does_not_count(rotor):
     e, path = record(rotor, [1e-4, 0.0], 20, damping=-D)
-    x, distance, went = newton(e, ONE, 1, CYCLIC)
+    x, distance, went = newton(e, ONE, np.array([1]), CYCLIC)
     assert distance[0] <= 1e-9 and abs(x[1, 0] - V) < 1e-8
     np.testing.assert_allclose(np.abs(np.linalg.eigvals(went.matrix[0])), 1 / MODULUS, rtol=1e-7)
     assert close_orbits(e, ONE, np.array([1]), [path], CYCLIC, 1e-6).multiple[0] == 0
@@ -94,8 +94,8 @@ def test_orbits_further_off_than_a_run_that_returned_can_be_are_left_alone(rotor
 
 def test_the_numbers_of_a_point_do_not_depend_on_the_others(rotor):
     e = runs(rotor, [0.3, 0.0], [0.05, 0.1], [-0.2, 0.0])
-    whole = newton(e, np.arange(3), 2, CYCLIC)
+    whole = newton(e, np.arange(3), np.full(3, 2), CYCLIC)
     for k in range(3):
-        x, distance, went = newton(e, np.array([k]), 2, CYCLIC)
+        x, distance, went = newton(e, np.array([k]), np.array([2]), CYCLIC)
         assert (x[:, 0] == whole[0][:, k]).all() and distance[0] == whole[1][k]
         assert (went.matrix[0] == whole[2].matrix[k]).all() and (went.path[:, :, 0] == whole[2].path[:, :, k]).all()

@@ -64,21 +64,25 @@ def test_a_table_that_is_not_read_is_refused():
         System(model("unread", v, tables=(TABLE,)), {"a": 1.0, "b": 2.0}).rhs(0.0, [0.0, 0.5])
 
 
-def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
+def run(system, x, *, first, last, active, sentinel=0.0, count=0):
     """Call ``advance`` of a locked kernel for one block; working memory is filled with a number before."""
     kernel = lane_kernel(system.plain_model(), RK4, slopes="jacobian" if count else "none", kind="locked")
     y = blocked(x)
     flags = {name: np.array(value, dtype=np.int64).reshape(1, 1, LANES) for name, value in (
-        ("first", first), ("active", active), ("failed", [-1] * LANES), ("cause", [0] * LANES))}  # fmt: skip
+        ("first", first), ("last", last), ("active", active), ("failed", [-1] * LANES), ("cause", [0] * LANES),
+        ("save_every", [1000] * LANES), ("orth_every", [1] * LANES), ("pieces", [8] * LANES))}  # fmt: skip
     work = kernel.work()
     work[:] = sentinel
+    per_T, events = np.full(LANES, 20), max(last)
     h = np.full((1, 1, LANES), system.period / 20)
     inputs = kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES))
-    waves = Waves.of(system.orders, 20, kernel.source.nodes).arguments(0)
+    waves = Waves.of(system.orders, per_T, kernel.source.nodes)
+    begin = waves.begin(per_T, np.zeros(LANES, dtype=np.int64), np.broadcast_to(first, LANES))
     kernel.advance(
-        blocks=1, count=count, y=y, h=h, **inputs, **waves, **flags, steps=steps, save_every=steps + 1, saves=0,
-        saved=np.empty(0), orth_every=1, events=steps, growth=np.zeros(steps * count * LANES), folded=0,
-        sums=np.empty(0), reached=np.zeros(LANES), tally=np.zeros(2 * LANES), pieces=8, work=work,
+        blocks=1, count=count, y=y, h=h, **inputs, waves=waves.table, begin=blocked(begin),
+        **{name: blocked(rows) for name, rows in waves.rows(per_T).items()}, **flags, saves=0,
+        saved=np.empty(0), events=events, growth=np.zeros(events * count * LANES), folded=0,
+        sums=np.empty(0), reached=np.zeros(LANES), tally=np.zeros(2 * LANES), work=work,
     )  # fmt: skip
     return y[0], work
 
@@ -86,26 +90,25 @@ def run(system, x, *, first, active, steps, sentinel=0.0, count=0):
 DUFFING = {"delta": 0.2, "alpha": -1, "beta": 1, "gamma": 0.3, "omega": 1.2}
 
 
-def test_steps_before_the_first_lane_enters_are_not_computed():
-    """A run goes on at its mended step; without this every mended step would cost the run from its beginning."""
+def test_a_block_without_steps_is_not_computed():
+    """A run goes on at its mended step, and calls for one block pass the others by."""
     system = System(family("duffing").model(), DUFFING)
     x = np.random.default_rng(0).uniform(-1, 1, (2, LANES))
-    y, work = run(system, x, first=[30] * LANES, active=[1] * LANES, steps=30, sentinel=7.5)
+    y, work = run(system, x, first=[30] * LANES, last=[30] * LANES, active=[1] * LANES, sentinel=7.5)
     np.testing.assert_array_equal(y, x)
     assert (work == 7.5).all()
 
 
-def test_lanes_that_wait_enter_at_the_phase_of_their_step():
+def test_lanes_enter_at_the_phases_of_their_steps():
     """Lanes that enter at step 13 end as if those 13 steps had been run from where the others then stood."""
     system = System(family("duffing").model(), DUFFING)
     x = np.random.default_rng(1).uniform(-1, 1, (2, LANES))
-    begun, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=13)
-    whole, _ = run(system, x, first=[0] * LANES, active=[1] * LANES, steps=50)
+    none, some, fifty = [0] * LANES, [13] * LANES, [50] * LANES
+    begun, _ = run(system, x, first=none, last=some, active=[1] * LANES)
+    whole, _ = run(system, x, first=none, last=fifty, active=[1] * LANES)
     late = np.arange(LANES) % 3 == 0
-    mixed = np.where(late, begun, x)
-    for first in (np.where(late, 13, 0), np.full(LANES, 13)):
-        start = mixed if (first == 0).any() else begun
-        got, _ = run(system, start, first=first, active=[1] * LANES, steps=50)
+    for first, start in ((np.where(late, 13, 0), np.where(late, begun, x)), (np.full(LANES, 13), begun)):
+        got, _ = run(system, start, first=first, last=fifty, active=[1] * LANES)
         np.testing.assert_array_equal(got, whole)
 
 
@@ -114,7 +117,7 @@ def test_vectors_of_lanes_that_stand_still_are_left_alone():
     system = System(family("duffing").model(), DUFFING)
     x = np.random.default_rng(2).uniform(-1, 1, (6, LANES))
     x[2:, 3] = np.inf
-    y, _ = run(system, x, first=[0] * LANES, active=[1, 1, 1, 0, 0, 1, 1, 1], steps=5, count=2)
+    y, _ = run(system, x, first=[0] * LANES, last=[5] * LANES, active=[1, 1, 1, 0, 0, 1, 1, 1], count=2)
     np.testing.assert_array_equal(y[:, 3:5], x[:, 3:5])
     vectors = y[2:, [0, 1, 2, 5, 6, 7]].reshape(2, 2, 6)
     np.testing.assert_allclose(np.einsum("ain,bin->abn", vectors, vectors), np.eye(2)[..., None] * np.ones(6), atol=1e-12)

@@ -56,15 +56,9 @@ def extremes_of_record(
         turn = np.where(np.isfinite(turn), turn, ensemble.period[members])
         steps = np.ceil(steps * turn / ensemble.period[members]).astype(np.int64)
         fine = with_turns(ensemble.subset(members, steps=steps), turn)
-    out = empty_extremes(fine)
-    length = np.where(multiple > 0, once, kept)
-    for periods in np.unique(length):
-        these = np.flatnonzero(length == periods)
-        found = fine.advance(int(periods), members=these, extremes="between", progress=progress).extremes
-        assert found is not None
-        for name, values in found.items():
-            out[name][:, these] = values
-    return out
+    found = fine.advance(np.where(multiple > 0, once, kept), extremes="between", progress=progress).extremes
+    assert found is not None
+    return found
 
 
 def _turns(ensemble: Ensemble, members: NDArray[np.intp], multiple: Integers) -> Array:

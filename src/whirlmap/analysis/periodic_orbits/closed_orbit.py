@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.indicators.distribution import own_scale
 from whirlmap.analysis.periodic_orbits.newton import CLOSED, newton, wrapped
-from whirlmap.analysis.variational.monodromy import spectral_radius, together
+from whirlmap.analysis.variational.monodromy import batches, spectral_radius
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 
@@ -101,10 +101,11 @@ def closed_orbits(
         far, ends on an orbit that repels, or the motion sticks to a surface (there the map has no derivative).
     """
     out: dict[int, ClosedOrbit] = {}
-    for m, at in together(multiple):
+    groups = [(int(m), np.flatnonzero(multiple == m)) for m in np.unique(multiple)]
+    for m, at in ((m, same[part]) for m, same in groups for part in batches(same.size)):
         part, matrix = ensemble.subset(at), np.full((at.size, *[ensemble.model.dimension] * 2), np.nan)
         if far is not None:
-            x, _, went = newton(part, np.arange(at.size), m, cyclic, still=CLOSED)
+            x, _, went = newton(part, np.arange(at.size), multiple[at], cyclic, still=CLOSED)
             moved = (np.abs(wrapped(x - part.x, cyclic)) / went.scale).max(axis=0)
             closed = np.flatnonzero((spectral_radius(went.matrix) < 1) & (moved <= far))
             part.put(closed, x[:, closed])

@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.indicators.birkhoff import weighted_average
-from whirlmap.analysis.variational.monodromy import Rounds, monodromies, spectral_radius, together
+from whirlmap.analysis.variational.monodromy import Rounds, batches, monodromies, spectral_radius
 from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
@@ -91,21 +91,24 @@ def close_orbits(
     """
     shape = ensemble.model.dimension, points.size
     out = Orbits(np.zeros(points.size, dtype=np.int64), np.empty(shape), np.full(points.size, np.nan), np.ones(shape))
-    for m, these in together(multiple):
-        out.x[:, these], out.distance[these], went = newton(ensemble, points[these], m, cyclic)
+    for these in batches(points.size):
+        out.x[:, these], out.distance[these], went = newton(ensemble, points[these], multiple[these], cyclic)
         closed = np.flatnonzero(np.isfinite(out.distance[these]))
         if not closed.size:
             continue
-        these, orbit = these[closed], Rounds(went.path[:, :, closed], went.matrix[closed], went.scale[:, closed])
-        out.scale[:, these] = orbit.scale
-        good = _stable(ensemble, points[these], m, out.x[:, these], orbit)
-        good &= _approached(orbit, [paths[k] for k in these], cyclic)
-        out.multiple[these] = np.where(good, _smallest(orbit, tolerance, cyclic), 0)
+        these, orbits = these[closed], went.of(closed)
+        out.scale[:, these] = orbits.scale
+        good = _stable(ensemble, points[these], out.x[:, these], orbits)
+        for m in np.unique(orbits.multiple):
+            same = np.flatnonzero(orbits.multiple == m)
+            here, orbit = these[same], orbits.of(same)
+            approached = _approached(orbit, [paths[k] for k in here], cyclic)
+            out.multiple[here] = np.where(good[same] & approached, _smallest(orbit, tolerance, cyclic), 0)
     return out
 
 
 def newton(
-    ensemble: Ensemble, points: Points, multiple: int, cyclic: Cyclic = None, *, still: float = STILL
+    ensemble: Ensemble, points: Points, multiple: Integers, cyclic: Cyclic = None, *, still: float = STILL
 ) -> tuple[Array, Array, Rounds]:
     """Newton's method for periodic orbits, from the present states of some points of a forced model.
 
@@ -114,8 +117,8 @@ def newton(
     ensemble : Ensemble
         Stays as it is; at phase zero.
     points : array of int
-    multiple : int
-        Their return, in common periods.
+    multiple : array of int, shape like ``points``
+        Return of each, in common periods.
     cyclic : mapping of state index to period, optional
     still : float
         Scaled last step with which a point has converged.
@@ -131,13 +134,14 @@ def newton(
     """
     x, distance = ensemble.x[:, points], np.full(points.size, np.nan)
     n, count = x.shape
-    last = Rounds(np.full((multiple, n, count), np.nan), np.full((count, n, n), np.nan), np.full((n, count), np.nan))
+    path = np.full((multiple.max(initial=0), n, count), np.nan)
+    last = Rounds(multiple, path, np.full((count, n, n), np.nan), np.full((n, count), np.nan))
     left = np.arange(count)
     for _ in range(ROUNDS):
         if not left.size:
             break
-        went = monodromies(ensemble, points[left], multiple, x[:, left])
-        change = wrapped(went.path[-1] - x[:, left], cyclic)
+        went = monodromies(ensemble, points[left], multiple[left], x[:, left])
+        change = wrapped(went.end - x[:, left], cyclic)
         step = _step(change, went)
         with np.errstate(invalid="ignore"):
             residual, size = (np.abs(a / went.scale).max(axis=0) for a in (change, step))
@@ -148,7 +152,7 @@ def newton(
         here, goes = left[done], size <= FARTHEST
         x[:, left[goes]] += step[:, goes]
         distance[here] = residual[done]
-        last.path[:, :, here], last.scale[:, here] = went.path[:, :, done], went.scale[:, done]
+        last.path[: len(went.path), :, here], last.scale[:, here] = went.path[:, :, done], went.scale[:, done]
         last.matrix[here] = went.matrix[done]
         left = left[goes & ~done]
     return x, distance, last
@@ -176,14 +180,14 @@ def wrapped(difference: Array, cyclic: Cyclic, axis: int = 0) -> Array:
     return out
 
 
-def _stable(ensemble: Ensemble, points: Points, multiple: int, x: Array, orbit: Rounds) -> NDArray[np.bool_]:
+def _stable(ensemble: Ensemble, points: Points, x: Array, orbit: Rounds) -> NDArray[np.bool_]:
     """Whether all multipliers lie inside the circle, by more than the steps leave of error."""
     largest = spectral_radius(orbit.matrix)
     error = np.zeros(points.size)
     near = np.flatnonzero(np.abs(largest - 1) < NEAR)
     if near.size:
         finer = ensemble.subset(points[near], steps=2 * ensemble.point_steps[points[near]])
-        other = spectral_radius(monodromies(finer, np.arange(near.size), multiple, x[:, near]).matrix)
+        other = spectral_radius(monodromies(finer, np.arange(near.size), orbit.multiple[near], x[:, near]).matrix)
         error[near] = np.abs(other - largest[near])
     return np.asarray(largest < 1 - SURE * error)
 

@@ -1,8 +1,8 @@
 """Steady-state search for forced models: every point runs until its section returns; then the next point takes its lane.
 
-All points share a pool of lanes. In each round the points in the pool advance until the first is due for a convergence
-check. A point is checked on its own, by its own history, every `ROUND` common periods, and less often the longer it has
-run (`looks`):
+All points share a pool of lanes. In each round every point in the pool runs until it is due for a convergence
+check. A point is checked on its own, by its own history, every `ROUND` common periods, and less often the longer it has run
+(`looks`):
 
 1. The last `Settling.first_window` section points are searched for a return after m common periods; whenever a longer
    window, each twice the one before, has filled anew, it is searched too, for returns up to `Settling.most`.
@@ -155,11 +155,12 @@ def settle(
     wide = np.ones(ensemble.points) if wide is None else wide
     pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))
     while pool.active.size:
+        stretch = pool.stretch()
         segment = ensemble.advance(
-            pool.stretch() * common, members=pool.active, save_periods=common, extremes=True, progress=progress
+            stretch * common, members=pool.active, save_periods=common, extremes=True, progress=progress
         )
         assert segment.extremes is not None
-        pool.take(segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
+        pool.take(stretch, segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
     refused = pool.trials.refuse_unproved()
     kept = np.setdiff1d(np.arange(ensemble.points), refused)
     if refused.size:
@@ -174,32 +175,31 @@ def settle(
 
 @compiled(
     {
-        "active": "ints", "chosen": "int", "ended": "ints", "slot": "ints", "saved": "doubles", "rows": "int",
+        "active": "ints", "chosen": "int", "slot": "ints", "saved": "doubles", "rows": "ints",
         "states": "int", "low": "doubles", "high": "doubles", "least": "doubles", "most": "doubles", "history": "doubles",
-        "ring": "int",
-        "ran": "ints", "look_at": "ints", "waited": "ints", "trial": "ints", "needed": "ints", "trial_points": "doubles",
-        "trial_rows": "int", "trial_ran": "ints", "due": "ints",
+        "ring": "int", "ran": "ints", "waited": "ints", "trial": "ints", "trial_points": "doubles", "trial_rows": "int",
+        "trial_ran": "ints",
     },
 )  # fmt: skip
 def _take_over(
-    active: Integers, chosen: int, ended: Integers, slot: Integers, saved: Array, rows: int, states: int, low: Array,
-    high: Array, least: Array, most: Array, history: Array, ring: int, ran: Integers, look_at: Integers, waited: Integers,
-    trial: Integers, needed: Integers, trial_points: Array, trial_rows: int, trial_ran: Integers, due: Integers,
+    active: Integers, chosen: int, slot: Integers, saved: Array, rows: Integers, states: int, low: Array, high: Array,
+    least: Array, most: Array, history: Array, ring: int, ran: Integers, waited: Integers, trial: Integers,
+    trial_points: Array, trial_rows: int, trial_ran: Integers,
 ) -> None:  # fmt: skip
-    """Take over the section points of the active points, shape (row, state, active), and the extremes (state, active).
+    """Take over ``rows`` section points of each active point, shape (row, state, active), and the extremes (state, active).
 
-    Points under an attempt have theirs in ``trial_points``, the others in ``history``. ``due`` says which are to be checked.
+    Points under an attempt have theirs in ``trial_points``, the others in ``history``.
     """
     for j in range(chosen):
         p = active[j]
         at = slot[p]
-        waited[p] += rows
+        waited[p] += rows[j]
         for k in range(states):
             if low[k * chosen + j] < least[at * states + k]:
                 least[at * states + k] = low[k * chosen + j]
             if high[k * chosen + j] > most[at * states + k]:
                 most[at * states + k] = high[k * chosen + j]
-        for r in range(rows):
+        for r in range(rows[j]):
             for k in range(states):
                 x = saved[(r * states + k) * chosen + j]
                 if trial[p] > 0:
@@ -207,12 +207,9 @@ def _take_over(
                 else:
                     history[(at * ring + (ran[p] + r) % ring) * states + k] = x
         if trial[p] > 0:
-            trial_ran[p] += rows
-            over = trial_ran[p] >= needed[trial[p]]
+            trial_ran[p] += rows[j]
         else:
-            ran[p] += rows
-            over = ran[p] >= look_at[p]
-        due[j] = 1 if over or ended[j] > 0 else 0
+            ran[p] += rows[j]
 
 
 class _Pool:
@@ -258,32 +255,24 @@ class _Pool:
         """Begin the ranges of points anew."""
         self.low[self.slot[points]], self.high[self.slot[points]] = np.inf, -np.inf
 
-    def stretch(self) -> int:
-        """Common periods until the first of the points is due for a look."""
+    def stretch(self) -> Integers:
+        """Common periods until each active point is due for a check."""
         at = self.active
-        left = np.where(self.trials.multiple[at] > 0, self.trials.left(at), self.next[at] - self.ran[at])
-        return int(left.min())
+        return np.where(self.trials.multiple[at] > 0, self.trials.left(at), self.next[at] - self.ran[at])
 
-    def take(self, saved: Array, low: Array, high: Array) -> None:
-        """Take over the section points and extremes of a stretch, and look at the points that are due."""
+    def take(self, rows: Integers, saved: Array, low: Array, high: Array) -> None:
+        """Take over so many section points of each active point, and the extremes, and check them."""
         at, trials = self.active, self.trials
-        running = self.ensemble.running[at]
-        due = np.empty(at.size, dtype=np.int64)
         _take_over(
-            active=at, chosen=at.size, ended=(~running).astype(np.int64), slot=self.slot, saved=saved, rows=len(saved),
-            states=self.period.size, low=low, high=high, least=self.low, most=self.high, history=self.history,
-            ring=self.history.shape[1], ran=self.ran, look_at=self.next, waited=self.settled.waited, trial=trials.multiple,
-            needed=trials.needed, trial_points=trials.points, trial_rows=trials.points.shape[1], trial_ran=trials.ran,
-            due=due,
+            active=at, chosen=at.size, slot=self.slot, saved=saved, rows=rows, states=self.period.size, low=low, high=high,
+            least=self.low, most=self.high, history=self.history, ring=self.history.shape[1], ran=self.ran,
+            waited=self.settled.waited, trial=trials.multiple, trial_points=trials.points,
+            trial_rows=trials.points.shape[1], trial_ran=trials.ran,
         )  # fmt: skip
-        which = np.flatnonzero(due)
-        if not which.size:
-            return
-        done = self.look(at[which], running[which])
+        done = self.look(at, self.ensemble.running[at])
         if done.any():
-            gone = which[done]
-            self.free += self.slot[at[gone]].tolist()
-            self.active = np.delete(at, gone)
+            self.free += self.slot[at[done]].tolist()
+            self.active = at[~done]
             self.fill()
 
     def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:

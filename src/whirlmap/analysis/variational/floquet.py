@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -152,7 +153,8 @@ class _Segment:
     name: str
     kernel: LaneKernel
     waves: Waves
-    inputs: dict[str, Array]
+    inputs: dict[str, Any]
+    per_T: int
     steps: int
 
     @classmethod
@@ -161,20 +163,24 @@ class _Segment:
         n = system.model.dimension
         kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
         inputs = kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(np.arange(n))
-        waves = Waves.of(system.orders or (), per_T, kernel.source.nodes)
-        return cls(system.model.name, kernel, waves, {"h": blocked(np.full((1, n), h)), **inputs}, steps)
+        waves = Waves.of(system.orders or (), np.array([per_T]), kernel.source.nodes)
+        inputs |= {name: blocked(rows) for name, rows in waves.rows(np.full(n, per_T)).items()}
+        return cls(system.model.name, kernel, waves, {"h": blocked(np.full((1, n), h)), **inputs}, per_T, steps)
 
     def transition(self, x: Array, begin: int) -> tuple[Array, Array]:
         """End of the run from a state, and its transition matrix; ``begin`` counts steps from phase zero."""
         n, steps = x.size, self.steps
         run = blocked(self.kernel.with_sides(np.concatenate([np.repeat(x[:, None], n, axis=1), np.eye(n)])))
         blocks = run.shape[0]
-        first, active, failed, cause = (np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1, 0))
+        first, active, failed, cause, last, never, pieces = (
+            np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1, 0, steps, steps + 1, FINE)
+        )
+        phases = self.waves.begin(np.full(n, self.per_T), np.zeros(n, dtype=np.int64), np.full(n, begin))
         self.kernel.advance(
-            blocks=blocks, count=1, y=run, **self.waves.arguments(begin), steps=steps, first=first, **self.inputs,
-            active=active, failed=failed, save_every=steps + 1, saves=0, saved=np.zeros(0), orth_every=steps + 1, events=0,
-            growth=np.zeros(0), folded=0, sums=np.zeros(0), cause=cause, reached=np.zeros((blocks, 1, LANES)),
-            tally=np.zeros((blocks, 2, LANES)), pieces=FINE, work=self.kernel.work(),
+            blocks=blocks, count=1, y=run, **self.inputs, waves=self.waves.table, begin=blocked(phases), first=first,
+            last=last, active=active, failed=failed, save_every=never, saves=0, saved=np.zeros(0), orth_every=never,
+            events=0, growth=np.zeros(0), folded=0, sums=np.zeros(0), cause=cause, reached=np.zeros((blocks, 1, LANES)),
+            tally=np.zeros((blocks, 2, LANES)), pieces=pieces, work=self.kernel.work(),
         )  # fmt: skip
         if (failed >= 0).any():
             raise RangeError(f"the orbit of {self.name} leaves the model's limits: it is no periodic orbit")

@@ -5,7 +5,6 @@ they end as the columns of its monodromy matrix. The largest modulus of its eige
 itself, the small ones drown in that rounding: `floquet` finds these, for one orbit.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -15,6 +14,7 @@ from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 
 Array = NDArray[np.float64]
+Integers = NDArray[np.int64]
 Points = NDArray[np.intp]
 
 #: Orbits that are integrated together: a matrix of twenty states takes 3 kB, the points of a long return twenty times as
@@ -28,37 +28,48 @@ class Rounds:
 
     Attributes
     ----------
+    multiple : array of int, shape (point,)
+        Their lengths in common periods.
     path : array, shape (common period, state, point)
-        States at the end of each common period; NaN from where the motion ends.
+        States at the end of each common period; NaN behind the return, and from where the motion ends.
     matrix : array, shape (point, state, state)
         Derivative of the last of these by the first state; NaN where the motion ends, or sticks to a surface.
     scale : array, shape (state, point)
         Sizes of the states over the return.
     """
 
+    multiple: Integers
     path: Array
     matrix: Array
     scale: Array
 
+    @property
+    def end(self) -> Array:
+        """States at the ends of the returns, shape (state, point)."""
+        return self.path[self.multiple - 1, :, np.arange(self.multiple.size)].T
 
-def together(multiple: NDArray[np.int64]) -> Iterator[tuple[int, Points]]:
-    """Returns, each with the indices of some points that share it, as many as go round together."""
-    for m in np.unique(multiple):
-        at = np.flatnonzero(multiple == m)
-        for these in np.array_split(at, -(-at.size // BATCH)):
-            yield int(m), these
+    def of(self, points: Points) -> "Rounds":
+        """Those of some of the points, with paths as long as the longest of their returns."""
+        multiple = self.multiple[points]
+        path = self.path[: multiple.max(initial=0), :, points]
+        return Rounds(multiple, path, self.matrix[points], self.scale[:, points])
 
 
-def monodromies(ensemble: Ensemble, points: Points, multiple: int, x: Array) -> Rounds:
-    """Go round once, with all tangent vectors.
+def batches(points: int) -> list[Points]:
+    """Indices of so many points, as many in each part as go round together."""
+    return np.array_split(np.arange(points), -(-points // BATCH)) if points else []
+
+
+def monodromies(ensemble: Ensemble, points: Points, multiple: Integers, x: Array) -> Rounds:
+    """Go round once, with all tangent vectors: each point its own return.
 
     Parameters
     ----------
     ensemble : Ensemble
         Stays as it is, at phase zero.
     points : array of int
-    multiple : int
-        Their return, in common periods.
+    multiple : array of int, shape like ``points``
+        Return of each, in common periods.
     x : array, shape (state, len(points))
         Where the returns begin.
     """
@@ -71,10 +82,10 @@ def monodromies(ensemble: Ensemble, points: Points, multiple: int, x: Array) -> 
     matrix = np.where(e.running[:, None, None], e.vectors.transpose(2, 1, 0), np.nan)
     assert segment.extremes is not None
     low, high = segment.extremes["minimum"], segment.extremes["maximum"]
-    return Rounds(segment.saved, matrix, scales_between(e.model, e.period, low, high))
+    return Rounds(multiple, segment.saved, matrix, scales_between(e.model, e.period, low, high))
 
 
-def largest_multipliers(ensemble: Ensemble, points: Points, multiple: NDArray[np.int64], x: Array | None = None) -> Array:
+def largest_multipliers(ensemble: Ensemble, points: Points, multiple: Integers, x: Array | None = None) -> Array:
     """Largest modulus of the multipliers over one return of some points that lie on periodic orbits.
 
     Parameters
@@ -93,8 +104,8 @@ def largest_multipliers(ensemble: Ensemble, points: Points, multiple: NDArray[np
         Infinite where the orbit ends before its return, or sticks to a surface.
     """
     x, largest = ensemble.x[:, points] if x is None else x, np.empty(points.size)
-    for m, these in together(multiple):
-        largest[these] = spectral_radius(monodromies(ensemble, points[these], m, x[:, these]).matrix)
+    for these in batches(points.size):
+        largest[these] = spectral_radius(monodromies(ensemble, points[these], multiple[these], x[:, these]).matrix)
     return largest
 
 

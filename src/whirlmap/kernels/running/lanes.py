@@ -107,17 +107,27 @@ def _compiled(model: Model, method: Method, slopes: Slopes, kind: Time, estimate
 
 @dataclass(frozen=True)
 class Waves:
-    """Harmonic tables: cosines and sines of the harmonics at every stage time of their own cycles.
+    """Harmonic tables: cosines and sines at every stage time of each cycle, for several numbers of steps per T.
 
     A harmonic of order p/q (over the fastest one) repeats after q periods T, so its table has q times the steps per T;
     the tables stay short whatever the common period is. Where q itself is large, a table of more than `LONGEST` rows, the
     harmonic is *far*: the kernel keeps its phase as a whole number of parts of a turn, q times the steps per T of them, and
     the table holds what turns the phase at a step's begin on to its stage times. Angles come from exact integers, so that
     no phase is lost however long a run is.
+
+    Attributes
+    ----------
+    orders : tuple of Fraction
+    steps : array of int
+        Steps per T, ascending.
+    table : array
+        All tables. That of a harmonic ends with its first cosine and sine: the end of its last step.
+    starts, lengths, strides, far, turns : arrays, shape (harmonic, steps)
+        Arguments of a locked kernel (`advancing.advance`).
     """
 
     orders: tuple[Fraction, ...]
-    steps: int
+    steps: Integers
     table: Array
     starts: Integers
     lengths: Integers
@@ -126,57 +136,63 @@ class Waves:
     turns: Array
 
     @classmethod
-    def of(cls, orders: tuple[Fraction, ...], steps: int, nodes: tuple[float, ...]) -> "Waves":
-        """Tabulate harmonics of the given orders at ``steps`` steps per T.
+    def of(cls, orders: tuple[Fraction, ...], steps: Integers, nodes: tuple[float, ...]) -> "Waves":
+        """Tabulate harmonics of the given orders, for all numbers of steps per T among ``steps``.
 
         Raises
         ------
         RangeError
             Where an order's denominator times the steps is beyond 2^62: integers of 64 bits do not count so far.
         """
-        pieces: list[Array] = []
-        starts, lengths, strides, far = [], [], [], []
-        at = 0
+        steps = np.unique(steps)
+        pieces, rows, at = [np.zeros(0)], [], 0
         for order in orders:
-            length = order.denominator * steps
-            if length >= COUNTED:
-                raise RangeError(
-                    f"the order {order} of a harmonic has a denominator of more than {COUNTED // steps:.2g}: its phase"
-                    " cannot be counted exactly; expected a ratio of smaller integers"
-                )
-            far.append(int(length > LONGEST))
-            if far[-1]:
-                turn = order.numerator * np.array([*nodes, 1.0]) / length
-            else:
-                k = np.arange(length, dtype=np.int64)[:, None]
-                turn = ((k * order.numerator) % length + order.numerator * np.array(nodes)) / length
-            pair = np.stack([np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)], axis=-1)
-            starts.append(at)
-            lengths.append(length)
-            strides.append(order.numerator % length if far[-1] else 1)
-            pieces.append(pair.ravel())
-            at += pieces[-1].size
-        table = np.concatenate(pieces) if pieces else np.zeros(2)
-        turns = np.array([2 * np.pi * order.numerator / (order.denominator * steps) for order in orders])
-        begins, cycles, moves, counted = (np.array(column, dtype=np.int64) for column in (starts, lengths, strides, far))
-        return cls(orders, steps, table, begins, cycles, moves, counted, turns)
+            for each in steps.tolist():
+                length = order.denominator * each
+                if length >= COUNTED:
+                    raise RangeError(
+                        f"the order {order} of a harmonic has a denominator of more than {COUNTED // each:.2g}: its phase"
+                        " cannot be counted exactly; expected a ratio of smaller integers"
+                    )
+                far = length > LONGEST
+                if far:
+                    turn = order.numerator * np.array([*nodes, 1.0]) / length
+                else:
+                    k = np.arange(length, dtype=np.int64)[:, None]
+                    turn = ((k * order.numerator) % length + order.numerator * np.array(nodes)) / length
+                pair = np.stack([np.cos(2 * np.pi * turn), np.sin(2 * np.pi * turn)], axis=-1).ravel()
+                pieces += [pair, pair[:2]]
+                rows.append((at, length, order.numerator % length if far else 1, int(far)))
+                at += pair.size + 2
+        shape = len(orders), steps.size
+        columns = np.array(rows, dtype=np.int64).reshape(*shape, 4)
+        turns = np.array([2 * np.pi * o.numerator / (o.denominator * n) for o in orders for n in steps.tolist()])
+        starts, lengths, strides, far = np.moveaxis(columns, 2, 0)
+        return cls(orders, steps, np.concatenate(pieces), starts, lengths, strides, far, turns.reshape(shape))
 
-    def arguments(self, begin: int) -> dict[str, Any]:
-        """Arguments of a locked kernel for a run that begins so many steps after phase zero."""
-        begins = zip(self.orders, self.far, self.lengths.tolist(), strict=True)
-        at = [begin * (order.numerator if far else 1) % length for order, far, length in begins]
-        return {
-            "waves": self.table, "starts": self.starts, "lengths": self.lengths, "strides": self.strides, "far": self.far,
-            "begin": np.array(at, dtype=np.int64), "turns": self.turns,
-        }  # fmt: skip
+    def rows(self, steps: Integers) -> dict[str, NDArray[Any]]:
+        """Arguments of points with so many steps per T that stay the same, shape (harmonic, point)."""
+        at = np.searchsorted(self.steps, steps)
+        return {name: getattr(self, name)[:, at] for name in ("starts", "lengths", "strides", "far", "turns")}
 
-    def angles(self, step: Integers, part: Array) -> Array:
+    def begin(self, steps: Integers, turns: Integers, done: Integers) -> Integers:
+        """Phases ``done`` steps after ``turns`` T as the kernel counts them, shape (harmonic, point)."""
+        out = np.empty((len(self.orders), steps.size), dtype=np.int64)
+        for row, order, far in zip(out, self.orders, self.far[:, np.searchsorted(self.steps, steps)], strict=True):
+            whole = order.denominator * steps
+            row[:] = (turns % order.denominator * steps + done) % whole
+            counted = np.flatnonzero(far)
+            row[counted] = [int(k) * order.numerator % int(n) for k, n in zip(row[counted], whole[counted], strict=True)]
+        return out
+
+    def angles(self, steps: Integers, turns: Integers, done: Integers, part: Array) -> Array:
         """Angle of each harmonic within its turn, a part of a step behind the beginning of a step: (harmonic, point)."""
-        wholes = [o.denominator * self.steps for o in self.orders]
-        out = np.empty((len(self.orders), step.size))
-        for row, order, whole in zip(out, self.orders, wholes, strict=True):
-            row[:] = [k * order.numerator % whole / whole for k in step.tolist()]
-            row += float(Fraction(order.numerator, whole)) * part
+        out = np.empty((len(self.orders), steps.size))
+        for row, order in zip(out, self.orders, strict=True):
+            whole = order.denominator * steps
+            cycle = (turns % order.denominator * steps + done) % whole
+            row[:] = [int(k) * order.numerator % int(n) / int(n) for k, n in zip(cycle, whole, strict=True)]
+            row += [float(Fraction(order.numerator, int(n))) for n in whole] * part
         return 2 * np.pi * out
 
 

@@ -1,7 +1,7 @@
 """The module of a kernel: one model, one method, phase-locked or per-lane time, with or without tangent dynamics.
 
-Two kinds of module are written. A *locked* module steps many lanes at one phase of the forcing and reads the harmonics from
-a table; a *free* module gives each lane its own time and computes them. Both share everything else. A module is
+Two kinds of module are written. A *locked* module takes steps that are whole parts of T and reads the harmonics from a
+table; a *free* module takes any steps and computes them. Both share everything else. A module is
 self-contained LLVM assembly, so that its hash is its identity.
 """
 
@@ -147,8 +147,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, e
     nodes = tuple(sorted({float(c) for c in method.c}))
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
-    time: Time = "free" if found.surfaces else kind  # lanes cross surfaces at times of their own
-    routines = ModelRoutines(module, model, hoisted, time, Roots(estimated), Sines(module, fuses()))
+    routines = ModelRoutines(module, model, hoisted, Roots(estimated), Sines(module, fuses()))
     routines.surfaces = len(found.surfaces)
     of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None

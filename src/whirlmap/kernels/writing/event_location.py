@@ -21,11 +21,13 @@ near to zero, the step is cut at its lowest point, which then is a common end of
 Lanes that have finished the step wait for those that still locate a crossing: that costs time and changes no bit.
 """
 
+import numpy as np
 from llvmlite import ir
+from numpy.typing import NDArray
 
 from whirlmap.kernels.methods import Method
 from whirlmap.kernels.writing.hermite import hermite, lowest_point
-from whirlmap.kernels.writing.routine import INTS, Kind, Routine, Value, integer, integers, number
+from whirlmap.kernels.writing.routine import INTS, LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.writing.saltation import CHATTERS, LIMITS, MOST, Surfaces, SurfaceStep
 from whirlmap.kernels.writing.stepping import Sizes
 
@@ -45,13 +47,16 @@ NEAR, DIPS = 0.05, 2
 THROUGH: dict[str, Kind] = {
     "count": "int", "y": "rows", "h": "rows", "c": "rows", "turn": "rows", "p": "rows", "tables": "doubles",
     "offsets": "flags", "active": "flags", "cause": "flags", "reached": "rows", "tally": "rows", "folded": "int",
-    "sums": "rows", "pieces": "int", "work": "rows",
+    "sums": "rows", "pieces": "flags", "work": "rows",
 }  # fmt: skip
 
 
-def pieces(steps: int) -> int:
-    """Number of pieces for so many steps per T: it differs between neighbours of 6, 8, 10, 12, 16, 20, 24, 32, ..."""
-    return BY_STEPS.get(steps // (steps & -steps), PIECES)
+def pieces(steps: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Number of pieces for so many steps per T: another one for each two neighbours of 6, 8, 10, 12, 16, 20, 24, 32, ..."""
+    out, odd = np.full_like(steps, PIECES), steps // (steps & -steps)
+    for part, count in BY_STEPS.items():
+        out[odd == part] = count
+    return out
 
 
 def through(module: ir.Module, sizes: Sizes, method: Method, surfaces: Surfaces) -> Routine:
@@ -66,7 +71,7 @@ def through(module: ir.Module, sizes: Sizes, method: Method, surfaces: Surfaces)
     reached         out: part of the step that was taken; ``y`` stands there
     tally           counts of crossings, and of grazing ones, in place
     folded, sums    2: extremes between the ends of all parts of the step go to ``sums`` (`advancing.advance`)
-    pieces          number of pieces into which what lies beside a crossing is divided
+    pieces          (1) number of pieces into which what lies beside a crossing is divided
     ==============  =====================================================================================
     """
     r = Routine(module, "through", THROUGH)
@@ -111,8 +116,9 @@ class _Locator(SurfaceStep):
         h = r.mul(r.load(a["h"]), r.sub(to, done))
         r.store(h, self.span)
 
-        def at_stage(stage: int, c: Value) -> None:
-            self._at(r.add(done, r.mul(number(float(self.method.c[stage])), r.sub(to, done))), c)
+        def at_stage(stage: int) -> Value:
+            self._at(r.add(done, r.mul(number(float(self.method.c[stage])), r.sub(to, done))), self.stepper.c)
+            return self.stepper.c
 
         x = self.stepper.step(a["y"], h, self.inputs, at_stage, first=self.f0)
         r.call(self.of.examine, y=x, p=a["p"], good=self.flag)
@@ -238,15 +244,15 @@ class _Locator(SurfaceStep):
         return found
 
     def _pieces(self) -> Value:
-        """Number of pieces, as a number of every lane."""
-        return self.r.spread(self.r.b.sitofp(self.r.at["pieces"], number(1.0).type.element))
+        """Number of pieces of each lane."""
+        return self.r.b.sitofp(self.r.load(self.r.at["pieces"]), LANE)
 
     def _part(self, found: Value, done: Value, to: Value) -> Value:
         """Find lanes that came to a crossing in one piece, and let them begin again in several."""
         r, b = self.r, self.r.b
         way = r.sub(to, done)
         whole = b.and_(b.icmp_signed("!=", r.load(self.fresh), integers(0)), r.less(number(SHORT), way))
-        several = r.spread(b.icmp_signed(">", r.at["pieces"], integer(1)))
+        several = b.icmp_signed(">", r.load(r.at["pieces"]), integers(1))
         parted = b.and_(found, b.and_(whole, several))
         piece = r.div(r.mul(way, number(1.0 + SHORT)), self._pieces())  # the last one ends just behind the crossing
         r.store(b.select(parted, piece, r.load(self.most)), self.most)

@@ -39,19 +39,21 @@ def march(module: ir.Module, sizes: Sizes, method: Method, parts: Parts, phases:
     inputs = {name: a[name] for name in ("p", "tables", "offsets")}
     one.store(ir.Constant(INTS, [-1] * LANES), a["good"])
 
-    def phases_at(stage: int, c: Value) -> None:
+    def phases_at(stage: int) -> Value:
         one.store(one.add(one.load(a["time"]), one.mul(number(float(method.c[stage])), h)), moment)
-        one.call(phases, time=moment, origin=a["origin"], p=a["p"], c=c)
+        one.call(phases, time=moment, origin=a["origin"], p=a["p"], c=stepper.c)
+        return stepper.c
 
     begin, turn = one.local(LANE, 2 * sizes.harmonics), one.local(LANE, sizes.harmonics)
-    part, tally, none = one.local(LANE), one.local(LANE, 2), one.local(LANE)
+    part, tally, none, parted = one.local(LANE), one.local(LANE, 2), one.local(LANE), one.local(INTS)
+    one.store(integers(PIECES), parted)
     with one.loop(a["steps"]):
         if parts.through and turns:
             one.call(phases, time=a["time"], origin=a["origin"], p=a["p"], c=begin)
             one.call(turns, h=a["h"], p=a["p"], turn=turn)
             one.call(
                 parts.through, count=a["count"], y=a["y"], h=a["h"], c=begin, turn=turn, active=a["good"], cause=flag,
-                reached=part, tally=tally, folded=integer(0), sums=none, pieces=integer(PIECES), work=a["work"], **inputs,
+                reached=part, tally=tally, folded=integer(0), sums=none, pieces=parted, work=a["work"], **inputs,
             )  # fmt: skip
             well = b.icmp_signed("==", one.load(flag), integers(0))
             one.store(b.and_(one.load(a["good"]), b.sext(well, INTS)), a["good"])

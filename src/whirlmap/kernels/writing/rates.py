@@ -18,7 +18,7 @@ from whirlmap.kernels.writing.sines import Sines
 from whirlmap.kernels.writing.table_cells import TableReadings, fetch
 from whirlmap.kernels.writing.vector import VectorCode
 
-#: How time is known: every lane at the same phase of the forcing, or each at its own time.
+#: How time is known: by the steps since phase zero, whole parts of T, or as a number.
 Time = Literal["locked", "free"]
 #: Which derivatives a kernel computes beside the rates: none, a Jacobian-vector product, or the Jacobian.
 Slopes = Literal["none", "along", "jacobian"]
@@ -38,18 +38,15 @@ class ModelRoutines:
     model : Model
     hoisted : Hoisted
         Inputs of the kernel; their order is that of its rows ``p``.
-    time : {"locked", "free"}
-        With ``locked`` the harmonics ``c`` are plain numbers, cosine and sine of each; with ``free`` rows.
     roots, sines : Roots, Sines
         How these functions are computed.
     """
 
-    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, time: Time, roots: Roots, sines: Sines) -> None:
-        self.module, self.model, self.hoisted, self.time = module, model, hoisted, time
+    def __init__(self, module: ir.Module, model: Model, hoisted: Hoisted, roots: Roots, sines: Sines) -> None:
+        self.module, self.model, self.hoisted = module, model, hoisted
         self.roots, self.sines = roots, sines
         self.readings = TableReadings(model.tables)
         self.fetch = fetch(module) if model.tables else None
-        self.waves: Kind = "doubles" if time == "locked" else "rows"
         self.surfaces = 0
 
     def rates(
@@ -62,7 +59,7 @@ class ModelRoutines:
         all that it needs not before: LLVM keeps the order, and finds registers for half of what went to the stack.
         """
         n = self.model.dimension
-        kinds: dict[str, Kind] = {"y": "rows", "c": self.waves, "p": "rows", "tables": "doubles", "offsets": "flags"}
+        kinds: dict[str, Kind] = {"y": "rows", "c": "rows", "p": "rows", "tables": "doubles", "offsets": "flags"}
         kinds |= {"scratch": "rows", "dy": "rows", "more": "rows"}
         kinds |= {"v": "rows"} if along else {}
         kinds |= {"modes": "rows"} if self.surfaces else {}
@@ -284,8 +281,7 @@ class ModelRoutines:
         for i in range(len(self.model.harmonics) if "c" in r.at else 0):
             for part, kind in enumerate("cs"):
                 if f"{kind}{i}" in names:
-                    wave = r.load(r.at["c"], 2 * i + part)
-                    known[f"{kind}{i}"] = r.spread(wave) if self.time == "locked" else wave
+                    known[f"{kind}{i}"] = r.load(r.at["c"], 2 * i + part)
         return known
 
 

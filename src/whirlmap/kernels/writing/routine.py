@@ -6,6 +6,7 @@ vector code because it is written as vector code. An array is a pointer to its f
 
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
+from functools import reduce
 from typing import Any, Literal
 
 from llvmlite import ir
@@ -181,6 +182,11 @@ class Routine:
         """Truths of all lanes as the bits of one small integer."""
         return self.b.bitcast(mask, BYTE)
 
+    def first(self, mask: Value) -> Value:
+        """Index of the first lane in which a truth holds; of the last lane where there is none."""
+        bits = self.b.or_(self.bits(mask), ir.Constant(BYTE, 1 << (LANES - 1)))
+        return self.b.zext(self.b.cttz(bits, ir.Constant(ir.IntType(1), 1)), INT)
+
     # --- flow --------------------------------------------------------------------------------------------------
 
     @contextmanager
@@ -202,6 +208,28 @@ class Routine:
         i.add_incoming(b.add(i, integer(1)), b.block)
         b.branch(head)
         b.position_at_end(after)
+
+    @contextmanager
+    def together(self, lanes: Value, *keys: Value) -> Iterator[tuple[list[Value], Value]]:
+        """Loop over the distinct integers of some lanes; gives those of ``keys``, and the lanes that have them."""
+        b, pending = self.b, self.local(INTS)
+        self.store(b.sext(lanes, INTS), pending)
+
+        def left() -> Value:
+            return b.icmp_signed("!=", self.load(pending), integers(0))
+
+        with self.loop(LANES, going=lambda _: self.any(left())):
+            found, same = self.alike(left(), *keys)
+            same = b.and_(same, left())
+            yield found, same
+            self.store(b.sext(b.and_(left(), b.not_(same)), INTS), pending)
+
+    def alike(self, lanes: Value, *keys: Value) -> tuple[list[Value], Value]:
+        """Integers of ``keys`` in the first of some lanes, and all lanes, of them or not, that have the same."""
+        lane = self.first(lanes)
+        found = [self.b.extract_element(key, lane) for key in keys]
+        equal = [self.b.icmp_signed("==", key, self.spread(one)) for key, one in zip(keys, found, strict=True)]
+        return found, reduce(self.b.and_, equal)
 
     def call(self, other: "Routine", **arguments: Value) -> None:
         """Call another routine of the module, every argument by name."""

@@ -124,21 +124,20 @@ class Stepper:
             self.r.store(number(0.0), self.scratch, i)
 
     def step(
-        self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int, Value], None],
+        self, y: Value, h: Value, inputs: dict[str, Value], at_stage: Callable[[int], Value],
         first: Value | None = None,
     ) -> Value:  # fmt: skip
-        """Write one step of ``h`` from ``y``; ``at_stage`` writes a stage's harmonics; returns the place of its end.
+        """Write one step of ``h`` from ``y``; ``at_stage`` gives a stage's harmonics; returns the place of its end.
 
         That is the end of the state, and of the one tangent vector that goes with it. The rates at ``y`` are kept in
         ``first``, where it is given.
         """
         r, n = self.r, self.sizes.states
-        c = r.b.bitcast(self.c, self.rates.at["c"].type)
         if self.same_side:
             r.store(integers(-1), self.side)
         along, end = r.row(y, n), self.method.stages
         for stage in range(end):
-            at_stage(stage, c)
+            c = at_stage(stage)
             point = self._place(stage, y, self.track, h)
             if stage:
                 self._stay(y, point, inputs["p"])
