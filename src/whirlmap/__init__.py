@@ -19,9 +19,9 @@ if TYPE_CHECKING:
     from whirlmap.analysis.linear.ross_bearing import ross_bearing as ross_bearing
     from whirlmap.analysis.linear.stability_threshold import stability_threshold as stability_threshold
     from whirlmap.analysis.signals.diagnose_series import diagnose_series as diagnose_series
+    from whirlmap.analysis.simulation.poincare_section import section as section
     from whirlmap.analysis.simulation.surface_crossings import surface_crossings as surface_crossings
-    from whirlmap.analysis.simulation.trajectory import section as section
-    from whirlmap.analysis.simulation.trajectory import simulate as simulate
+    from whirlmap.analysis.simulation.time_series import simulate as simulate
     from whirlmap.analysis.spectra.spectrum import full_spectrum as full_spectrum
     from whirlmap.analysis.spectra.spectrum import power_spectrum as power_spectrum
     from whirlmap.analysis.variational.floquet import floquet_multipliers as floquet_multipliers
@@ -65,8 +65,8 @@ _HOMES = {
     "full_spectrum": "whirlmap.analysis.spectra.spectrum",
     "power_spectrum": "whirlmap.analysis.spectra.spectrum",
     "surface_crossings": "whirlmap.analysis.simulation.surface_crossings",
-    "section": "whirlmap.analysis.simulation.trajectory",
-    "simulate": "whirlmap.analysis.simulation.trajectory",
+    "section": "whirlmap.analysis.simulation.poincare_section",
+    "simulate": "whirlmap.analysis.simulation.time_series",
     "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",

@@ -140,7 +140,7 @@ def test_a_second_ctrl_c_and_one_before_the_work_end_at_once(words, signals, tmp
 
 @pytest.mark.parametrize("stage", ["pass_by", "advance"])
 def test_an_interrupted_simulation_says_what_is_missing(stage, tmp_path, monkeypatch):
-    from whirlmap.analysis.simulation.trajectory import Series
+    from whirlmap.analysis.simulation.time_series import Series
 
     real, calls = getattr(Series, stage), []
 

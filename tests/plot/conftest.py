@@ -6,7 +6,8 @@ import xarray as xr
 
 from whirlmap.analysis.diagnosis.diagnosis import diagnose
 from whirlmap.analysis.indicators.correlation_dimension import correlation_dimension
-from whirlmap.analysis.simulation.trajectory import section, simulate
+from whirlmap.analysis.simulation.poincare_section import section
+from whirlmap.analysis.simulation.time_series import simulate
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.integrate.loading import load
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram

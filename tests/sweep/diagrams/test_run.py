@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from whirlmap.analysis.simulation.trajectory import simulate
+from whirlmap.analysis.simulation.time_series import simulate
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import load

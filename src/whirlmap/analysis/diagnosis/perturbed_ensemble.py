@@ -16,7 +16,7 @@ from whirlmap.analysis.labels.regime import regime
 from whirlmap.analysis.labels.votes import INDICATORS, Vote
 from whirlmap.analysis.motion.record_length import recorded, spectrum_periods
 from whirlmap.analysis.motion.section_crossing import run_with_crossings
-from whirlmap.analysis.simulation.trajectory import outputs_of
+from whirlmap.analysis.simulation.time_series import outputs_of
 from whirlmap.analysis.spectra.line_names import named_shares
 from whirlmap.analysis.spectra.spectral_lines import spectral_lines
 from whirlmap.analysis.spectra.spectrum import power_spectrum

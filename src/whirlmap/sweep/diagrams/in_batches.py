@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
-from whirlmap.analysis.simulation.trajectory import Series
+from whirlmap.analysis.simulation.time_series import Series
 from whirlmap.equations.model import Model
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import order_groups, orders_vary
