@@ -143,7 +143,7 @@ import sys
 from pathlib import Path
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.options.execution import Execution
-from whirlmap.studies.gear_psfd import identify
+from whirlmap.studies.gear_psfd.search import identify
 from whirlmap.studies.gear_psfd.search.blocks import open_blocks
 from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
 from whirlmap.studies.gear_psfd.search.variants import chosen
