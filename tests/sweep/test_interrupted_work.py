@@ -10,12 +10,12 @@ from whirlmap.integrate.loading import load
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.sweep.attractors import attractor_search
-from whirlmap.sweep.attractors.attractors import attractors as found
+from whirlmap.sweep.attractors import attractors as found
 from whirlmap.sweep.attractors.attractors import attractors_in_parts
 from whirlmap.sweep.attractors.basins import basins_in_parts
 from whirlmap.sweep.interruptible import batches
+from whirlmap.sweep.speeds import safe_speeds as judged
 from whirlmap.sweep.speeds.safe_speeds import safe_speeds, safe_speeds_in_parts
-from whirlmap.sweep.speeds.safe_speeds import safe_speeds as judged
 
 GRID = {"x": np.linspace(-2, 2, 10), "v": np.linspace(-2, 2, 12)}
 SPEEDS = np.linspace(0.5, 2.0, 40)

@@ -8,8 +8,7 @@ import pytest
 from matplotlib.colors import to_rgb
 
 from whirlmap.errors import OutputError
-from whirlmap.plot import draw_section, encode
-from whirlmap.plot.common import save
+from whirlmap.plot import draw_section, encode, save
 from whirlmap.plot.common.labels import symbol
 from whirlmap.plot.common.limits import cell_edges, is_log, limits, markersize, runs
 from whirlmap.plot.common.style import REGIMES, UNFINISHED, look_of

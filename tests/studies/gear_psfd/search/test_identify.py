@@ -141,7 +141,7 @@ KILLED = """
 import sys
 from pathlib import Path
 from whirlmap.analysis.steady.settling import Settling
-from whirlmap.studies.gear_psfd import identify
+from whirlmap.studies.gear_psfd.search import identify
 from whirlmap.studies.gear_psfd.search.blocks import open_blocks
 from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
 from whirlmap.studies.gear_psfd.search.variants import chosen

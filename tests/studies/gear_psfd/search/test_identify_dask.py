@@ -20,16 +20,23 @@ def client():
 
 
 def test_a_cluster_computes_the_same_bits(client, monkeypatch):
-    monkeypatch.setattr(identify, "BLOCK", 5)
+    monkeypatch.setattr(identify, "BLOCK", 3)
     monkeypatch.setattr(tasks, "PART", 2)
     here, there, points = Blocks(None), Blocks(None), []
-    names = list(search((QUICK,), BRIEF, here, sets=8))
-    assert sorted(search((QUICK,), BRIEF, there, sets=8, client=client, progress=points.append)) == names
+    names = list(search((QUICK,), BRIEF, here, sets=4))
+    assert sorted(search((QUICK,), BRIEF, there, sets=4, client=client, progress=points.append)) == names
     for name in names:
         same(there[name], here[name])
         assert there[name].sizes == here[name].sizes
-    assert sum(points) == 8 * BRIEF.points
+    assert sum(points) == 4 * BRIEF.points
     assert max(points) == 2 * BRIEF.points  # parts, not whole blocks
+
+
+@pytest.mark.slow  # two generations of a refinement, on a cluster and here
+def test_a_cluster_refines_to_the_same_bits(client):
+    here, there = Blocks(None), Blocks(None)
+    for blocks in (here, there):
+        list(search((QUICK,), BRIEF, blocks, sets=8))
     start = judged_so_far(there, QUICK, BRIEF)
     assert start is not None
     refined = [refine(start, BRIEF, blocks, generations=1, client=c) for blocks, c in ((here, None), (there, client))]
