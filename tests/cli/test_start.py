@@ -28,6 +28,12 @@ def imported(folder, command):
     return done.stderr.splitlines()[-1].split()
 
 
+@pytest.fixture(scope="module")
+def kernels(tmp_path_factory):
+    """A cache of their own, which begins empty and is shared: what is compiled for one command is warm for the next."""
+    return tmp_path_factory.mktemp("kernels")
+
+
 @pytest.mark.parametrize(
     "command",
     [
@@ -37,11 +43,11 @@ def imported(folder, command):
         "show gear-psfd/machine",
     ],
 )
-def test_a_warm_start_imports_nothing_that_it_does_not_need(command, tmp_path):
-    imported(tmp_path, f"{command} --quiet" if command.startswith("diagnose") else command)
-    assert imported(tmp_path, f"{command} --quiet" if command.startswith("diagnose") else command) == []
+def test_a_warm_start_imports_nothing_that_it_does_not_need(command, kernels):
+    imported(kernels, f"{command} --quiet" if command.startswith("diagnose") else command)
+    assert imported(kernels, f"{command} --quiet" if command.startswith("diagnose") else command) == []
 
 
-def test_a_dataset_is_made_where_it_is_written(tmp_path):
+def test_a_dataset_is_made_where_it_is_written(kernels, tmp_path):
     """What the test above looks for can be seen."""
-    assert "xarray" in imported(tmp_path, f"diagnose duffing --set gamma=0.29 --quiet --out {tmp_path / 'd.nc'}")
+    assert "xarray" in imported(kernels, f"diagnose duffing --set gamma=0.29 --quiet --out {tmp_path / 'd.nc'}")

@@ -21,7 +21,6 @@ FENCE = re.compile(r"^```(\w*)\n(.*?)^```", re.MULTILINE | re.DOTALL)
 NOT_RUN = {
     "whirlmap identify": "a search of hours; tests/cli/test_cli_identify.py runs a small one",
     "whirlmap reproduce": "minutes of full quality; tests/studies runs a small one",
-    "whirlmap bench": "measures this machine, against peers that are not installed",
     "whirlmap map gear-psfd/machine": "120 000 points: an hour on 16 cores",
     "whirlmap map duffing --vary gamma=0.1:0.7:400": "120 000 points",
     "whirlmap map --status": "the store of a job array of SLURM",
@@ -101,4 +100,4 @@ def test_what_is_not_run_stands_on_a_page():
     found = [p.values[0] for p in (*python_blocks(), *commands())]
     assert len(found) > 40
     for start in (*NOT_RUN, *SLOW):
-        assert any(code.startswith(start) for code in found) or start == "whirlmap bench", start
+        assert any(code.startswith(start) for code in found), start

@@ -20,7 +20,7 @@ from whirlmap.equations import Model, Parameter, State, allowed, when
 from whirlmap.errors import ModelError
 from whirlmap.integrate.system import System
 
-EXPRESSIONS = 5 * int(os.environ.get("WHIRLMAP_MODELS", "6"))
+EXPRESSIONS = 3 * int(os.environ.get("WHIRLMAP_MODELS", "6"))
 DIGITS, POINTS, ROUNDINGS = 40, 12, 8
 
 x, y = State("x", "1", "x"), State("y", "1", "y")

@@ -40,9 +40,10 @@ def test_a_model_without_teeth_says_nothing_of_them():
     ],
 )  # fmt: skip
 def test_the_load_is_the_force_that_the_film_law_gives(case, switches):
-    """Every recorded load equals the reference film's force at the same journal and its velocity."""
+    """Some 2000 loads over a common period equal the reference film's force at the same journal and its velocity."""
     system = whirlmap.load(case, **switches)
     series = whirlmap.simulate(system, transient=5 * system.common_multiple, periods=system.common_multiple)
+    series = series.isel(time=slice(None, None, max(series.sizes["time"] // 2000, 1)))
     x, time = series["x"].values.T, series["time"].values
     rates = np.stack([system.rhs(t, column) for t, column in zip(time, x.T, strict=True)], axis=1)
     gears = "u1x" in system.states

@@ -82,6 +82,7 @@ def test_points_of_a_block_do_not_depend_on_its_other_sets():
     assert whole["regime"].shape == (6, len(PSI), 4)
 
 
+@pytest.mark.slow  # the same blocks by one process and by three; killed searches go on to the same bits in the quick suite
 def test_shares_together_are_the_whole(small, tmp_path):
     whole = Blocks(None)
     assert list(search((QUICK,), BRIEF, whole, sets=10)) == [
@@ -178,6 +179,7 @@ def test_a_killed_search_goes_on_to_the_same_bits(small, tmp_path):
         same(blocks[name], fresh[name])
 
 
+@pytest.mark.slow  # eight generations of eight sets
 def test_a_refinement_is_the_same_when_it_goes_on(small, tmp_path):
     store = tmp_path / "store"
     blocks = open_blocks(store, BRIEF.identity(), resume=False)

@@ -21,17 +21,24 @@ def client():
 
 
 def test_a_cluster_computes_the_same_bits(client, monkeypatch):
-    monkeypatch.setattr(identify, "BLOCK", 5)
+    monkeypatch.setattr(identify, "BLOCK", 3)
     monkeypatch.setattr(tasks, "PART", 2)
     here, there, points = Blocks(None), Blocks(None), []
-    names = list(search((QUICK,), BRIEF, here, sets=8))
+    names = list(search((QUICK,), BRIEF, here, sets=4))
     execution = Execution(cluster=client, progress=points.append)
-    assert sorted(search((QUICK,), BRIEF, there, sets=8, execution=execution)) == names
+    assert sorted(search((QUICK,), BRIEF, there, sets=4, execution=execution)) == names
     for name in names:
         same(there[name], here[name])
         assert there[name].sizes == here[name].sizes
-    assert sum(points) == 8 * BRIEF.points
+    assert sum(points) == 4 * BRIEF.points
     assert max(points) == 2 * BRIEF.points  # parts, not whole blocks
+
+
+@pytest.mark.slow  # two generations of a refinement, on a cluster and here
+def test_a_cluster_refines_to_the_same_bits(client):
+    here, there = Blocks(None), Blocks(None)
+    for blocks in (here, there):
+        list(search((QUICK,), BRIEF, blocks, sets=8))
     start = judged_so_far(there, QUICK, BRIEF)
     assert start is not None
     refined = [
