@@ -4,9 +4,14 @@ import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from whirlmap.cli.common import options
+import numpy as np
+
+from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.ranges import MOST_CLEARANCES, MOST_S
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
+from whirlmap.integrate.loading import load
+from whirlmap.sweep.speeds.safe_speeds import shaft_speed
+from whirlmap.units import read
 
 if TYPE_CHECKING:
     from whirlmap.integrate.system import System
@@ -19,8 +24,6 @@ def given(system: "System", name: str) -> float | None:
 
 
 def _read(text: str, unit: str, option: str) -> float:
-    from whirlmap.units import read
-
     try:
         return float(read(text, unit))
     except CaseError as error:
@@ -53,8 +56,6 @@ def limit_of(system: "System", text: str | None) -> float:
 
 def range_of(system: "System", text: str | None) -> tuple[float, float]:
     """The range in values of s."""
-    from whirlmap.sweep.speeds.safe_speeds import shaft_speed
-
     scale = shaft_speed(system)
     if text is None:
         low, high = given(system, "speed_min"), given(system, "speed_max")
@@ -89,7 +90,7 @@ def range_of(system: "System", text: str | None) -> tuple[float, float]:
 def tolerances_of(texts: Sequence[str] | None) -> dict[str, float]:
     """Half widths of ranges over their middle, by name."""
     found = {}
-    for name, text in options.assignments(texts, "--tolerance").items():
+    for name, text in assignments(texts, "--tolerance").items():
         try:
             half = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
         except ValueError:
@@ -104,10 +105,6 @@ def drawn_machines(
     system: "System", case: str, changes: dict[str, str], tolerances: dict[str, float], count: int, seed: int, limit: float
 ) -> tuple[list["System"], list[float]]:  # fmt: skip
     """Machines drawn evenly from the ranges of their inputs, and the limit of each in its own clearances."""
-    import numpy as np
-
-    from whirlmap.integrate.loading import load
-
     inputs = getattr(system.details, "inputs", None) or {}
     for name in tolerances:
         if name not in inputs and name not in system.parameters:

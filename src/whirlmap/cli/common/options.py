@@ -1,15 +1,9 @@
-"""Options that commands share, and how their text is read."""
+"""Options that commands share."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated
 
 import typer
-
-from whirlmap.errors import CaseError, InputError, RangeError
-
-if TYPE_CHECKING:
-    from whirlmap.integrate.system import System
 
 SYSTEM, COMPUTING, OUTPUT = "System", "Computing", "Output"
 
@@ -161,83 +155,3 @@ Tolerance = Annotated[
         rich_help_panel=COMPUTING,
     ),
 ]
-
-
-#: What the text of an option looks like, where it is not that of --set.
-EXAMPLES = {
-    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--tolerance": "--tolerance c=5%",
-    "--threshold": "--threshold s=0.5:4", "--draw": "--draw xi_m=normal:0.1:0.01",
-}  # fmt: skip
-
-
-def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
-    """Read ``name=value`` texts of a repeatable option.
-
-    Raises
-    ------
-    InputError
-        Where a text has another form, or a name is given two different values.
-    """
-    example = EXAMPLES.get(option, '--set gamma=0.3, --set "speed=1500 rpm"')
-    found: dict[str, str] = {}
-    for text in texts or ():
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise InputError(f"{option}: found {text!r}, expected name=value, as in {example}")
-        if found.setdefault(name, value) != value:
-            raise InputError(f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
-    return found
-
-
-def brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple[float, float]]:
-    """Read ``name=low:high`` texts of a repeatable option.
-
-    Raises
-    ------
-    InputError
-        Where a text has another form, or a name is given two different values.
-    RangeError
-        Where a low end is not below its high end.
-    """
-    found = {}
-    for name, text in assignments(texts, option).items():
-        try:
-            low, high = (float(part) for part in text.split(":"))
-        except ValueError:
-            raise InputError(f"{option}: found {name}={text}, expected name=low:high, as in {EXAMPLES[option]}") from None
-        if not low < high:
-            raise RangeError(f"{option}: found {name}={text}, but ranges ascend: swap the ends")
-        found[name] = (low, high)
-    return found
-
-
-def _in_states(system: "System", begin: dict[str, str]) -> dict[str, float | str]:
-    """Start values in the model's own numbers; what is no number with a unit stays text, for who says what is wrong."""
-    from whirlmap.cli.common.ranges import in_state
-    from whirlmap.units import split
-
-    made: dict[str, float | str] = dict(begin)
-    for name, text in begin.items():
-        try:
-            number, unit = split(text)
-        except CaseError:
-            continue
-        value = in_state(system, name, float(number), unit, "--start")
-        made[name] = value if unit else text
-    return made
-
-
-def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] | None) -> "System":
-    """Load a case with the changes and the start state of the command line; refuse an impossible start."""
-    changed, begin = assignments(changes, "--set"), assignments(start, "--start")
-    if "start" in changed:
-        raise InputError("--set: found start, expected a symbol or a switch; start values are given with --start")
-    from whirlmap.integrate.loading import load
-
-    given: dict[str, Any] = dict(changed)
-    system = load(case, start=_in_states(load(case, **given), begin) if begin else None, **given)
-    if system.start:
-        from whirlmap.sweep.attractors.start_states import refuse_start
-
-        refuse_start(system)
-    return system

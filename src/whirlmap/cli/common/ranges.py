@@ -2,15 +2,18 @@
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from whirlmap.cli.common import options
+from whirlmap.cli.common.assignments import assignments, brackets
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
+from whirlmap.integrate.dimensions import WRITTEN, Dimensions
+from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.units import factor, split
 
 if TYPE_CHECKING:
     from whirlmap.equations.quantities import Quantity
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.parameters.ranges import Range
 
 #: Plain values of s beyond this, of a machine whose s is a speed, were meant in rpm: no rotor runs at twenty times the speed
 #: that its frequencies are counted in.
@@ -30,9 +33,6 @@ def read_range(text: str, option: str = "--vary") -> tuple["Range", str]:
     RangeError
         Where the text has another form, or the ends have different units.
     """
-    from whirlmap.sweep.parameters.ranges import Range
-    from whirlmap.units import split
-
     name, equals, rest = (part.strip() for part in text.partition("="))
     parts = rest.split(":")
     try:
@@ -54,14 +54,14 @@ def read_brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple["
     Raises
     ------
     InputError, RangeError
-        As `options.brackets` and `read_range`.
+        As `brackets` and `read_range`.
     """
     found = {}
-    for name, text in options.assignments(texts, option).items():
+    for name, text in assignments(texts, option).items():
         try:
             found[name] = read_range(f"{name}={text}:2", option)
         except RangeError:
-            options.brackets([f"{name}={text}"], option)  # says what is wrong with it as a bracket
+            brackets([f"{name}={text}"], option)  # says what is wrong with it as a bracket
             raise
     return found
 
@@ -76,10 +76,6 @@ def in_parameters(system: "System", found: "Range", unit: str, option: str = "--
     RangeError
         A name that is no parameter, and no speed.
     """
-    from dataclasses import replace
-
-    from whirlmap.integrate.dimensions import Dimensions
-
     name, rotation = SPEED.get(found.name, found.name), float(Dimensions(system).worth("rotation"))
     if found.name in SPEED and not math.isfinite(rotation):
         name = found.name
@@ -98,8 +94,6 @@ def in_parameters(system: "System", found: "Range", unit: str, option: str = "--
 
 def in_states(system: "System", found: "Range", unit: str, option: str) -> "Range":
     """A range of start values in the model's own numbers; see `in_state`."""
-    from dataclasses import replace
-
     start, stop = (in_state(system, found.name, end, unit, option) for end in (found.start, found.stop))
     return replace(found, start=start, stop=stop)
 
@@ -112,8 +106,6 @@ def in_state(system: "System", name: str, value: float, unit: str, option: str) 
     InputError
         A unit that the state does not have; or none, where the number is no sensible one of clearances.
     """
-    from whirlmap.integrate.dimensions import Dimensions
-
     state = next((s for s in system.model.states if s.name == name), None)
     if state is None:
         return value
@@ -129,9 +121,6 @@ def in_state(system: "System", name: str, value: float, unit: str, option: str) 
 
 def _size_of(system: "System", quantity: "Quantity", unit: str, option: str) -> float:
     """How many of the model's own units of a quantity a unit is."""
-    from whirlmap.integrate.dimensions import WRITTEN, Dimensions
-    from whirlmap.units import factor
-
     measure, known = quantity.measure, quantity.measure in WRITTEN
     if (not known and quantity.unit == "1") or (known and not math.isfinite(Dimensions(system).worth(measure))):
         raise InputError(f"{option}: {quantity.name} has no dimension in {system.case}, found the unit {unit!r}")

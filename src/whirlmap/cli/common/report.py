@@ -7,9 +7,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from fractions import Fraction
-from itertools import product
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
@@ -21,7 +19,6 @@ if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
     from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.system import System
 
 #: Columns of a table that is piped into a file, where neither a terminal nor COLUMNS says how wide it is.
 WIDE = 160
@@ -29,7 +26,7 @@ WIDE = 160
 
 def console() -> "Console":
     """Return the console for standard output."""
-    from rich.console import Console
+    from rich.console import Console  # where JSON is printed it would be imported for nothing
 
     columns = os.environ.get("COLUMNS", "")
     width = None if sys.stdout.isatty() else int(columns) if columns.isdecimal() and int(columns) else WIDE
@@ -38,15 +35,13 @@ def console() -> "Console":
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()) -> Any:
     """Make a plain table; ``numbers`` are the columns that are set flush right."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
+    from rich import box, table, text
 
-    made = Table(title=Text(title, style="bold"), title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    made = table.Table(title=text.Text(title, style="bold"), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for i, column in enumerate(columns):
         made.add_column(column, justify="right" if i in numbers else "left", overflow="fold", no_wrap=i == 0)
     for row in rows:
-        made.add_row(*(Text(cell if isinstance(cell, str) else number(cell)) for cell in row))
+        made.add_row(*(text.Text(cell if isinstance(cell, str) else number(cell)) for cell in row))
     return made
 
 
@@ -133,25 +128,6 @@ def say_doubts(attributes: Mapping[Any, Any]) -> None:
         say(f"accuracy not met: {doubts}")
     if grazing := attributes.get("grazing"):
         say(f"grazing: {grazing}")
-
-
-def say_assumptions(system: "System", ends: Mapping[str, Sequence[float]] = MappingProxyType({})) -> list[str]:
-    """Say on standard error which assumptions of the model are strained, as `show` does, and return these texts.
-
-    ``ends`` are the first and the last value of every parameter that was swept: all their combinations count.
-    """
-    points: list[dict[str, Any]] = [dict(zip(ends, map(float, v), strict=True)) for v in product(*ends.values())]
-    return say_strains([system.replace(**at) for at in points])
-
-
-def say_strains(systems: Iterable["System"]) -> list[str]:
-    """Say on standard error which assumptions any of these systems strains, and return these texts."""
-    from whirlmap.assumptions.strained import repeated
-
-    texts = repeated(systems)
-    for text in texts:
-        say(f"assumption strained: {text}")
-    return texts
 
 
 def print_written(files: Sequence[Path]) -> None:
