@@ -175,8 +175,8 @@ def test_what_was_lowered_is_read_again_without_lowering(tmp_path):
 @pytest.mark.parametrize(
     ("file", "old", "new"),
     [
-        ("kernels/vector.py", "return number(_real(e))", "return number(_real(e) + 1)"),
-        ("kernels/formulas.py", "[normal_form(e) for e in", "[2 * normal_form(e) for e in"),
+        ("kernels/writing/vector.py", "return number(_real(e))", "return number(_real(e) + 1)"),
+        ("kernels/lowering/formulas.py", "[normal_form(e) for e in", "[2 * normal_form(e) for e in"),
         ("integrate/rescue.py", "[getattr(stop, field) for", "[-getattr(stop, field) for"),
         ("equations/identity.py", "Known = dict", "Known  = dict"),
     ],

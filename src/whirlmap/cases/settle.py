@@ -14,6 +14,8 @@ from dataclasses import dataclass, field
 from fractions import Fraction
 from typing import Any
 
+from sympy import sympify
+
 from whirlmap.cases import ways
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
@@ -372,6 +374,4 @@ class _Work:
 
 
 def _sympified(expression: Any) -> Any:
-    from sympy import sympify
-
     return sympify(expression)
