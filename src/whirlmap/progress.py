@@ -227,16 +227,14 @@ def _bar(most: bool) -> Any:
     """Bar of rich where there is a terminal or a notebook to show it in, else None."""
     if not sys.stderr.isatty() and "IPython" not in sys.modules:
         return None
-    from rich.console import Console
-    from rich.progress import BarColumn, TaskProgressColumn, TextColumn, TimeElapsedColumn
-    from rich.progress import Progress as Bar
+    from rich import console, progress
 
-    console = Console(stderr=True)
-    if not (console.is_terminal or console.is_jupyter):
+    to = console.Console(stderr=True)
+    if not (to.is_terminal or to.is_jupyter):
         return None
-    return Bar(
-        TextColumn("{task.description}"), BarColumn(), TaskProgressColumn(),
-        TextColumn("{task.fields[rate]}"), TimeElapsedColumn(),
-        TextColumn("left, at most" if most else "left"), TextColumn("{task.fields[left]}"),
-        console=console, transient=True,
+    return progress.Progress(
+        progress.TextColumn("{task.description}"), progress.BarColumn(), progress.TaskProgressColumn(),
+        progress.TextColumn("{task.fields[rate]}"), progress.TimeElapsedColumn(),
+        progress.TextColumn("left, at most" if most else "left"), progress.TextColumn("{task.fields[left]}"),
+        console=to, transient=True,
     )  # fmt: skip

@@ -205,7 +205,7 @@ def test_an_unreadable_case_file_is_named(tmp_path):
 @pytest.mark.parametrize("command", ["simulate duffing", "diagnose duffing", f"{VARY} gamma=0:1:9"])
 @pytest.mark.parametrize("place", ["here.nc", "here.png", "here"])
 def test_what_exists_is_refused_before_anything_is_computed(command, place, tmp_path, monkeypatch):
-    monkeypatch.setattr("whirlmap.cli.common.options.open_system", lambda *_: pytest.fail("too late"))
+    monkeypatch.setattr(f"whirlmap.cli.commands.{command.split()[0]}.open_system", lambda *_: pytest.fail("too late"))
     here = tmp_path / place
     if here.suffix:
         here.write_text("mine")

@@ -7,12 +7,12 @@ import subprocess
 import sys
 
 import pytest
-from typer.main import get_command
 from typer.testing import CliRunner
 
+from whirlmap.cli import main
 from whirlmap.cli.main import app
 
-COMMANDS = get_command(app).commands
+COMMANDS = {name: main.loaded(name) for name in main.COMMANDS}
 
 #: The least work with which each command prints its JSON; reproduce, identify and bench have tests of their own.
 SMALL = {
@@ -53,6 +53,12 @@ KEYS = {
 
 def run(line, **more):
     return CliRunner(env={"COLUMNS": "80"}, **more).invoke(app, shlex.split(line))
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_the_list_says_what_the_command_says(name):
+    """The line of the list stands beside the name, for the command is not imported for it."""
+    assert " ".join(COMMANDS[name].help.partition("\n\n")[0].split()) == main.COMMANDS[name]
 
 
 @pytest.mark.parametrize("name", COMMANDS)

@@ -169,7 +169,7 @@ def reproduction(monkeypatch, tmp_path):
         verdicts = {"machine": {"fig2": {"verdict": "reproduced", "found": "1T"}}}
         return {"report": tmp_path / "report.html", "figures": [], "verdicts": verdicts}
 
-    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduction.reproduce.reproduce", study)
+    monkeypatch.setattr("whirlmap.cli.commands.reproduce.run", study)
     return asked
 
 
@@ -188,6 +188,6 @@ def test_an_interrupted_reproduction_says_where_its_parts_are(reproduction, monk
     def study(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr("whirlmap.studies.gear_psfd.reproduction.reproduce.reproduce", study)
+    monkeypatch.setattr("whirlmap.cli.commands.reproduce.run", study)
     result = CliRunner().invoke(app, ["reproduce"])
     assert result.exit_code == 130 and "reproduction" in result.stderr and result.stdout == ""

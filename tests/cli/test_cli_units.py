@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.cli.common import figures_of_commands as pictures
+from whirlmap.cli.common import pictures
 from whirlmap.cli.main import app
 from whirlmap.results.signals import read_column
 

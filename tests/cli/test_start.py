@@ -21,9 +21,9 @@ finally:
 """
 
 
-def imported(folder, command):
+def imported(folder, command, program=CODE):
     environment = {**os.environ, "WHIRLMAP_CACHE": str(folder)}
-    done = subprocess.run([sys.executable, "-c", CODE, *command.split()], env=environment, capture_output=True, text=True)
+    done = subprocess.run([sys.executable, "-c", program, *command.split()], env=environment, capture_output=True, text=True)
     assert done.returncode == 0, done.stderr
     return done.stderr.splitlines()[-1].split()
 
@@ -51,3 +51,10 @@ def test_a_warm_start_imports_nothing_that_it_does_not_need(command, kernels):
 def test_a_dataset_is_made_where_it_is_written(kernels, tmp_path):
     """What the test above looks for can be seen."""
     assert "xarray" in imported(kernels, f"diagnose duffing --set gamma=0.29 --quiet --out {tmp_path / 'd.nc'}")
+
+
+@pytest.mark.parametrize("command", ["--help", "--version"])
+def test_the_list_of_commands_imports_no_command(command, tmp_path):
+    program = f"{CODE}    print(*(n for n in sys.modules if n == 'sympy' or '.cli.commands.' in n), file=sys.stderr)"
+    assert imported(tmp_path, command, program) == []
+    assert "whirlmap.cli.commands.cases" in imported(tmp_path, "cases", program)

@@ -1,5 +1,6 @@
 """Writing: complete or not at all, and never over what exists unless told so."""
 
+import errno
 import stat
 
 import numpy as np
@@ -7,7 +8,7 @@ import pytest
 import xarray as xr
 
 from whirlmap.errors import OutputError
-from whirlmap.results.files import Places, check_writable, places, read, replace_file, write
+from whirlmap.results.files import Places, check_writable, places, read, replace_file, write, write_beside
 from whirlmap.results.provenance import Pieces, provenance
 
 
@@ -145,3 +146,17 @@ def test_reading_what_is_no_dataset(tmp_path):
     (tmp_path / "text.nc").write_text("not NetCDF")
     with pytest.raises(OutputError, match=r"cannot be read as NetCDF"):
         read(tmp_path / "text.nc")
+
+
+@pytest.mark.parametrize("whole", [True, False])
+def test_a_folder_appears_whole_or_not_at_all(whole, tmp_path):
+    def fill(trial):
+        (trial / "inside").mkdir(parents=True)
+        if not whole:
+            raise OSError(errno.ENOSPC, "full")
+
+    try:
+        write_beside(tmp_path / "store", fill)
+    except OSError as error:
+        assert not whole and error.errno == errno.ENOSPC
+    assert [p.name for p in tmp_path.iterdir()] == (["store"] if whole else [])

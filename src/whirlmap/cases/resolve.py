@@ -16,6 +16,8 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from typing import Any
 
+from sympy import sympify
+
 from whirlmap.cases import alternatives
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
@@ -402,6 +404,4 @@ class _Work:
 
 
 def _sympified(expression: Any) -> Any:
-    from sympy import sympify
-
     return sympify(expression)

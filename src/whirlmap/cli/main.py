@@ -6,40 +6,52 @@ Exit codes: 0 done, 1 a check failed, 2 the input was wrong, 130 interrupted.
 import sys
 import warnings
 from collections.abc import Sequence
+from functools import cache, wraps
+from importlib import import_module
 from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
-from whirlmap.cli.commands import (
-    attractors,
-    basins,
-    bench,
-    bifurcation,
-    cache,
-    campbell,
-    cases,
-    diagnose,
-    identify,
-    improve,
-    linear,
-    map,  # noqa: A004
-    new,
-    reproduce,
-    show,
-    simulate,
-    speeds,
-)
 from whirlmap.cli.common import interrupts
 from whirlmap.cli.common.former_options import with_new_spellings
 from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
 from whirlmap.errors import WhirlmapError
 from whirlmap.results.files import WRITTEN
 
+#: The commands, with what the program's own help says of each. Options and help are in `whirlmap.cli.declared`, which is
+#: quickly read; what it does is in `whirlmap.cli.commands`, imported when it runs, with all that it computes by.
+COMMANDS = {
+    "cases": "List the stock cases: named sets of parameters, each number with its source.",
+    "show": "Print every symbol of CASE with its value, unit, meaning and source.",
+    "new": "Write a template of a machine: every input with its unit and meaning, filled with the numbers of another one.",
+    "simulate": "Integrate one operating point of CASE and report the range of each state and output.",
+    "diagnose": "Diagnose the regime of one operating point of CASE, with the evidence.",
+    "linear": "Linearise CASE about its static equilibrium, with all forcing off.",
+    "campbell": "Compute the damped frequencies of CASE against a parameter, and the critical speeds at which order"
+    " lines cross them.",
+    "bifurcation": "Sweep one parameter of CASE and label the regime of every point.",
+    "map": "Label the regime of every point of a grid over parameters of CASE.",
+    "speeds": "Find the windows of speed in which CASE runs periodically and within a limit of vibration.",
+    "improve": "Compare values of one or two design parameters of CASE by the safe speeds that they give.",
+    "attractors": "Find the attractors that coexist at one operating point of CASE, and the share of the starts that"
+    " lead to each.",
+    "basins": "Colour a two-dimensional slice of start states of CASE by the attractor that each leads to.",
+    "reproduce": "Draw Figures 2 to 7 of the paper and judge each of its claims.",
+    "identify": "Judge the paper's claims for every plausible set of its unpublished parameters.",
+    "cache": "Show the folder of compiled kernels, its size and what kernels are compiled for, or clear it.",
+    "bench": "Compare the speed of whirlmap with heyoka, SciPy and plain C on the gear pair, on one core, at equal error.",
+}
+
 
 class Program(TyperGroup):
     """The group of commands; turns errors of the user into one message and an exit code."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
+        """Find the command that is called, and import it."""
+        name, found, rest = super().resolve_command(ctx, args)
+        return name, loaded(name) if name else found, rest
 
     def main(
         self,
@@ -136,12 +148,28 @@ def program(
         typer.echo(context.get_help())
 
 
-for module in (
-    cases, show, new, simulate, diagnose, linear, campbell, bifurcation, map, speeds, improve, attractors, basins, reproduce,
-    identify, cache, bench,
-):  # fmt: skip
-    name = module.__name__.rpartition(".")[2]
-    app.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(getattr(module, name))
+def _listed() -> None:
+    """Stand for a command in the list of them, until it is called."""
+
+
+for name, line in COMMANDS.items():
+    app.command(name, short_help=line)(_listed)
+
+
+@cache
+def loaded(name: str) -> Any:
+    """Import the options and the help of a command; what it computes by is imported when it runs."""
+    module = import_module(f"whirlmap.cli.declared.{name}")
+    declared = getattr(module, name)
+
+    @wraps(declared)
+    def command(**given: Any) -> None:
+        whole = getattr(declared, "whole", dict)(**given)  # see `options.computing`
+        getattr(import_module(f"whirlmap.cli.commands.{name}"), name)(**whole)
+
+    alone = typer.Typer(add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False)
+    alone.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(command)
+    return typer.main.get_command(alone)
 
 
 def run() -> None:

@@ -14,18 +14,21 @@ import hashlib
 import json
 import os
 import platform as machine
-import threading
 import warnings
 from collections.abc import Callable
-from contextlib import suppress
 from functools import cache
 from importlib.resources import files
 from importlib.resources.abc import Traversable
 from pathlib import Path
 from typing import TypeVar
 
+import numpy
+from platformdirs import user_cache_path
+
 from whirlmap.errors import CacheError
 from whirlmap.progress import compiling
+from whirlmap.results.files import reason, write_beside
+from whirlmap.version import __version__
 
 Data = TypeVar("Data")
 
@@ -39,7 +42,6 @@ def folder() -> Path:
     chosen = os.environ.get("WHIRLMAP_CACHE")
     if chosen:
         return Path(chosen).expanduser()
-    from platformdirs import user_cache_path
 
     return user_cache_path("whirlmap") / "kernels"
 
@@ -114,10 +116,6 @@ def _written_by() -> str:
 @cache
 def source_of(parts: tuple[str, ...]) -> str:
     """Hash of the source of some parts of the package, and of the versions of this package, NumPy and Python."""
-    import numpy
-
-    from whirlmap.version import __version__
-
     digest = hashlib.sha256(f"{__version__} numpy {numpy.__version__} {machine.python_version()}".encode())
     for part in parts:
         for name, text in _sources(files("whirlmap").joinpath(part), part):
@@ -168,27 +166,23 @@ def remembered(question: str, answer: Callable[[], Data], sound: Callable[[Data]
 
 
 @cache
-def _warn_once(place: Path, reason: str) -> None:
+def _warn_once(place: Path, why: str) -> None:
     warnings.warn(
-        f"compiled kernels are not kept, and every run compiles anew: {place} cannot be written ({reason});"
+        f"compiled kernels are not kept, and every run compiles anew: {place} cannot be written ({why});"
         " set WHIRLMAP_CACHE to a folder that can",
         stacklevel=2,
     )
 
 
 def _write(path: Path, data: bytes) -> None:
-    part = path.with_suffix(f".{os.getpid()}.{threading.get_ident()}.part")  # two threads may write the same entry
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        part.write_bytes(data)
-        part.replace(path)
+        write_beside(path, lambda trial: trial.write_bytes(data))
     except OSError as error:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)  # what a full disk has taken of it
         if not os.environ.get("WHIRLMAP_CACHE"):
-            _warn_once(path.parent, error.strerror or str(error))
+            _warn_once(path.parent, reason(error))
             return
         raise CacheError(
-            f"the folder of compiled kernels cannot be written: {path.parent}: {error.strerror or error}\n"
+            f"the folder of compiled kernels cannot be written: {path.parent}: {reason(error)}\n"
             "  set WHIRLMAP_CACHE to a folder that can"
         ) from error

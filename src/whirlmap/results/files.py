@@ -8,7 +8,9 @@ import errno
 import os
 import shutil
 import tempfile
+import threading
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -154,21 +156,44 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
         As `check_writable`, or the disk refuses; `DiskFullError` where it has no room.
     """
     check_writable(path, force=force)
-    trial = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        write_beside(path, fill, _replace if force else _claim)
+    except OSError as error:
+        raise _fault(error)(f"{path}: cannot be written ({reason(error)})") from error
+    WRITTEN.append(path)
+    return path
+
+
+def _replace(trial: Path, path: Path) -> None:
+    trial.replace(path)
+
+
+def write_beside(
+    path: Path, fill: Callable[[Path], object], place: Callable[[Path, Path], object] = _replace, trial: Path | None = None
+) -> None:
+    """Have ``fill(trial)`` write a file or a folder beside its place, then ``place(trial, path)`` give it its name.
+
+    Whatever whirlmap writes appears so, whole or not at all. Where ``trial`` is absent its name is that of this process and
+    thread, for several may write the same file, with the suffix of ``path``. What is left under it is removed whatever
+    happens; what the operating system says is for the caller to answer.
+    """
+    trial = trial or path.with_name(f".{path.stem}.{os.getpid()}.{threading.get_ident()}.part{path.suffix}")
     UNFINISHED.add(trial)
     try:
         fill(trial)
-        if force:
-            trial.replace(path)
-        else:
-            _claim(trial, path)
-    except OSError as error:
-        raise _fault(error)(f"{path}: cannot be written ({reason(error)})") from error
+        place(trial, path)
     finally:
-        trial.unlink(missing_ok=True)
+        drop(trial)
         UNFINISHED.discard(trial)
-    WRITTEN.append(path)
-    return path
+
+
+def drop(path: Path) -> None:
+    """Remove a file or a folder, where there is one."""
+    if path.is_dir():
+        shutil.rmtree(path, ignore_errors=True)
+    else:
+        with suppress(OSError):
+            path.unlink(missing_ok=True)
 
 
 def _fault(error: OSError) -> type[OutputError]:

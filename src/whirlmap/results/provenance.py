@@ -16,6 +16,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from whirlmap.version import __version__
+
 #: Attributes whose value differs between two runs of the same thing.
 PASSING = ("date", "command")
 
@@ -126,7 +128,6 @@ def package_version(package: str) -> str:
     except PackageNotFoundError:
         if package != "whirlmap":
             return "not installed"
-        from whirlmap.version import __version__
 
         return __version__
 

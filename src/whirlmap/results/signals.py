@@ -8,6 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.errors import InputError
+from whirlmap.recordings.clock import find_clock
+from whirlmap.recordings.open_table import open_table
+from whirlmap.recordings.signal import read_signal
 from whirlmap.results.files import replace_file
 
 if TYPE_CHECKING:
@@ -22,8 +25,6 @@ def read_column(path: str | Path, column: str | None = None) -> NDArray[np.float
     InputError
         The file or the column cannot be read; the line is named.
     """
-    from whirlmap.recordings.signal import read_signal
-
     return read_signal(path, column=column, time="none").values
 
 
@@ -35,10 +36,6 @@ def rate_of(path: str | Path) -> float:
     InputError
         There are none, or they do not ascend by equal steps.
     """
-    from whirlmap.recordings.clock import find_clock
-    from whirlmap.recordings.open_table import open_table
-    from whirlmap.recordings.signal import read_signal
-
     with closing(open_table(path)) as table:
         clock = find_clock(table, None)
     if clock is None:

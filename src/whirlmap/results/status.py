@@ -2,6 +2,8 @@
 
 from enum import IntEnum
 
+import numpy as np
+
 
 class Status(IntEnum):
     """Status of one operating point; the sentence of each is shown to people."""
@@ -33,8 +35,6 @@ SENTENCES = {
 
 def flags(kind: type[IntEnum]) -> dict[str, object]:
     """CF attributes of an integer variable that holds members of an enumeration."""
-    import numpy as np
-
     return {
         "flag_values": np.array([int(k) for k in kind], dtype=np.int8),
         "flag_meanings": " ".join(k.name for k in kind),

@@ -73,7 +73,7 @@ def test_the_table_is_in_rpm_and_hz():
 
 
 def test_the_picture_is_in_rpm_and_hz():
-    from whirlmap.cli.common import figures_of_commands as pictures
+    from whirlmap.cli.common import pictures
 
     system = whirlmap.load("machines/jeffcott-rig")
     ds = whirlmap.in_units(system, campbell(system, "s", np.linspace(0.3, 2, 9)))

@@ -7,6 +7,7 @@ from typing import Any, Unpack, cast
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
+from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
@@ -77,8 +78,6 @@ def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
 
 def _follow_defaults(system: System, columns: Mapping[str, Array], values: Array) -> None:
     """Values of parameters whose default is an expression of varied ones."""
-    from sympy import sympify
-
     for parameter, rule in system.model.defaults.items():
         follows = {q.name for q in sympify(rule).free_symbols} & set(columns)
         if follows and system.notes.get(parameter.name, "").startswith("default"):

@@ -1,80 +1,46 @@
 """``whirlmap attractors``: coexisting attractors at one operating point, and the share of starts that lead to each."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import options, report
+from whirlmap.analysis.labels.votes import Vote
+from whirlmap.cli.common import pictures, report
+from whirlmap.cli.common.assignments import ranges
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.options.computed import LABELLING, Labelling
-from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.in_units import shown_in
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
+from whirlmap.results.memory import refuse_points
+from whirlmap.results.regime import Regime
+from whirlmap.sweep.attractors.attractors import attractors as find
+from whirlmap.sweep.diagrams.in_batches import expected_periods
+from whirlmap.sweep.parameters.own_units import in_states
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.dimensions import Dimensions
-
-STARTS = "Start states"
 
 #: Keys of the numbers of an attractor that have a unit.
 MEASURED = ("lyapunov", "lyapunov_error", "peak_to_peak", "units")
 
-EXAMPLES = (
-    "whirlmap attractors duffing --set gamma=0.2",
-    "whirlmap attractors duffing --set gamma=0.2 --starts 2000 --box x=-2:2 --box v=-2:2 --out duffing.png",
-    "whirlmap attractors gear_backlash --set Omega=1.0 --set F_ah=0.2 --set zeta=0.05 --box x=-3:3 --box v=-2:2",
-)
 
-
-@options.computing(*options.LABELS, lyapunov=options.MeasuredLyapunov)
 def attractors(
-    case: options.CaseName,
-    starts: Annotated[
-        int,
-        typer.Option("--starts", metavar="N", min=1, rich_help_panel=STARTS, help="Start states drawn at random."),
-    ] = 256,
-    box: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--box", metavar="STATE=LOW:HIGH", rich_help_panel=STARTS,
-            help="Range from which a state's starts are drawn, of a case with dimensions also 'y=-20 um:20 um'; may be"
-            " repeated, and the other states keep their start value. Without it all states are drawn from twice the range of"
-            " the motion from the default start.",
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=STARTS, help="Seed of the starts.")] = 0,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str, starts: int, box: list[str] | None, seed: int, changes: list[str] | None, start: list[str] | None,
+    labelling: Labelling, execution: Execution, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
+    title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Find the attractors that coexist at one operating point of CASE, and the share of the starts that lead to each.
-
-    Starts that end in contact, diverge, or stay undecided are counted as such, and belong to no attractor. The picture
-    shows the start states in the colour of their attractor, with its section points.
-    """
-    brackets = options.ranges(box, "--box")
+    """Do what `whirlmap.cli.declared.attractors` says."""
+    boxed = ranges(box, "--box")
     destination = claim(out, "attractors", force=force, size=size, dpi=dpi, title=title)
-    system = options.open_system(case, changes, start)
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.results.memory import refuse_points
-    from whirlmap.sweep.attractors.attractors import attractors as find
-    from whirlmap.sweep.diagrams.in_batches import expected_periods
-    from whirlmap.sweep.parameters.own_units import in_states
+    system = open_system(case, changes, start)
 
-    ranges = [in_states(system, one, "--box") for one in brackets.values()]
-    boxes = {one.name: (one.start, one.stop) for one in ranges}
+    boxes = {one.name: (one.start, one.stop) for one in (in_states(system, one, "--box") for one in boxed.values())}
     refuse_points([starts])
     expected = expected_periods(system, starts, labelling.settling)
     with Progress("attractors", expected, quiet=quiet, points=starts) as progress:
@@ -99,17 +65,12 @@ def attractors(
 
 def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what a search found, attractor by attractor; in ``dimensional`` in these units, where they are others."""
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import shown_in
-
     own, shown = _summary(Dimensions(units.system, own=True), ds), _summary(units, shown_in(units, ds))
     there = {"attractors": [{key: one[key] for key in MEASURED} for one in shown["attractors"]]}
     return report.beside(own, there, ("attractors",), units)
 
 
 def _summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
-    from whirlmap.results.regime import Regime
-
     system, rate = units.system, units.of("rate").unit
     names_of = [str(q) for q in ds["quantity"].values] if "quantity" in ds.coords else []
     said: dict[str, Any] = dict.fromkeys(("lyapunov", "lyapunov_error"), rate)
@@ -153,8 +114,6 @@ def _votes(one: "xr.Dataset") -> Any:
 
 
 def _vote(vote: Any) -> str:
-    from whirlmap.analysis.labels.votes import Vote
-
     return Vote(int(vote)).name
 
 

@@ -2,102 +2,59 @@
 
 from collections import Counter
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import options, report
+from whirlmap.cli.common import pictures, report
+from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.messages import choice
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.states_shown import swing_of
+from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import RangeError, nearest
-from whirlmap.options.computed import LABELLING, Labelling
-from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.in_units import shown_in
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
+from whirlmap.results.memory import refuse_memory
+from whirlmap.results.regime import Regime
+from whirlmap.results.status import Status
+from whirlmap.sweep.diagrams.hysteresis import intervals
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
+from whirlmap.sweep.parameters.axis import Axis, is_input
+from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
+from whirlmap.sweep.parameters.ranges import Range
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
-SWEEP = "Sweep"
 
 #: Keys of the numbers of a sweep that have a unit.
 MEASURED = ("lyapunov", "lyapunov_error", "end_time", "peak_to_peak", "units")
 WAYS = ("up", "down", "both")
 
-EXAMPLES = (
-    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out gamma.png",
-    "whirlmap bifurcation duffing --vary gamma=0.2:0.5:99 --follow both",
-    "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out figure4",
-    "whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp",
-)
 
-
-@options.computing("keep", *options.LABELS)
 def bifurcation(
-    case: options.CaseName,
-    vary: Annotated[
-        str,
-        typer.Option(
-            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
-            help="Parameter and range, ascending: s=0.3:4:600, or psi=1e-5:1:50:log; of a case with dimensions also"
-            ' "speed=500 rpm:6000 rpm:200", or another input, c=40um:80um:50, whose groups all follow.',
-        ),
-    ],
-    follow: Annotated[
-        str | None,
-        typer.Option(
-            "--follow", metavar="up|down|both", rich_help_panel=SWEEP,
-            help="Carry the state from each point to the next; both shows hysteresis."
-            " Without it each point starts cold.",
-        ),
-    ] = None,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    plot: Annotated[
-        str | None,
-        typer.Option(
-            "--plot", metavar="STATE,...", rich_help_panel=options.OUTPUT,
-            help="States in the picture and, with their section, in the data, separated by commas; the displacements of"
-            " the model where absent.",
-        ),
-    ] = None,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str, vary: str, follow: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling,
+    execution: Execution, plot: str | None, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
+    title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Sweep one parameter of CASE and label the regime of every point.
-
-    Each point is integrated until its section returns, and gives its Poincaré section once per T. Ctrl-C keeps the
-    points that are finished: they are reported and written, marked as incomplete. A case with dimensions is shown in um,
-    mm/s, N, rpm and 1/s.
-    """
-    from whirlmap.sweep.parameters.axis import Axis, is_input
-    from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
-    from whirlmap.sweep.parameters.ranges import Range
-
+    """Do what `whirlmap.cli.declared.bifurcation` says."""
     swept = Range.parse(vary)
     if follow is not None:
         choice("--follow", follow, WAYS)
     destination = claim(out, "bifurcation", force=force, size=size, dpi=dpi, title=title)
-    system = options.open_system(case, changes, start)
-    refuse_twice(system, set(options.assignments(changes, "--set")), swept)
+    system = open_system(case, changes, start)
+    refuse_twice(system, set(assignments(changes, "--set")), swept)
     axis = Axis.of(system, swept.name, swept, "--vary")
     name, units_of_inputs = axis.name, {axis.name: axis.unit} if is_input(system, swept.name) else {}
     states = _states(system, plot)
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.results.memory import refuse_memory
-    from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
 
     total = swept.count * (2 if follow == "both" else 1)
     refuse_memory("the diagram", 2 * total * labelling.settling.keep * len(states))  # at least, and before it is made
@@ -114,7 +71,7 @@ def bifurcation(
     report.say_doubts(work.dataset.attrs)
     small = work.dataset.drop_vars("section")  # which would be in memory twice
     facts = summary(units, shown_in(units, small), name)
-    assumptions = report.say_assumptions(system, {name: axis.values[[0, -1]]}, units_of_inputs)
+    assumptions = say_assumptions(system, {name: axis.values[[0, -1]]}, units_of_inputs)
     if json:
         own = {**summary(Dimensions(system, own=True), work.dataset, name), "assumptions": assumptions}
         there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
@@ -132,7 +89,7 @@ def bifurcation(
 
 def _states(system: "System", plot: str | None) -> list[str]:
     if plot is None:
-        return pictures.swing_of(system)
+        return swing_of(system)
     states = [name.strip() for name in plot.split(",") if name.strip()]
     for name in states or [plot]:
         if name not in system.states:
@@ -145,8 +102,6 @@ def _states(system: "System", plot: str | None) -> list[str]:
 
 def summary(units: "Dimensions", ds: "xr.Dataset", parameter: str) -> dict[str, Any]:
     """Say what a diagram holds, which is in these units, every sweep point by point."""
-    from whirlmap.sweep.diagrams.hysteresis import intervals
-
     system, unit = units.system, ds[parameter].attrs["units"]
     sweeps = [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]
     return {
@@ -164,9 +119,6 @@ def summary(units: "Dimensions", ds: "xr.Dataset", parameter: str) -> dict[str, 
 
 
 def _sweep(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
-    from whirlmap.results.regime import Regime
-    from whirlmap.results.status import Status
-
     return {
         "direction": str(ds["direction"].values) if "direction" in ds.coords else None,
         "regime": [Regime(int(r)).label for r in ds["regime"].values],

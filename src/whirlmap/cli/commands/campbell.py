@@ -1,65 +1,45 @@
 """``whirlmap campbell``: damped frequencies, order lines and critical speeds."""
 
 import math
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from whirlmap.analysis.linear.campbell import campbell as compute
+from whirlmap.analysis.linear.linearisation import NotLinearError
+from whirlmap.analysis.linear.mode_shapes import WHIRL
 from whirlmap.cli.commands.linear import instead
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import options, report
+from whirlmap.cli.common import pictures, report
+from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.messages import say
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
+from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.in_units import shown_in
+from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
+from whirlmap.sweep.parameters.ranges import Range
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.parameters.ranges import Range
 
-EXAMPLES = (
-    "whirlmap campbell jeffcott --vary s=0.3:5:100 --out campbell.png",
-    'whirlmap campbell machines/turbo-gearbox --vary "speed=3000 rpm:12000 rpm:200" --json',
-)
 
 CURVES = ("frequency", "growth", "damping_ratio", "whirl", "line", "status")
 
 
 def campbell(
-    case: options.CaseName,
-    vary: Annotated[
-        str,
-        typer.Option(
-            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel="Sweep",
-            help='Parameter and range, ascending, as a rule the speed: s=0.3:5:100, or "speed=500 rpm:6000 rpm:100".',
-        ),
-    ],
-    changes: options.Changes = None,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
+    *, case: str, vary: str, changes: list[str] | None, dimensionless: bool, out: Path | None, size: str | None,
+    dpi: int | None, title: str | None, force: bool, json: bool,
 ) -> None:  # fmt: skip
-    """Compute the damped frequencies of CASE against a parameter, and the critical speeds at which order lines cross them.
-
-    Each mode has the name of the part that moves most in it and its sense of whirl, and the shape: how far every part moves
-    over that one. A case with dimensions is shown in rpm and Hz.
-    """
-    from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
-    from whirlmap.sweep.parameters.ranges import Range
-
+    """Do what `whirlmap.cli.declared.campbell` says."""
     swept = Range.parse(vary)
     destination = claim(out, "campbell", force=force, size=size, dpi=dpi, title=title)
-    system = options.open_system(case, changes, None)
-    refuse_twice(system, set(options.assignments(changes, "--set")), swept)
+    system = open_system(case, changes, None)
+    refuse_twice(system, set(assignments(changes, "--set")), swept)
     swept = in_parameters(system, swept)
-    from whirlmap.analysis.linear.campbell import campbell as compute
-    from whirlmap.analysis.linear.linearisation import NotLinearError
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import shown_in
 
     try:
         ds = compute(system, swept.name, swept.values)
@@ -75,7 +55,7 @@ def campbell(
     if missing:
         say(f"no static equilibrium was found at {missing} of {swept.count} values: they are left out")
     facts = summary(system, ds, swept.name)
-    facts["assumptions"] = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
+    facts["assumptions"] = say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
         if shown is not ds:
             facts["dimensional"] = dimensional(shown, swept.name)
@@ -87,7 +67,7 @@ def campbell(
 
 def _say_why_none(system: "System", swept: "Range", note: str, *, json: bool) -> None:
     """Answer for a machine whose small motions are not those of a linear system."""
-    assumptions = report.say_assumptions(system, {swept.name: (swept.start, swept.stop)})
+    assumptions = say_assumptions(system, {swept.name: (swept.start, swept.stop)})
     if json:
         empty: dict[str, Any] = {key: [] for key in (*CURVES, "clocks", "modes", "bodies", "shapes", "critical", "files")}
         report.print_json({
@@ -122,8 +102,6 @@ def dimensional(ds: "xr.Dataset", name: str) -> dict[str, Any]:
 
 
 def _critical(ds: "xr.Dataset") -> list[dict[str, Any]]:
-    from whirlmap.analysis.linear.mode_shapes import WHIRL
-
     return [
         {
             "value": float(one["critical"]), "clock": str(one["critical_clock"].values),

@@ -1,21 +1,13 @@
 """``whirlmap cases``: the stock cases, with a line on each."""
 
-from whirlmap.cli.common import options, report
-
-EXAMPLES = (
-    "whirlmap cases",
-    "whirlmap cases --json",
-)
+from whirlmap.cases.case import names, read
+from whirlmap.cli.common import report
 
 
-def cases(json: options.Json = False) -> None:
-    """List the stock cases: named sets of parameters, each number with its source.
-
-    Every other command takes one of these names, or the path of a case file of your own. `whirlmap show CASE`
-    prints all that is in a case.
-    """
-    from whirlmap.cases.case import names, read
-
+def cases(
+    *, json: bool,
+) -> None:  # fmt: skip
+    """Do what `whirlmap.cli.declared.cases` says."""
     found = [read(name) for name in names()]
     if json:
         report.print_json({"cases": [{"name": c.name, "model": c.family.name, "description": c.description} for c in found]})

@@ -1,104 +1,49 @@
 """``whirlmap diagnose``: the regime of one operating point, with all indicators."""
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import Any
 
 import typer
 
-from whirlmap.cli.commands import diagnose_file as recorded
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import options, report
+from whirlmap.analysis.diagnosis.diagnosis import RUNS
+from whirlmap.analysis.diagnosis.diagnosis import diagnose as measure
+from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
+from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common import series_options as signals
+from whirlmap.cli.common.opening import open_system
+from whirlmap.cli.common.options import INTEGRATION
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import InputError
-from whirlmap.options.computed import LABELLING, Labelling
-from whirlmap.options.execution import EXECUTION, Execution
-
-if TYPE_CHECKING:
-    from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.system import LONGEST
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
 
 #: Keys of the numbers per unit of time.
 RATES = ("lyapunov", "lyapunov_error", "divergence", "divergence_error", "phase_exponent", "growth_rate")
 
-EXAMPLES = (
-    "whirlmap diagnose duffing --set gamma=0.29",
-    "whirlmap diagnose gear-psfd/intended --set s=3.27 --set psi=1e-4 --json",
-    'whirlmap diagnose gear-psfd/machine --set "speed=1500 rpm" --out sheet.png',
-    "whirlmap diagnose --series run7.csv --column y --rate 25600 --out run7.png",
-    'whirlmap diagnose --series run7.csv --column y --speed "1480 rpm" --teeth 23',
-)
 
-
-@options.computing(*options.LABELS)
 def diagnose(
-    case: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="CASE",
-            help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml."
-            " Left out with --series.",
-        ),
-    ] = None,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    exponents: Annotated[
-        int | None,
-        typer.Option(
-            "--exponents", metavar="N", rich_help_panel=options.COMPUTING,
-            help="Number of Lyapunov exponents, largest first; 4 where absent.",
-        ),
-    ] = None,
-    max_periods: Annotated[
-        int,
-        typer.Option(
-            "--max-periods", metavar="N", min=32, max=100_000_000, rich_help_panel=options.COMPUTING,
-            help="T after which the exponents stop, whatever their error.",
-        ),
-    ] = 16384,
-    points: Annotated[
-        int,
-        typer.Option(
-            "--section-points", metavar="N", min=1, max=100_000_000, rich_help_panel=options.COMPUTING,
-            help="Section points of the correlation dimension, where the motion does not return.",
-        ),
-    ] = 5000,
-    series: signals.File = None,
-    column: signals.Column = None,
-    time: signals.Time = None,
-    rate: signals.Rate = None,
-    separator: signals.Separator = None,
-    decimal: signals.Decimal = None,
-    skip: signals.Skip = 0,
-    missing: signals.Missing = None,
-    window: signals.Window = None,
-    speed: signals.Speed = None,
-    teeth: signals.Teeth = None,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling, execution: Execution,
+    exponents: int | None, max_periods: int, points: int, series: Path | None, column: str | None, time: str | None,
+    rate: str | None, separator: str | None, decimal: str | None, skip: int, missing: list[str] | None, window: str | None,
+    speed: str | None, teeth: int | None, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
+    title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Diagnose the regime of one operating point of CASE, with the evidence.
-
-    Many start states are integrated until their section returns. Lyapunov exponents and, where the motion does
-    not return, its correlation dimension and spectrum are the evidence; where it does not agree, the motion
-    is undecided. A recorded signal has no equations: delay embedding, exponents of neighbours, dimension, 0-1
-    test and spectrum are its evidence.
-    """
+    """Do what `whirlmap.cli.declared.diagnose` says."""
     if series is not None:
         given = {"CASE": case, "--set": changes, "--start": start, "--exponents": exponents,
-                 **{f"--{name}": getattr(labelling.integration, name) for name in options.INTEGRATION}}  # fmt: skip
+                 **{f"--{name}": getattr(labelling.integration, name) for name in INTEGRATION}}  # fmt: skip
         for name, value in given.items():
             if value:
                 raise InputError(f"{name}: found it beside --series, which diagnoses a signal without equations")
-        recorded.diagnose_file(
+        from whirlmap.cli.commands.diagnose_file import diagnose_file  # SciPy and xarray, which no diagnosis of a case needs
+
+        diagnose_file(
             series, column=column, time=time, rate=rate, separator=separator, decimal=decimal, skip=skip, missing=missing,
             window=window, speed=speed, teeth=teeth, out=out, size=size, dpi=dpi, title=title, force=force,
             json=json, quiet=quiet,
@@ -113,12 +58,7 @@ def diagnose(
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
                          "  try: whirlmap diagnose --help")  # fmt: skip
     destination = claim(out, "diagnose", force=force, size=size, dpi=dpi, title=title)
-    system = options.open_system(case, changes, start)
-    from whirlmap.analysis.diagnosis.diagnosis import RUNS
-    from whirlmap.analysis.diagnosis.diagnosis import diagnose as measure
-    from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import shown_in
+    system = open_system(case, changes, start)
 
     settling = labelling.settling
     longest = RUNS * (system.strobe * (settling.transient + 4 * settling.most + points // RUNS) + max_periods)
@@ -128,7 +68,7 @@ def diagnose(
             execution=replace(execution, progress=progress),
         )  # fmt: skip
     report.say_doubts(found.attrs)
-    assumptions = report.say_assumptions(system)
+    assumptions = say_assumptions(system)
     plain, units = verdict_json(found), Dimensions(system, own=dimensionless)
     own = _in_units(plain, plain, Dimensions(system, own=True))
     verdict = _in_units(plain, verdict_json(shown_in(units, found)), units)
@@ -176,8 +116,6 @@ def headline(verdict: dict[str, Any]) -> str:
         words.append(f"{many} common period{'s' if many != 1 else ''}")
         words += [f"{turns:.6g} of {clock}" for clock, turns in (verdict["period_turns"] or {}).items()]
     elif verdict["regime"] == "locked":
-        from whirlmap.integrate.system import LONGEST
-
         n = verdict["period"]
         words.append(f"{'' if n is None else f'{n}-fold '}to a forcing that does not repeat within {LONGEST} T")
     elif verdict["regime"] in ("contact", "diverged"):

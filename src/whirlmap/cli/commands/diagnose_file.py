@@ -1,17 +1,21 @@
-"""Recorded signals on the command line: the output of ``diagnose --series`` and ``show --series``."""
+"""Recorded signals on the command line: the output of ``diagnose --series``."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import typer
 
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import report
+from whirlmap.analysis.signals.diagnose_series import diagnose_series, series_json
+from whirlmap.analysis.signals.order_names import order_name
+from whirlmap.analysis.signals.sliding import sliding_verdict
+from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.series_options import mark, samples_per_second, turns_per_second, window_of
 from whirlmap.errors import InputError, RangeError
+from whirlmap.recordings.signal import read_signal
+from whirlmap.results.regime import Regime
 
 if TYPE_CHECKING:
     from whirlmap.recordings.signal import Signal
@@ -44,7 +48,6 @@ def diagnose_file(
     turns, tacho = turns_per_second(speed)
     if teeth is not None and speed is None:
         raise InputError("--teeth: found it without --speed, which it belongs to")
-    from whirlmap.recordings.signal import read_signal
 
     signal = read_signal(
         file,
@@ -64,7 +67,6 @@ def diagnose_file(
         )
     for notice in signal.notices:
         say(f"warning: {' '.join(notice.split())}")
-    from whirlmap.analysis.signals.diagnose_series import diagnose_series, series_json
 
     try:
         ds = diagnose_series(signal.values, rate=signal.rate)
@@ -94,8 +96,6 @@ def diagnose_file(
 
 
 def _sliding(signal: "Signal", length: float, *, quiet: bool) -> Any:
-    from whirlmap.analysis.signals.sliding import sliding_verdict
-
     rate = signal.rate or 1.0
     count = max(int(2 * (signal.values.size / rate / length - 1)) + 1, 1)
     with Progress("windows", count, quiet=quiet, unit="windows", rate_unit="windows/s") as progress:
@@ -105,7 +105,6 @@ def _sliding(signal: "Signal", length: float, *, quiet: bool) -> Any:
 def _windows(slid: Any) -> list[dict[str, Any]]:
     if slid is None:
         return []
-    from whirlmap.results.regime import Regime
 
     rows = zip(
         *(slid[n].values.tolist() for n in ("window_start", "window_regime", "window_rms", "window_frequency")), strict=True
@@ -118,8 +117,6 @@ def _windows(slid: Any) -> list[dict[str, Any]]:
 
 
 def _lines(verdict: dict[str, Any], rate: float, turns: float | None, teeth: int | None) -> list[dict[str, Any]]:
-    from whirlmap.analysis.signals.order_names import order_name
-
     out = []
     for line in verdict["indicators"]["spectrum"]["named"]:
         f = line["frequency"]
@@ -179,34 +176,3 @@ def evidence(vote: dict[str, Any]) -> str:
             text = " ".join(report.number(v) if isinstance(v, float) else str(v) for v in value)
         shown.append(f"{key.replace('_', ' ')} {text}")
     return ", ".join(shown)
-
-
-def show_file(file: Path, *, time: str | None, separator: str | None, decimal: str | None, skip: int, json: bool) -> None:
-    """Do what ``whirlmap show --series`` does."""
-    from whirlmap.recordings.description import describe_file
-
-    facts = describe_file(file, time=time, separator=mark(separator), decimal=mark(decimal), skip=skip)
-    for notice in facts["warnings"]:
-        say(f"warning: {' '.join(notice.split())}")
-    if json:
-        report.print_json(facts)
-        return
-    typer.echo(f"{facts['file']}: {facts['form']}, {facts['rows']} rows")
-    told = f"times in {facts['time']}" if facts["time"] else "no times"
-    typer.echo(
-        f"{told}; " + (f"{facts['rate']:.7g} samples per second" if facts["rate"] else "rate unknown: --rate says it")
-    )
-    rows = [
-        (
-            str(c["position"]),
-            c["name"] or "",
-            c["unit"] or "",
-            c["kind"],
-            c["minimum"],
-            c["maximum"],
-            f"{c['missing']}, first on {c['first_missing']}" if c["missing"] else "",
-        )
-        for c in facts["columns"]
-    ]
-    columns = ("", "column", "unit", "kind", "minimum", "maximum", "missing")
-    report.show(report.table("Columns", columns, rows, numbers=(4, 5)))

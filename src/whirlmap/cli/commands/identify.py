@@ -3,122 +3,40 @@
 import time
 from os.path import relpath
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from whirlmap.cli.common import options, report
+from whirlmap.cli.common import report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.progress import Progress, clock
 from whirlmap.errors import RangeError
 from whirlmap.options.execution import Execution
+from whirlmap.results.files import check_writable
+from whirlmap.studies.gear_psfd.search.answer import answer, edition_share, exclusions, regimes, shares
+from whirlmap.studies.gear_psfd.search.answer_pages import around, fill, write_answer, write_picture
+from whirlmap.studies.gear_psfd.search.answer_pages import page as tables
+from whirlmap.studies.gear_psfd.search.blocks import open_blocks
+from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
+from whirlmap.studies.gear_psfd.search.identify import judged_so_far, pilot, plan, search, sets_finished, spans_of
+from whirlmap.studies.gear_psfd.search.refine import LEAST, POPULATION, best_starts, refine
+from whirlmap.studies.gear_psfd.search.stability_pages import draw_threshold, linear, linear_page
+from whirlmap.studies.gear_psfd.search.variants import chosen
+from whirlmap.sweep.maps.executors import connected
 
 if TYPE_CHECKING:
     from whirlmap.studies.gear_psfd.search.answer import Answer
     from whirlmap.studies.gear_psfd.search.blocks import Blocks
-    from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
     from whirlmap.studies.gear_psfd.search.identify import Cost
     from whirlmap.studies.gear_psfd.search.variants import Variant
 
-SEARCH = "Search"
-
-EXAMPLES = (
-    "whirlmap identify --sets 32 --variant intended-porous-positive-shaft",
-    "whirlmap identify --store search --minutes 120 --generations 20 --out answer",
-    "whirlmap identify --store search --resume --minutes 0 --out answer --force",
-    "whirlmap identify --store search --resume --share 3/12 --no-pilot",
-)
-
 
 def identify(
-    sets: Annotated[
-        int,
-        typer.Option("--sets", metavar="N", min=1, max=1_000_000, rich_help_panel=SEARCH,
-                     help="Most parameter sets of each variant, in blocks of 512; fewer where every claim's share is known"
-                     " to 2 % already."),
-    ] = 2560,
-    edition: Annotated[
-        list[str] | None,
-        typer.Option("--edition", metavar="literal|intended", rich_help_panel=SEARCH,
-                     help="Only this edition; may be repeated."),
-    ] = None,
-    variant: Annotated[
-        list[str] | None,
-        typer.Option("--variant", metavar="NAME", rich_help_panel=SEARCH,
-                     help="Only this reading of the paper, as intended-porous-positive-shaft; may be repeated. A wrong name"
-                     " is answered with the list."),
-    ] = None,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SEARCH, help="Seed of the design.")] = 1,
-    refine: Annotated[
-        int,
-        typer.Option("--generations", metavar="N", min=0, max=10_000, rich_help_panel=SEARCH,
-                     help="Generations of 64 sets of differential evolution from the best of each edition, when the blocks"
-                     " are finished; not with --share."),
-    ] = 0,
-    minutes: Annotated[
-        float | None,
-        typer.Option("--minutes", metavar="M", min=0.0, rich_help_panel=SEARCH,
-                     help="Begin no block that would end later, and no generation after that; 0: only read the store."),
-    ] = None,
-    store: Annotated[
-        Path | None,
-        typer.Option("--store", metavar="FOLDER", rich_help_panel=options.OUTPUT,
-                     help="Keep what is finished, block by block; a killed search continues with --resume."),
-    ] = None,
-    resume: Annotated[
-        bool, typer.Option("--resume", rich_help_panel=options.OUTPUT, help="Continue the search in --store.")
-    ] = False,
-    share: Annotated[
-        str,
-        typer.Option("--share", metavar="I/N", rich_help_panel=SEARCH,
-                     help="Compute every N-th block from the I-th on, as one task of N with the same --store."),
-    ] = "1/1",
-    dask: Annotated[
-        str | None,
-        typer.Option("--dask", metavar="ADDRESS", rich_help_panel=SEARCH,
-                     help="Compute on the workers of the Dask scheduler at this address, tcp://host:8786, a core for each of"
-                     " their threads."),
-    ] = None,
-    no_pilot: Annotated[
-        bool,
-        typer.Option("--no-pilot", rich_help_panel=SEARCH,
-                     help="Do not measure and print the cost before the start; --minutes then lets a begun block end."),
-    ] = False,
-    workers: options.Workers = None,
-    out: Annotated[
-        Path | None,
-        typer.Option("--out", metavar="FOLDER", rich_help_panel=options.OUTPUT,
-                     help="Write tables, pictures and the cases literal-best.toml and intended-best.toml to a folder."),
-    ] = None,
-    linear: Annotated[
-        int,
-        typer.Option("--linear", metavar="N", min=0, max=512, rich_help_panel=SEARCH,
-                     help="With --out: sets of each variant whose linear stability is computed as well; 0: none."),
-    ] = 256,
-    page: Annotated[
-        Path | None,
-        typer.Option("--page", metavar="FILE.md", rich_help_panel=options.OUTPUT,
-                     help="Put the tables into a page, between its marks; pictures are those of --out."),
-    ] = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, sets: int, edition: list[str] | None, variant: list[str] | None, seed: int, refine: int, minutes: float | None,
+    store: Path | None, resume: bool, share: str, dask: str | None, no_pilot: bool, workers: int | None, out: Path | None,
+    linear: int, page: Path | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Judge the paper's claims for every plausible set of its unpublished parameters.
-
-    The paper gives no parameters but psi and s. This draws sets of all others from plausible ranges, computes a coarse
-    labelled diagram of each for every reading of the equations that the text allows, and says how often each claim holds,
-    which claims exclude each other, and which set comes closest.
-    """
-    from whirlmap.studies.gear_psfd.search.answer import answer
-    from whirlmap.studies.gear_psfd.search.answer_pages import around
-    from whirlmap.studies.gear_psfd.search.blocks import open_blocks
-    from whirlmap.studies.gear_psfd.search.coarse_diagrams import Settings
-    from whirlmap.studies.gear_psfd.search.identify import spans_of
-    from whirlmap.studies.gear_psfd.search.refine import LEAST
-    from whirlmap.studies.gear_psfd.search.variants import chosen
-    from whirlmap.sweep.maps.executors import connected
-
+    """Do what `whirlmap.cli.declared.identify` says."""
     i, n = _share(share)
     if page is not None and out is None:
         raise RangeError("--page needs --out, where its pictures are")
@@ -135,8 +53,6 @@ def identify(
     variants = chosen(tuple(edition or ()), tuple(variant or ()))
     settings = Settings(seed=seed)
     if out is not None:
-        from whirlmap.results.files import check_writable
-
         check_writable(out, force=force)
     if page is not None:
         around(page)
@@ -191,9 +107,6 @@ def _compute(
     variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", sets: int, generations: int,
     deadline: float | None, share: tuple[int, int], measure: bool, client: Any, workers: int | None, quiet: bool,
 ) -> None:  # fmt: skip
-    from whirlmap.studies.gear_psfd.search.identify import pilot, plan, search, sets_finished
-    from whirlmap.studies.gear_psfd.search.refine import POPULATION
-
     cost: Cost | None = None
     left = {v: sets - sets_finished(blocks, v) for v in variants}
     unfinished = tuple(v for v in variants if left[v] > 0)
@@ -229,9 +142,6 @@ def _refine(
     variants: "tuple[Variant, ...]", settings: "Settings", blocks: "Blocks", generations: int, deadline: float | None,
     execution: Execution,
 ) -> None:  # fmt: skip
-    from whirlmap.studies.gear_psfd.search.identify import judged_so_far
-    from whirlmap.studies.gear_psfd.search.refine import LEAST, best_starts, refine
-
     judged = [j for v in variants if (j := judged_so_far(blocks, v, settings)) is not None]
     for start in best_starts(judged):
         if start.total.size < LEAST:
@@ -252,9 +162,6 @@ def _write(
 ) -> list[Path]:  # fmt: skip
     if out is None:
         return []
-    from whirlmap.studies.gear_psfd.search.answer_pages import fill, write_answer, write_picture
-    from whirlmap.studies.gear_psfd.search.answer_pages import page as tables
-    from whirlmap.studies.gear_psfd.search.stability_pages import draw_threshold, linear, linear_page
 
     more = "\n" + linear_page(linear(found, blocks, linear_sets)) if linear_sets else ""
     files = write_answer(found, out, more=more, force=force)
@@ -269,8 +176,6 @@ def _write(
 
 
 def _print(found: "Answer") -> None:
-    from whirlmap.studies.gear_psfd.search.answer import edition_share, exclusions, regimes, shares
-
     if found.missing:
         say(f"no set finished yet: {', '.join(found.missing)}")
     for edition in found.editions:

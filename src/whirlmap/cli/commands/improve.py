@@ -4,94 +4,52 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
 from itertools import product
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 
-from whirlmap.cli.commands.speeds import SPEEDS, Limit, Quantity, Span
-from whirlmap.cli.common import options, report
+from whirlmap.cli.common import pictures, report
+from whirlmap.cli.common.assignments import assignments
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.speed_report import sizes_of
+from whirlmap.cli.common.strains import say_strains
+from whirlmap.equations import hints
 from whirlmap.errors import InputError, RangeError
-from whirlmap.options.computed import LABELLING, Labelling
-from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.loading import load
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
+from whirlmap.results.memory import refuse_points
+from whirlmap.sweep.diagrams.in_batches import expected_periods
+from whirlmap.sweep.parameters.engineering import limit_of, speeds_of
+from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.sweep.speeds.improve import improve as find
+from whirlmap.units import such_as
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
-    from whirlmap.sweep.parameters.ranges import Range
-
-EXAMPLES = (
-    'whirlmap improve gear-psfd/machine --vary psi=1e-4:1:8:log --limit "40 um" --range "1500 rpm:9000 rpm"',
-    "whirlmap improve machines/jeffcott-rig --vary c=60um:140um:5 --vary L=4mm:8mm:5 --out rig",
-    "whirlmap improve gear-psfd/intended --vary xi_m=0.01:0.1:4 --limit 0.6 --range 0.5:2",
-)
 
 
-@options.computing(*options.LABELS)
 def improve(
-    case: options.CaseName,
-    vary: Annotated[
-        list[str],
-        typer.Option(
-            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SPEEDS,
-            help="Design parameter and its values: a symbol, psi=1e-4:1:8:log, or a dimensional input with its unit,"
-            " c=40um:60um:5. Once or twice.",
-        ),
-    ],
-    limit: Limit = None,
-    span: Span = None,
-    points: Annotated[
-        int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds at which each design runs.")
-    ] = 60,
-    quantity: Quantity = None,
-    coarse: Annotated[
-        bool, typer.Option("--coarse", rich_help_panel=SPEEDS, help="Try the values given alone, and none around the best.")
-    ] = False,
-    follow: Annotated[
-        bool,
-        typer.Option(
-            "--follow/--no-follow", rich_help_panel=SPEEDS,
-            help="Whether to judge the best designs in run-up and run-down as well, which shows coexisting motions.",
-        ),
-    ] = True,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str, vary: list[str], limit: str | None, span: str | None, points: int, quantity: str | None, coarse: bool,
+    follow: bool, changes: list[str] | None, start: list[str] | None, labelling: Labelling, execution: Execution,
+    dimensionless: bool, out: Path | None, size: str | None, dpi: int | None, title: str | None, force: bool, json: bool,
+    quiet: bool,
 ) -> None:  # fmt: skip
-    """Compare values of one or two design parameters of CASE by the safe speeds that they give.
-
-    Every design runs at the same speeds of the first shaft. The report gives its widest window of safe speeds and its
-    largest amplitude over the whole range; around the best designs more values are tried. Ctrl-C keeps the designs that are
-    finished: they are reported and written, marked as incomplete.
-    """
+    """Do what `whirlmap.cli.declared.improve` says."""
     ranges, units = _ranges(vary)
-    settings = options.assignments(changes, "--set")
+    settings = assignments(changes, "--set")
     for name in ranges.keys() & settings.keys():
         raise RangeError(f"{name}: found it in --set and in --vary, expected it in one of them")
     destination = claim(out, "improve", force=force, size=size, dpi=dpi, title=title)
-    system = options.open_system(case, changes, start)
+    system = open_system(case, changes, start)
     _refuse_unknown(system, ranges, units)
-    import numpy as np
-
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.loading import load
-    from whirlmap.results.memory import refuse_points
-    from whirlmap.sweep.diagrams.in_batches import expected_periods
-    from whirlmap.sweep.parameters.engineering import limit_of, speeds_of
-    from whirlmap.sweep.speeds.improve import improve as find
 
     refuse_points([*(r.count for r in ranges.values()), points])
     allowed = limit_of(system, limit, "--limit")
@@ -109,10 +67,10 @@ def improve(
         raise KeyboardInterrupt
     ds = work.dataset
     scales = Dimensions(system, own=dimensionless)
-    files = destination.write(ds, lambda made: _picture(scales, made))
+    files = destination.write(ds, lambda made: pictures.improve(scales, made))
     report.say_doubts(ds.attrs)
     facts, own = summary(scales, ds), float(system.values[system.speed])
-    facts["assumptions"] = report.say_strains(_ends(make, ranges, units, (low / own, high / own)))
+    facts["assumptions"] = say_strains(_ends(make, ranges, units, (low / own, high / own)))
     if json:
         report.print_json({**facts, "files": files})
     else:
@@ -124,8 +82,6 @@ def improve(
 
 def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
     """Ranges of the varied names, and the units of those that have one."""
-    from whirlmap.sweep.parameters.ranges import Range
-
     ranges: dict[str, Range] = {}
     units: dict[str, str] = {}
     for text in texts:
@@ -139,9 +95,6 @@ def _ranges(texts: Sequence[str]) -> tuple[dict[str, "Range"], dict[str, str]]:
 
 def _refuse_unknown(system: "System", names: Sequence[str] | dict[str, Any], units: dict[str, str]) -> None:
     """Refuse what is no parameter or input; numbers of teeth and orders change the common period."""
-    from whirlmap.equations import hints
-    from whirlmap.units import such_as
-
     settled = system.machine
     assert settled is not None  # a case was opened
     groups = settled.groups
@@ -232,12 +185,3 @@ def _print(facts: dict[str, Any]) -> None:
         typer.echo(f"next: whirlmap speeds {facts['case']} {chosen}, the other options as here")
     else:
         typer.echo("no design has a safe speed")
-
-
-def _picture(units: "Dimensions", ds: "xr.Dataset") -> Any:
-    from whirlmap.plot.figures.improve import improve_figure
-
-    rpm, um, _ = sizes_of(units)
-    shown = ds if rpm == rpm else ds.drop_vars("rpm", errors="ignore")
-    known = um == um
-    return improve_figure(shown, unit=um if known else 1.0, length="um" if known else "1", title=units.system.case)

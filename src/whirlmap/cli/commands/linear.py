@@ -2,23 +2,28 @@
 
 import math
 from collections.abc import Mapping
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
+import numpy as np
 import typer
 
-from whirlmap.cli.common import options, report
+from whirlmap.analysis.linear.film_coefficients import film_coefficients
+from whirlmap.analysis.linear.linearisation import NotLinearError, linear_analysis
+from whirlmap.analysis.linear.mode_shapes import WHIRL, shapes_of, whirl_of
+from whirlmap.analysis.linear.stability_threshold import NoThresholdError, stability_threshold
+from whirlmap.cli.common import report
+from whirlmap.cli.common.assignments import ranges
+from whirlmap.cli.common.opening import open_system
+from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.equilibrium import rest_state
+from whirlmap.sweep.parameters.own_units import in_parameters
 
 if TYPE_CHECKING:
     from whirlmap.analysis.linear.film_coefficients import FilmCoefficients
     from whirlmap.analysis.linear.linearisation import LinearAnalysis
-    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
-EXAMPLES = (
-    "whirlmap linear jeffcott",
-    "whirlmap linear machines/jeffcott-rig --json",
-    "whirlmap linear jeffcott --set Gamma=0.2 --threshold s=0.5:4",
-)
 
 #: Coefficients in units of the load W that the film carries, and of the journal's speed omega; and in SI.
 HEADS = {"K_over_W_c": "k [W/c]", "K": "k [N/m]", "C_over_W_c_omega": "c [W/(c omega)]", "C": "c [N*s/m]"}
@@ -27,36 +32,16 @@ STABLE = {True: "stable", False: "unstable"}
 
 
 def linear(
-    case: options.CaseName,
-    changes: options.Changes = None,
-    threshold: Annotated[
-        str | None,
-        typer.Option(
-            "--threshold", metavar="NAME=LOW:HIGH", rich_help_panel=options.COMPUTING,
-            help="Also find the lowest value in this bracket at which the equilibrium loses its stability; of a case with"
-            ' dimensions also "speed=1000 rpm:9000 rpm".',
-        ),
-    ] = None,
-    dimensionless: options.Dimensionless = False,
-    json: options.Json = False,
+    *, case: str, changes: list[str] | None, threshold: str | None, dimensionless: bool, json: bool,
 ) -> None:  # fmt: skip
-    """Linearise CASE about its static equilibrium, with all forcing off.
-
-    A case with dimensions is shown in um, Hz, 1/s and N.
-    """
-    brackets = options.ranges([threshold] if threshold else None, "--threshold")
-    system = options.open_system(case, changes, None)
-    from whirlmap.sweep.parameters.own_units import in_parameters
+    """Do what `whirlmap.cli.declared.linear` says."""
+    brackets = ranges([threshold] if threshold else None, "--threshold")
+    system = open_system(case, changes, None)
 
     bracket = None
     for read in brackets.values():
         swept = in_parameters(system, read, option="--threshold")
         bracket = swept.name, (swept.start, swept.stop)
-    from whirlmap.analysis.linear.film_coefficients import film_coefficients
-    from whirlmap.analysis.linear.linearisation import NotLinearError, linear_analysis
-    from whirlmap.analysis.linear.stability_threshold import NoThresholdError, stability_threshold
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.equilibrium import rest_state
 
     found, films = None, dict[str, dict[str, Any]]()
     limit, note, unstable = None, None, None
@@ -71,7 +56,7 @@ def linear(
             limit = stability_threshold(system, *bracket) if bracket else None
         except NoThresholdError as error:  # that nothing is lost there is an answer
             unstable = str(error)
-    assumptions = report.say_assumptions(system, {bracket[0]: bracket[1]} if bracket else {})
+    assumptions = say_assumptions(system, {bracket[0]: bracket[1]} if bracket else {})
     lost = {"parameter": bracket[0], "value": limit, "note": unstable or note} if bracket else None
     units, rest = Dimensions(system, own=dimensionless), rest_state(system) or {}
     facts = _in_units(units, rest, found, films, lost)
@@ -133,10 +118,6 @@ def _in_units(
 
 def _modes(units: "Dimensions", found: "LinearAnalysis") -> list[dict[str, Any]]:
     """Eigenvalues in these units, with the names of their modes."""
-    import numpy as np
-
-    from whirlmap.analysis.linear.mode_shapes import WHIRL, shapes_of, whirl_of
-
     system, values, vectors = units.system, found.eigenvalues[None], found.eigenvectors[None]
     whirl = whirl_of(system, values, vectors)[0]
     names = shapes_of(system, vectors[0].T[:, :, None], np.abs(values.imag).T, whirl[:, None]).names[:, 0]

@@ -7,20 +7,33 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import interrupts, options, report
+from whirlmap.cli.common import interrupts, pictures, report
+from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.messages import say
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.states_shown import swing_of
 from whirlmap.cli.common.store_status import say_status
+from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import InputError, RangeError, nearest
-from whirlmap.options.computed import LABELLING, Labelling
-from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.integrate.accuracy import StepVerdict
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
 from whirlmap.options.storage import Storage
+from whirlmap.results.memory import refuse_points
+from whirlmap.results.regime import Regime
+from whirlmap.sweep.maps.run_sweep import run_sweep
+from whirlmap.sweep.parameters.own_units import refuse_input, refuse_twice
+from whirlmap.sweep.parameters.random_draws import Tolerance
+from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.sweep.parameters.space import space_of
+from whirlmap.sweep.store.zarr_store import Store
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -30,131 +43,15 @@ if TYPE_CHECKING:
     from whirlmap.sweep.maps.run_sweep import ChunkReport
     from whirlmap.sweep.parameters.space import Space
 
-SWEEP, STORE = "Sweep", "Store and machines"
 
-EXAMPLES = (
-    "whirlmap map duffing --vary gamma=0.1:0.7:200 --vary omega=0.6:1.6:150 --store duffing.map --out duffing.png",
-    "whirlmap map gear-psfd/machine --vary s=0.3:5:400 --vary psi=1e-5:1:300:log --store machine.map --refine",
-    "whirlmap map gear-psfd/machine --vary s=0.3:5:400 --vary psi=1e-5:1:300:log --store machine.map --share 3/8",
-    "whirlmap map gear-psfd/machine --draw psi=uniform:20% --draw xi_m=normal:5% --draws 1000 --store draws.map",
-    "whirlmap map --status machine.map",
-)
-
-
-@options.computing(*options.LABELS)
 def map(  # noqa: A001 (the command's name)
-    case: Annotated[str | None, typer.Argument(metavar="CASE", help="Name or path of a case, as of every command.")] = None,
-    vary: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--vary", metavar="NAME=START:STOP:COUNT[:log]", rich_help_panel=SWEEP,
-            help="Parameter and range, ascending; given twice for a map, once for a line; of a case with dimensions also"
-            ' "speed=500 rpm:6000 rpm:200", or another input, c=40um:80um:50, whose groups all follow.',
-        ),
-    ] = None,
-    draw: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--draw", metavar="NAME=TOLERANCE", rich_help_panel=SWEEP,
-            help="Parameter that is drawn at random: uniform:LOW:HIGH, normal:MEAN:SPREAD, or uniform:10% and normal:3%"
-            " of the case's value. May be repeated.",
-        ),
-    ] = None,
-    draws: Annotated[
-        int | None, typer.Option("--draws", metavar="N", min=1, rich_help_panel=SWEEP, help="Number of random draws.")
-    ] = None,
-    seed: Annotated[
-        int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SWEEP, help="Master seed of the random draws.")
-    ] = 0,
-    refine: Annotated[
-        bool,
-        typer.Option(
-            "--refine", rich_help_panel=SWEEP,
-            help="Compute every eighth point along both parameters, then only points near differing labels, down to the"
-            " grid; the others get the label of their surroundings and are marked as inferred.",
-        ),
-    ] = False,
-    sections: Annotated[
-        bool,
-        typer.Option(
-            "--sections", rich_help_panel=SWEEP,
-            help="Keep the section of every point, once per T: with one --vary the store holds a bifurcation diagram.",
-        ),
-    ] = False,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    store: Annotated[
-        Path | None,
-        typer.Option(
-            "--store", metavar="DIR", rich_help_panel=STORE,
-            help="Folder of the Zarr store; xarray.open_zarr opens it. Without it nothing is kept but --out.",
-        ),
-    ] = None,
-    resume: Annotated[
-        bool,
-        typer.Option(
-            "--resume", rich_help_panel=STORE,
-            help="Continue the store; create it where it is absent, empty or incomplete.",
-        ),
-    ] = False,
-    status: Annotated[
-        Path | None,
-        typer.Option("--status", metavar="DIR", rich_help_panel=STORE, help="Print how far a store is, running or not."),
-    ] = None,
-    share: Annotated[
-        str | None,
-        typer.Option(
-            "--share", metavar="I/N", rich_help_panel=STORE,
-            help="Work on share I of N of the chunks (I from 1): the jobs of a Slurm array work on one store with"
-            " --share $SLURM_ARRAY_TASK_ID/N. A share that is run again continues where it stopped.",
-        ),
-    ] = None,
-    dask: Annotated[
-        str | None,
-        typer.Option(
-            "--dask", metavar="ADDRESS", rich_help_panel=STORE,
-            help="Compute on the workers of the Dask scheduler at this address, tcp://host:8786; they need the store's"
-            " folder under the same path.",
-        ),
-    ] = None,
-    chunk: Annotated[
-        int | None,
-        typer.Option(
-            "--chunk", metavar="N", min=1, rich_help_panel=STORE,
-            help="Points in one task; chosen by a pilot where absent, so that a task takes about 3 s.",
-        ),
-    ] = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    plot: Annotated[
-        str | None,
-        typer.Option(
-            "--plot", metavar="QUANTITY", rich_help_panel=options.OUTPUT,
-            help="State or output whose amplitude (peak to peak) gives the contour lines; the first displacement"
-            " where absent.",
-        ),
-    ] = None,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: Annotated[
-        bool,
-        typer.Option(
-            "--force", rich_help_panel=options.OUTPUT,
-            help="Replace what --out names, and, without --resume, what --store names.",
-        ),
-    ] = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str | None, vary: list[str] | None, draw: list[str] | None, draws: int | None, seed: int, refine: bool,
+    sections: bool, changes: list[str] | None, start: list[str] | None, store: Path | None, resume: bool,
+    status: Path | None, share: str | None, dask: str | None, chunk: int | None, labelling: Labelling, execution: Execution,
+    plot: str | None, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None, title: str | None,
+    force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Label the regime of every point of a grid over parameters of CASE.
-
-    Every point has its regime, exponent, amplitudes, largest eccentricity, thinnest film, and status. Chunks
-    of points are committed one by one: after a crash, a kill or Ctrl-C the same command with --resume goes on, and the
-    result is the same to the bit. The picture of a case with dimensions is in rpm and um.
-    """
+    """Do what `whirlmap.cli.declared.map` says."""
     if status is not None:
         if case or vary or draw or store:
             raise InputError("--status reads a store that is there: expected nothing beside it but --json")
@@ -165,13 +62,11 @@ def map(  # noqa: A001 (the command's name)
     part = _share(share)
     destination = claim(out, "map", force=force, size=size, dpi=dpi, title=title)
     space = None
-    system = options.open_system(case, changes, start)
-    space = _space(system, vary, draw, draws, seed, options.assignments(changes, "--set"))
+    system = open_system(case, changes, start)
+    space = _space(system, vary, draw, draws, seed, assignments(changes, "--set"))
     quantity = _quantity(system, plot)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.sweep.maps.run_sweep import run_sweep
 
     watch = _Watch(space.points, quiet=quiet)
     before = signal.signal(signal.SIGTERM, interrupts.first)  # Slurm ends a job with it
@@ -201,7 +96,7 @@ def map(  # noqa: A001 (the command's name)
         files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
         say(f"accuracy not met: {doubts}")
-    assumptions = report.say_assumptions(system, {name: values[[0, -1]] for name, values in space.axes.items()}, space.units)
+    assumptions = say_assumptions(system, {name: values[[0, -1]] for name, values in space.axes.items()}, space.units)
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.varied),
         **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
@@ -219,8 +114,6 @@ def map(  # noqa: A001 (the command's name)
 
 def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
     """Say how many points do not meet the accuracy, and what to try."""
-    from whirlmap.integrate.accuracy import StepVerdict
-
     doubtful = {v: n for v, n in sorted(verdicts.items()) if v != StepVerdict.met}
     return "; ".join(f"{n} points: {StepVerdict(v).advice(model)}" for v, n in doubtful.items())
 
@@ -245,15 +138,12 @@ class _Watch:
 
     def kept(self, place: Path | None) -> "xr.Dataset | None":
         """What is finished of a sweep whose store does not stay; None where nothing is."""
-        from whirlmap.sweep.store.zarr_store import Store
-
         if place is None or self.last is None or not self.last.points_done:
             return None
         now = self.last
         return Store(place).open().load().assign_attrs(
             incomplete=f"interrupted after {now.points_done} of {now.points_total} points"
         )  # fmt: skip
-
     def interrupted(self, store: Path | None, files: Sequence[Path]) -> str:
         """Say what is kept and how to go on."""
         if self.last is None or not (store or self.last.done):
@@ -268,8 +158,6 @@ class _Watch:
 
     def facts(self, points: int, refine: bool) -> dict[str, Any]:
         """What the sweep came to."""
-        from whirlmap.results.regime import Regime
-
         assert self.last is not None
         now = self.last
         found = {
@@ -282,8 +170,6 @@ class _Watch:
 
 
 def _shares(regimes: Any) -> str:
-    from whirlmap.results.regime import Regime
-
     total = max(sum(regimes.values()), 1)
     return ", ".join(f"{Regime(k).label} {100 * n / total:.3g} %" for k, n in regimes.most_common())
 
@@ -304,12 +190,6 @@ def _space(
     system: "System", vary: Sequence[str] | None, draw: Sequence[str] | None, draws: int | None, seed: int,
     changed: dict[str, str],
 ) -> "Space":  # fmt: skip
-    from whirlmap.results.memory import refuse_points
-    from whirlmap.sweep.parameters.own_units import refuse_input, refuse_twice
-    from whirlmap.sweep.parameters.random_draws import Tolerance
-    from whirlmap.sweep.parameters.ranges import Range
-    from whirlmap.sweep.parameters.space import space_of
-
     ranges: dict[str, Range] = {}
     for text in vary or ():
         swept = Range.parse(text)
@@ -318,7 +198,7 @@ def _space(
             raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
         ranges[swept.name] = swept
     refuse_points([*(swept.count for swept in ranges.values()), *([draws] if draws else [])])
-    texts = options.assignments(draw, "--draw")
+    texts = assignments(draw, "--draw")
     if bool(texts) != (draws is not None):
         raise InputError("--draw and --draws go together: which parameters, and how many draws")
     if seed and not texts:
@@ -341,7 +221,7 @@ def _space(
 def _quantity(system: "System", plot: str | None) -> str:
     known = [*system.states, *system.model.outputs]
     if plot is None:
-        return pictures.swing_of(system)[0]
+        return swing_of(system)[0]
     if plot not in known:
         raise RangeError(f"--plot: {system.model.name} has no state or output {plot!r}.{nearest(plot, known)}"
                          f"\n  states and outputs: {' '.join(known)}")  # fmt: skip

@@ -3,58 +3,27 @@
 import time
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
 
 import typer
 
-from whirlmap.cli.common import options, report
+from whirlmap.analysis.diagnosis.diagnosis import RUNS
+from whirlmap.cli.common import report
 from whirlmap.cli.common.interrupts import INTERRUPTED
 from whirlmap.cli.common.messages import choice, say
 from whirlmap.cli.common.progress import Progress
+from whirlmap.integrate.loading import load
+from whirlmap.studies.gear_psfd.claims.labelled import PSI
+from whirlmap.studies.gear_psfd.reproduction.edition_data import EDITIONS, edition_of, quality_named, speeds
+from whirlmap.studies.gear_psfd.reproduction.reproduce import reproduce as run
 
 QUALITIES = ("quick", "full")
 
-EXAMPLES = (
-    "whirlmap reproduce",
-    "whirlmap reproduce --quality full --out reproduction-full",
-    "whirlmap reproduce --case gear-psfd/intended-best --case gear-psfd/literal-best --out best",
-)
-
 
 def reproduce(
-    quality: Annotated[
-        str,
-        typer.Option(
-            "--quality", metavar="quick|full", rich_help_panel=options.COMPUTING,
-            help="quick: about a minute and a half on 2 cores; full: at least 600 speeds for each"
-            " permeability, which takes many times longer. The first run also compiles.",
-        ),
-    ] = "quick",
-    case: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--case", metavar="CASE", rich_help_panel=options.COMPUTING,
-            help="Judge this case of the gear pair instead of the three editions; may be repeated.",
-        ),
-    ] = None,
-    out: Annotated[
-        Path,
-        typer.Option(
-            "--out", metavar="FOLDER", rich_help_panel=options.OUTPUT,
-            help="Folder for figures, data and report; files of an earlier reproduction in it are replaced.",
-        ),
-    ] = Path("reproduction"),
-    workers: options.Workers = None,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, quality: str, case: list[str] | None, out: Path, workers: int | None, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Draw Figures 2 to 7 of the paper and judge each of its claims.
-
-    Computes the paper's system as printed, as derived, and as a machine; writes the figures, the data as
-    NetCDF and report.html, which opens from disk.
-    """
+    """Do what `whirlmap.cli.declared.reproduce` says."""
     choice("--quality", quality, QUALITIES)
-    from whirlmap.studies.gear_psfd.reproduction.reproduce import reproduce as run
 
     begun = time.time()
     try:
@@ -79,11 +48,6 @@ def reproduce(
 
 def longest(quality: str, cases: Sequence[str] | None = None) -> int:
     """Periods T that a reproduction takes at most, over all points."""
-    from whirlmap.analysis.diagnosis.diagnosis import RUNS
-    from whirlmap.integrate.loading import load
-    from whirlmap.studies.gear_psfd.claims.labelled import PSI
-    from whirlmap.studies.gear_psfd.reproduction.edition_data import EDITIONS, edition_of, quality_named, speeds
-
     level = quality_named(quality)
     sweep, orbit = level.settling, level.orbit_settling
     at = speeds(level).size

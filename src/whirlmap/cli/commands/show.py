@@ -2,70 +2,55 @@
 
 import re
 from fractions import Fraction
-from typing import TYPE_CHECKING, Annotated, Any
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
+from rich.columns import Columns
+from sympy import sympify
 
-from whirlmap.cli.commands import diagnose_file as recorded
-from whirlmap.cli.common import options, report
+from whirlmap.analysis.linear.linearisation import standing
+from whirlmap.assumptions.oil_heat import oil_heat, why_none
+from whirlmap.assumptions.strain import Facts
+from whirlmap.assumptions.strained import judged, repeated
+from whirlmap.cli.common import report
 from whirlmap.cli.common import series_options as signals
+from whirlmap.cli.common.opening import open_system
 from whirlmap.errors import InputError
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.equilibrium import start_states
+from whirlmap.references import references
 from whirlmap.results.listing import brackets
+from whirlmap.units import convert
 
 if TYPE_CHECKING:
     from whirlmap.cases import Resolved
-    from whirlmap.integrate.dimensions import Dimensions
     from whirlmap.integrate.system import System
 
-EXAMPLES = (
-    "whirlmap show gear-psfd/machine",
-    'whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed',
-    "whirlmap show duffing --equations",
-    "whirlmap show my_rotor.toml --json",
-    "whirlmap show --series run7.csv",
-)
 
 #: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
 SIDE_BY_SIDE = 220
 
 
 def show(
-    case: Annotated[
-        str | None,
-        typer.Argument(
-            metavar="CASE",
-            help="Name of a stock case (listed by `whirlmap cases`), or the path of a case file, my.toml."
-            " Left out with --series.",
-        ),
-    ] = None,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    equations: Annotated[bool, typer.Option("--equations", help="Print the equations of motion too.")] = False,
-    series: signals.File = None,
-    time: signals.Time = None,
-    separator: signals.Separator = None,
-    decimal: signals.Decimal = None,
-    skip: signals.Skip = 0,
-    json: options.Json = False,
-) -> None:
-    """Print every symbol of CASE with its value, unit, meaning and source.
-
-    Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches,
-    the start state, the clocks and periods, and warnings. Nothing is simulated. For a recorded
-    signal it prints the layout of the file: table, columns with unit and range, rate.
-    """
+    *, case: str | None, changes: list[str] | None, start: list[str] | None, equations: bool, series: Path | None,
+    time: str | None, separator: str | None, decimal: str | None, skip: int, json: bool,
+) -> None:  # fmt: skip
+    """Do what `whirlmap.cli.declared.show` says."""
     if series is not None:
         for name, value in {"CASE": case, "--set": changes, "--start": start, "--equations": equations}.items():
             if value:
                 raise InputError(f"{name}: found it beside --series, which shows a file without equations")
-        recorded.show_file(series, time=time, separator=separator, decimal=decimal, skip=skip, json=json)
+        from whirlmap.cli.commands.show_file import show_file
+
+        show_file(series, time=time, separator=separator, decimal=decimal, skip=skip, json=json)
         return
     for name in signals.options_given(time=time, separator=separator, decimal=decimal, skip=skip):
         raise InputError(f"{name}: found it without --series FILE, which it belongs to")
     if case is None:
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
                          "  try: whirlmap show --help")  # fmt: skip
-    system = options.open_system(case, changes, start)
+    system = open_system(case, changes, start)
     facts = describe(system, equations=equations)
     if json:
         report.print_json(facts)
@@ -75,10 +60,6 @@ def show(
 
 def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     """All there is to say about a system, as plain data."""
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.equilibrium import start_states
-    from whirlmap.references import references
-
     model, settled, units = system.model, system.machine, Dimensions(system)
     assert settled is not None  # a case was opened
     x, found = start_states(model, system.vector[:, None])
@@ -156,10 +137,6 @@ def _switches(family: Any, model: Any) -> dict[str, Any]:
 
 def _clocks(system: "System") -> dict[str, Any]:
     """Angular frequency of each clock, and its speed ratio where the model counts one."""
-    from sympy import sympify
-
-    from whirlmap.integrate.dimensions import Dimensions
-
     numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
     rates = {name: float(sympify(rate).subs(numbers)) for name, rate in system.model.clocks.items()}
     s = float(system.values[system.speed]) if system.speed else None
@@ -177,16 +154,11 @@ def _sized(units: "Dimensions", name: str, value: float) -> dict[str, Any] | Non
 
 
 def _rpm(value: float, unit: str) -> float | None:
-    from whirlmap.units import convert
-
     return convert(value, "rad/s", "rpm") if unit == "rad/s" else None
 
 
 def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
     """List what a reader should know before trusting a result."""
-    from whirlmap.analysis.linear.linearisation import standing
-    from whirlmap.assumptions.strained import repeated
-
     made = []
     if not facts["start_found"]:
         why = "; a film that carries nothing at rest has no derivative there" if standing(system) else ""
@@ -201,10 +173,6 @@ def warnings(system: "System", facts: dict[str, Any]) -> list[str]:
 
 def _oil(system: "System", facts: dict[str, Any]) -> str:
     """Add the heat balance of every film to the dimensional results; return why there is none, where one is expected."""
-    from whirlmap.assumptions.oil_heat import oil_heat, why_none
-    from whirlmap.assumptions.strain import Facts
-    from whirlmap.assumptions.strained import judged
-
     if not judged(system):
         return ""
     numbers = Facts.of(system, [])
@@ -221,8 +189,6 @@ def _oil(system: "System", facts: dict[str, Any]) -> str:
 
 
 def _print(facts: dict[str, Any]) -> None:
-    from rich.columns import Columns
-
     typer.echo(f"{facts['case']}: model {facts['model']}")
     if facts["description"]:
         report.show(facts["description"])

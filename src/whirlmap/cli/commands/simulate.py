@@ -2,87 +2,39 @@
 
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import typer
 
-from whirlmap.cli.common import figures_of_commands as pictures
-from whirlmap.cli.common import options, report
+from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.messages import say
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim, write_all
 from whirlmap.cli.common.progress import Progress
 from whirlmap.errors import InputError
-from whirlmap.options.computed import INTEGRATION, Integration
-from whirlmap.options.execution import EXECUTION, Execution
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.in_units import shown_in
+from whirlmap.options.computed import Integration
+from whirlmap.options.execution import Execution
+from whirlmap.results.files import check_writable
+from whirlmap.results.signals import write_series
+from whirlmap.results.status import Status
+from whirlmap.sweep.diagrams.in_batches import simulation_in_stretches
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from whirlmap.integrate.dimensions import Dimensions
 
 #: Keys of the numbers of a motion, and of times, that have a unit.
 MOTION, TIMES = ("minimum", "maximum", "mean", "rms", "last"), ("end_time", "period", "common_period", "time")
 
-EXAMPLES = (
-    "whirlmap simulate duffing",
-    "whirlmap simulate duffing --set gamma=0.29 --start x=0.5 --transient 100 --out run.png",
-    "whirlmap simulate machines/jeffcott-rig --transient 100 --animate orbit.gif",
-    'whirlmap simulate gear-psfd/machine --set "speed=1500 rpm" --periods 10 --every 5 --out run.nc',
-)
 
-
-@options.computing(*options.INTEGRATION, "workers")
 def simulate(
-    case: options.CaseName,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    periods: Annotated[
-        int | None,
-        typer.Option(
-            "--periods", metavar="N", rich_help_panel=options.COMPUTING,
-            help="Periods T recorded (unforced models: typical times); 20 turns of the slowest clock where absent.",
-        ),
-    ] = None,
-    transient: Annotated[
-        int,
-        typer.Option(
-            "--transient", metavar="N", help="Periods T dropped.", rich_help_panel=options.COMPUTING
-        ),
-    ] = 0,
-    every: Annotated[
-        int,
-        typer.Option(
-            "--every", metavar="N", help="Steps between samples.", rich_help_panel=options.COMPUTING
-        ),
-    ] = 1,
-    integration: Integration = INTEGRATION,
-    execution: Execution = EXECUTION,
-    animate: Annotated[
-        Path | None,
-        typer.Option(
-            "--animate", metavar="NAME.gif", rich_help_panel=options.OUTPUT,
-            help="Write two seconds of the orbit as it moves: the last 4 T, or two turns of a slower shaft; with --periods"
-            " all that is recorded.",
-        ),
-    ] = None,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str, changes: list[str] | None, start: list[str] | None, periods: int | None, transient: int, every: int,
+    integration: Integration, execution: Execution, animate: Path | None, dimensionless: bool, out: Path | None,
+    size: str | None, dpi: int | None, title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Integrate one operating point of CASE and report the range of each state and output.
-
-    T is the period of the fastest forcing; `whirlmap show` says how many of them a turn of each clock takes. Ctrl-C keeps
-    what was recorded until then. --out NAME.csv writes time, states and outputs as a table. A case with dimensions is shown
-    in um, mm/s, N and s.
-    """
-    from whirlmap.results.files import check_writable
-    from whirlmap.results.signals import write_series
-
+    """Do what `whirlmap.cli.declared.simulate` says."""
     table = out if out is not None and out.suffix.lower() == ".csv" else None
     if table is not None:
         check_writable(table, force=force)
@@ -93,10 +45,7 @@ def simulate(
     destination = claim(
         None if table else out, "simulate", force=force, size=size, dpi=dpi, title=title, animated=animate is not None
     )
-    system = options.open_system(case, changes, start)
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.sweep.diagrams.in_batches import simulation_in_stretches
+    system = open_system(case, changes, start)
 
     with Progress("simulate", None, quiet=quiet) as progress:
         work = simulation_in_stretches(
@@ -134,8 +83,6 @@ def simulate(
 
 def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what a time series holds, which is in these units."""
-    from whirlmap.results.status import Status
-
     system, clock = units.system, units.of("time")
     series = {**{str(s): ds["x"].sel(state=s) for s in ds["state"].values},
               **{str(o): ds["outputs"].sel(output=o) for o in ds["output"].values}}  # fmt: skip
@@ -164,8 +111,6 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
 
 
 def _print(facts: dict[str, Any]) -> None:
-    from whirlmap.results.status import Status
-
     begin, end = facts["time"]
     unit = report.unit_behind(facts["units"]["time"])
     typer.echo(f"{facts['case']}: {facts['samples']} samples from time {begin:.6g} to {end:.6g}{unit}")

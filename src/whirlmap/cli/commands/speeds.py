@@ -2,105 +2,36 @@
 
 import json as js
 from dataclasses import replace
-from typing import Annotated
+from pathlib import Path
 
-import typer
+import numpy as np
 
-from whirlmap.cli.common import options, report, speed_report
+from whirlmap.cli.common import pictures, report, speed_report
+from whirlmap.cli.common.assignments import tolerances_of
+from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.options.computed import LABELLING, Labelling
-from whirlmap.options.execution import EXECUTION, Execution
-
-SPEEDS = "Speeds"
-
-EXAMPLES = (
-    'whirlmap speeds machines/turbo-gearbox --limit "25 um"',
-    'whirlmap speeds gear-psfd/machine --limit "40 um" --range "1500 rpm:9000 rpm" --out speeds.png',
-    'whirlmap speeds machines/jeffcott-rig --input-tolerance c=5% --input-tolerance M=10% --draws 64',
-    "whirlmap speeds gear-psfd/intended --limit 0.6 --range 0.5:4 --points 200 --no-follow",
-)
-
-Limit = Annotated[
-    str | None,
-    typer.Option(
-        "--limit", metavar="LENGTH", rich_help_panel=SPEEDS,
-        help='Largest peak-to-peak displacement that is allowed: "20 um", or a number of clearances. The limit in the'
-        " case's table [operation] where absent.",
-    ),
-]  # fmt: skip
-Span = Annotated[
-    str | None,
-    typer.Option(
-        "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
-        help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
-        " absent.",
-    ),
-]  # fmt: skip
-Quantity = Annotated[
-    str | None,
-    typer.Option(
-        "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
-        help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
-    ),
-]  # fmt: skip
+from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
+from whirlmap.results.memory import refuse_points
+from whirlmap.sweep.diagrams.in_batches import expected_periods
+from whirlmap.sweep.parameters.engineering import drawn_machines, limit_of, speeds_of
+from whirlmap.sweep.speeds.designs import safe_probability
+from whirlmap.sweep.speeds.safe_speeds import safe_speeds
 
 
-@options.computing(*(name for name in options.LABELS if name != "tolerance"))
 def speeds(
-    case: options.CaseName,
-    limit: Limit = None,
-    span: Span = None,
-    points: Annotated[
-        int, typer.Option("--points", metavar="N", min=2, rich_help_panel=SPEEDS, help="Speeds judged.")
-    ] = 100,
-    quantity: Quantity = None,
-    follow: Annotated[
-        bool,
-        typer.Option(
-            "--follow/--no-follow", rich_help_panel=SPEEDS,
-            help="Whether to run up and down as well, which shows coexisting motions, for about three times the work.",
-        ),
-    ] = True,
-    tolerance: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--input-tolerance", metavar="NAME=PERCENT", rich_help_panel=SPEEDS,
-            help="Parameter or input and its tolerance, half the width of the range of its draws; may be repeated.",
-        ),
-    ] = None,
-    draws: Annotated[int, typer.Option("--draws", metavar="N", min=1, rich_help_panel=SPEEDS, help="Machines drawn.")] = 64,
-    seed: Annotated[int, typer.Option("--seed", metavar="N", min=0, rich_help_panel=SPEEDS, help="Seed of draws.")] = 0,
-    changes: options.Changes = None,
-    start: options.Start = None,
-    labelling: Labelling = LABELLING,
-    execution: Execution = EXECUTION,
-    dimensionless: options.Dimensionless = False,
-    out: options.Out = None,
-    size: options.Size = None,
-    dpi: options.Dpi = None,
-    title: options.Title = None,
-    force: options.Force = False,
-    json: options.Json = False,
-    quiet: options.Quiet = False,
+    *, case: str, limit: str | None, span: str | None, points: int, quantity: str | None, follow: bool,
+    tolerance: list[str] | None, draws: int, seed: int, changes: list[str] | None, start: list[str] | None,
+    labelling: Labelling, execution: Execution, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
+    title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
-    """Find the windows of speed in which CASE runs periodically and within a limit of vibration.
-
-    Each speed is judged from a cold start and in a run-up and a run-down. The report gives the windows, how far the
-    machine's own speed is from their ends, what forbids the speeds between them, the thinnest
-    film and the largest bearing load.
-    """
-    tolerances = options.tolerances_of(tolerance)
+    """Do what `whirlmap.cli.declared.speeds` says."""
+    tolerances = tolerances_of(tolerance)
     destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)
-    system = options.open_system(case, changes, start)
-    import numpy as np
-
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.results.memory import refuse_points
-    from whirlmap.sweep.diagrams.in_batches import expected_periods
-    from whirlmap.sweep.parameters.engineering import drawn_machines, limit_of, speeds_of
-    from whirlmap.sweep.speeds.designs import safe_probability
-    from whirlmap.sweep.speeds.safe_speeds import safe_speeds
+    system = open_system(case, changes, start)
 
     allowed = limit_of(system, limit, "--limit")
     low, high = speeds_of(system, span, "--range")
@@ -132,10 +63,10 @@ def speeds(
                 ds = ds.merge(chance, combine_attrs="override")
                 ds = ds.assign_attrs(seed=seed, draws=draws, tolerances=js.dumps(tolerances))
     units = Dimensions(system, own=dimensionless)
-    files = destination.write(ds, lambda made: speed_report.picture(units, made))
+    files = destination.write(ds, lambda made: pictures.speeds(units, made))
     report.say_doubts(ds.attrs)
     facts = speed_report.summary(units, ds)
-    facts["assumptions"] = report.say_assumptions(system, {system.speed: (low, high)})
+    facts["assumptions"] = say_assumptions(system, {system.speed: (low, high)})
     if json:
         report.print_json({**facts, "files": files})
     else:

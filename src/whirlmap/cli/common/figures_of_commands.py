@@ -1,45 +1,39 @@
 """The figure of each command, composed of panels of `whirlmap.plot`; nothing is drawn here."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from math import isfinite, pi
+from pathlib import Path
 
-if TYPE_CHECKING:
-    from pathlib import Path
+import xarray as xr
+from matplotlib.figure import Figure
 
-    import xarray as xr
-    from matplotlib.figure import Figure
-
-    from whirlmap.cli.common.outputs import Looks
-    from whirlmap.integrate.dimensions import Dimensions
-    from whirlmap.integrate.system import System
+from whirlmap.analysis.motion.record_length import turns_per_T
+from whirlmap.cli.common.outputs import Looks
+from whirlmap.cli.common.speed_report import sizes_of
+from whirlmap.cli.common.states_shown import partner_of, swing_of
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.system import System
+from whirlmap.plot.common.diagnosis_parts import journal_of, marked_shaft
+from whirlmap.plot.common.style import WIDE, new_figure, styled
+from whirlmap.plot.figures.animation import animate_orbit
+from whirlmap.plot.figures.basins import attractors_figure, basins_figure
+from whirlmap.plot.figures.campbell import campbell_figure
+from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure, diagram_figure
+from whirlmap.plot.figures.improve import improve_figure
+from whirlmap.plot.figures.regime_map import regime_line_figure, regime_map_figure
+from whirlmap.plot.figures.signal_figure import series_figure
+from whirlmap.plot.figures.speeds import speeds_figure
+from whirlmap.plot.panels.phase_portrait import draw_phase_portrait
+from whirlmap.plot.panels.time_series import draw_time_series
 
 #: Periods T of a time series that its picture shows, the last ones.
 SHOWN = 40
 
 
-def swing_of(system: "System") -> list[str]:
-    """States that a picture of this system shows first."""
-    return [s.name for s in system.model.swing] or [system.states[0]]
-
-
-def partner_of(system: "System", state: str) -> str:
-    """State against which another is drawn: the one that its rate equals, else the next one."""
-    names = system.states
-    return system.model.velocities.get(state, names[(names.index(state) + 1) % len(names)])
-
-
-def simulation(system: "System", ds: "xr.Dataset") -> "Figure":
+@styled
+def simulation(system: System, ds: xr.Dataset) -> Figure:
     """Time series of the states that swing, and the phase portrait of the first."""
-    from whirlmap.plot.common.style import styled
-
-    return styled(_simulation)(system, ds)
-
-
-def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
-    from whirlmap.plot.common.style import WIDE, new_figure
-    from whirlmap.plot.panels.phase_portrait import draw_phase_portrait
-    from whirlmap.plot.panels.time_series import draw_time_series
-
     states, in_T = swing_of(system), ds["time"].attrs["units"] == "time"  # seconds, where the case says what they are
     fig = new_figure(WIDE, 1.2 + 1.1 * max(len(states), 2))
     grid = fig.add_gridspec(len(states), 2, width_ratios=[3, 2])
@@ -51,16 +45,12 @@ def _simulation(system: "System", ds: "xr.Dataset") -> "Figure":
 
 
 def animation(
-    units: "Dimensions", ds: "xr.Dataset", place: "Path", *, looks: "Looks", turns: float | None, force: bool
-) -> "Path":
+    units: Dimensions, ds: xr.Dataset, place: Path, *, looks: Looks, turns: float | None, force: bool
+) -> Path:
     """Write the orbit of the first journal, or of the states that swing, as it moves.
 
     Where ``turns`` is absent, the last 4 T, or two turns of the shaft that is marked in other pictures where that is more.
     """
-    from whirlmap.analysis.motion.record_length import turns_per_T
-    from whirlmap.plot.common.diagnosis_parts import journal_of, marked_shaft
-    from whirlmap.plot.figures.animation import animate_orbit
-
     system = units.system
     first = swing_of(system)[0]
     journal = journal_of(ds)
@@ -77,10 +67,8 @@ def animation(
 FEW = 6
 
 
-def operating_point(system: "System") -> str:
+def operating_point(system: System) -> str:
     """The case with the values that say which motion it is: all of a small model, else the speed and what the user set."""
-    from math import pi
-
     settled, names = system.machine, system.parameters
     every = len(names) <= FEW and not (settled and settled.inputs)
     shown = {name: f"{float(system.values[name]):.4g}" for name in names if every or _by_user(system.notes.get(name, ""))}
@@ -96,11 +84,8 @@ def _by_user(note: str) -> bool:
     return note == "set by the user"
 
 
-def diagnosis(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+def diagnosis(units: Dimensions, ds: xr.Dataset) -> Figure:
     """Draw the sheet of a diagnosis in these units."""
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure
-
     system = units.system
     state = swing_of(system)[0]
     return diagnosis_figure(
@@ -108,52 +93,54 @@ def diagnosis(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
     )
 
 
-def series(ds: "xr.Dataset", name: str) -> "Figure":
+def series(ds: xr.Dataset, name: str) -> Figure:
     """Draw the sheet of a recorded signal."""
-    from whirlmap.plot.figures.signal_figure import series_figure
-
     return series_figure(ds, title=name)
 
 
-def diagram(units: "Dimensions", ds: "xr.Dataset", states: Sequence[str]) -> "Figure":
+def diagram(units: Dimensions, ds: xr.Dataset, states: Sequence[str]) -> Figure:
     """Bifurcation diagrams of some states over their regimes, in these units."""
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.plot.figures.diagnosis_figure import diagram_figure
-
     return diagram_figure(shown_in(units, ds), list(states), columns=2 if len(states) > 3 else 1, title=units.system.case)
 
 
-def regime_map(units: "Dimensions", ds: "xr.Dataset", quantity: str) -> "Figure":
+def regime_map(units: Dimensions, ds: xr.Dataset, quantity: str) -> Figure:
     """Draw a map of regimes in these units; a line of points as its amplitude over its regimes."""
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.plot.figures.regime_map import regime_line_figure, regime_map_figure
-
     if len(ds["regime"].dims) == 1:
         return regime_line_figure(shown_in(units, ds), quantity, title=units.system.case)
     small = ds.drop_vars("section", errors="ignore")  # which may be larger than the memory
     return regime_map_figure(shown_in(units, small), quantity, title=units.system.case)
 
 
-def campbell(system: "System", ds: "xr.Dataset") -> "Figure":
+def campbell(system: System, ds: xr.Dataset) -> Figure:
     """Draw frequencies, order lines and damping against speed."""
-    from whirlmap.plot.figures.campbell import campbell_figure
-
     return campbell_figure(ds, title=system.case)
 
 
-def attractors(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+def attractors(units: Dimensions, ds: xr.Dataset) -> Figure:
     """Draw the start states of a search by their attractor, in these units."""
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.plot.figures.basins import attractors_figure
-
     system = units.system
     state = swing_of(system)[0]
     return attractors_figure(shown_in(units, ds), state, partner_of(system, state), title=system.case)
 
 
-def basins(units: "Dimensions", ds: "xr.Dataset") -> "Figure":
+def basins(units: Dimensions, ds: xr.Dataset) -> Figure:
     """Draw a slice of basins in these units."""
-    from whirlmap.integrate.in_units import shown_in
-    from whirlmap.plot.figures.basins import basins_figure
-
     return basins_figure(shown_in(units, ds), title=units.system.case)
+
+
+def speeds(units: Dimensions, ds: xr.Dataset) -> Figure:
+    """Draw windows of safe speeds."""
+    rpm, um, newton = sizes_of(units)
+    shown = ds if isfinite(rpm) else ds.drop_vars("rpm", errors="ignore")
+    return speeds_figure(
+        shown, unit=um if isfinite(um) else 1.0, length="um" if isfinite(um) else "1",
+        force=newton if isfinite(newton) else 1.0, force_unit="N" if isfinite(newton) else "1", title=units.system.case,
+    )  # fmt: skip
+
+
+def improve(units: Dimensions, ds: xr.Dataset) -> Figure:
+    """Draw what other designs gain."""
+    rpm, um, _ = sizes_of(units)
+    shown = ds if isfinite(rpm) else ds.drop_vars("rpm", errors="ignore")
+    known = isfinite(um)
+    return improve_figure(shown, unit=um if known else 1.0, length="um" if known else "1", title=units.system.case)

@@ -35,8 +35,9 @@ def end_at_once(signum: int, frame: Any) -> NoReturn:  # noqa: ARG001 (a signal'
     """Say what was written, leave no half-written file and no process, and end the program."""
     writing = sys.modules.get("whirlmap.results.files")
     written = [str(path) for path in getattr(writing, "WRITTEN", ())]
-    for trial in tuple(getattr(writing, "UNFINISHED", ())):
-        trial.unlink(missing_ok=True)
+    if writing is not None:
+        for trial in tuple(writing.UNFINISHED):
+            writing.drop(trial)
     if "multiprocessing" in sys.modules:
         for process in sys.modules["multiprocessing"].active_children():
             process.kill()

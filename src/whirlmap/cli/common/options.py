@@ -1,20 +1,14 @@
-"""Options that commands share, and how their text is read."""
+"""Options that commands share."""
 
-from collections.abc import Callable, Sequence
-from functools import wraps
+from collections.abc import Callable
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
-from whirlmap.errors import CaseError, InputError, RangeError
 from whirlmap.options.computed import Integration, Labelling, Settling
 from whirlmap.options.execution import Execution
-
-if TYPE_CHECKING:
-    from whirlmap.integrate.system import System
-    from whirlmap.sweep.parameters.ranges import Range
 
 SYSTEM, COMPUTING, OUTPUT = "System", "Computing", "Output"
 
@@ -184,150 +178,36 @@ LABELS = ("transient", "most", "tolerance", "lyapunov", *INTEGRATION, "workers")
 
 
 def computing(*names: str, **different: Any) -> Callable[[Callable[..., None]], Callable[..., None]]:
-    """Give a command these options, whose defaults are those of Python.
+    """Give a declared command these options, whose defaults are those of Python.
 
-    It gets them whole: as ``labelling`` or ``integration``, in whose place they stand, and ``execution``. ``different`` are
-    declarations that replace the usual ones.
+    They stand in the place of its ``labelling`` or ``integration`` and ``execution``, as which the function that does what
+    the command says gets them: ``whole`` makes these of them. ``different`` are declarations that replace the usual ones.
     """
     declared = SETTLING | INTEGRATION | OTHERS | different
 
     def decorate(command: Callable[..., None]) -> Callable[..., None]:
         own = signature(command)
-        whole = [name for name in own.parameters if name in ("labelling", "integration", "execution")]
+        values = [name for name in own.parameters if name in ("labelling", "integration", "execution")]
         defaults, kind = {name: getattr(Settling, name, None) for name in names}, Parameter.POSITIONAL_OR_KEYWORD
         flat = [Parameter(name, kind, default=defaults[name], annotation=declared[name]) for name in names]
         kept = list(own.parameters.values())
-        place = list(own.parameters).index(whole[0])
-        shown = [*kept[:place], *flat, *(p for p in kept[place:] if p.name not in whole)]
+        place = list(own.parameters).index(values[0])
+        shown = [*kept[:place], *flat, *(p for p in kept[place:] if p.name not in values)]
 
-        @wraps(command)
-        def called(**given: Any) -> None:
+        def whole(**given: Any) -> dict[str, Any]:
             parts = {name: given.pop(name) for name in names}
             integration = Integration(**{name: parts[name] for name in INTEGRATION if name in parts})
             settling = Settling(**{name: parts[name] for name in SETTLING if name in parts})
-            values = {
+            made = {
                 "labelling": Labelling(settling, parts.get("lyapunov"), integration), "integration": integration,
                 "execution": Execution(parts["workers"]),
             }  # fmt: skip
-            command(**given, **{name: values[name] for name in whole})
+            return given | {name: made[name] for name in values}
 
-        made: Any = called
-        made.__signature__ = own.replace(parameters=shown)
-        made.__annotations__ = {p.name: p.annotation for p in shown}
-        return called
+        changed: Any = command
+        changed.__signature__ = own.replace(parameters=shown)
+        changed.__annotations__ = {p.name: p.annotation for p in shown}
+        changed.whole = whole
+        return command
 
     return decorate
-
-
-#: What the text of an option looks like, where it is not that of --set.
-EXAMPLES = {
-    "--start": "--start x=0.5", "--box": "--box x=-2:2", "--input-tolerance": "--input-tolerance c=5%",
-    "--threshold": "--threshold s=0.5:4", "--draw": "--draw xi_m=normal:0.1:0.01",
-}  # fmt: skip
-
-
-def assignments(texts: Sequence[str] | None, option: str) -> dict[str, str]:
-    """Read ``name=value`` texts of a repeatable option.
-
-    Raises
-    ------
-    InputError
-        Where a text has another form, or a name is given two different values.
-    """
-    example = EXAMPLES.get(option, '--set gamma=0.3, --set "speed=1500 rpm"')
-    found: dict[str, str] = {}
-    for text in texts or ():
-        name, equals, value = (part.strip() for part in text.partition("="))
-        if not (name and equals and value):
-            raise InputError(f"{option}: found {text!r}, expected name=value, as in {example}")
-        if found.setdefault(name, value) != value:
-            raise InputError(f"{option}: {name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
-    return found
-
-
-def brackets(texts: Sequence[str] | None, option: str) -> dict[str, tuple[float, float]]:
-    """Read ``name=low:high`` texts of a repeatable option.
-
-    Raises
-    ------
-    InputError
-        Where a text has another form, or a name is given two different values.
-    RangeError
-        Where a low end is not below its high end.
-    """
-    found = {}
-    for name, text in assignments(texts, option).items():
-        try:
-            low, high = (float(part) for part in text.split(":"))
-        except ValueError:
-            raise InputError(f"{option}: found {name}={text}, expected name=low:high, as in {EXAMPLES[option]}") from None
-        if not low < high:
-            raise RangeError(f"{option}: found {name}={text}, but ranges ascend: swap the ends")
-        found[name] = (low, high)
-    return found
-
-
-def tolerances_of(texts: Sequence[str] | None) -> dict[str, float]:
-    """Half widths of ranges over their middle, by name."""
-    found = {}
-    for name, text in assignments(texts, "--input-tolerance").items():
-        try:
-            half = float(text.removesuffix("%")) / (100 if text.endswith("%") else 1)
-        except ValueError:
-            half = -1.0
-        if not 0 < half < 1:
-            raise InputError(f"--input-tolerance: found {name}={text}, expected a tolerance between 0 and 100 %, as in c=5%")
-        found[name] = half
-    return found
-
-
-def ranges(texts: Sequence[str] | None, option: str) -> "dict[str, Range]":
-    """Read ``name=low:high`` texts of a repeatable option, whose ends may have a unit.
-
-    Raises
-    ------
-    InputError, RangeError
-        As `brackets` and `Range.parse`.
-    """
-    from whirlmap.sweep.parameters.ranges import Range
-
-    found = {}
-    for name, text in assignments(texts, option).items():
-        try:
-            found[name] = Range.parse(f"{name}={text}:2", option)
-        except RangeError:
-            brackets([f"{name}={text}"], option)  # says what is wrong with it as a bracket
-            raise
-    return found
-
-
-def _in_states(system: "System", begin: dict[str, str]) -> dict[str, float | str]:
-    """Start values in the model's own numbers; what is no number with a unit stays text, for who says what is wrong."""
-    from whirlmap.sweep.parameters.own_units import in_state
-    from whirlmap.units import split
-
-    made: dict[str, float | str] = dict(begin)
-    for name, text in begin.items():
-        try:
-            number, unit = split(text)
-        except CaseError:
-            continue
-        value = in_state(system, name, float(number), unit, "--start")
-        made[name] = value if unit else text
-    return made
-
-
-def open_system(case: str, changes: Sequence[str] | None, start: Sequence[str] | None) -> "System":
-    """Load a case with the changes and the start state of the command line; refuse an impossible start."""
-    changed, begin = assignments(changes, "--set"), assignments(start, "--start")
-    if "start" in changed:
-        raise InputError("--set: found start, expected a symbol or a switch; start values are given with --start")
-    from whirlmap.integrate.loading import load
-
-    given: dict[str, Any] = dict(changed)
-    system = load(case, start=_in_states(load(case, **given), begin) if begin else None, **given)
-    if system.start:
-        from whirlmap.sweep.attractors.start_states import refuse_start
-
-        refuse_start(system)
-    return system

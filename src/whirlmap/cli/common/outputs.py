@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from whirlmap.errors import CaseError, InputError
+from whirlmap.results.files import DiskFullError, check_writable, elsewhere, places, write
+from whirlmap.results.findings import Findings
+from whirlmap.units import read
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from whirlmap.results.files import Places
-    from whirlmap.results.findings import Findings
 
 #: ``draw(dataset) -> Figure``.
 Draw = Callable[["xr.Dataset"], Any]
@@ -63,8 +65,6 @@ LARGEST_PICTURE = 1e8
 
 def _inches(text: str) -> tuple[float, float]:
     """Read ``7x4.5`` [inch] or ``180x120mm``."""
-    from whirlmap.units import read
-
     found = re.fullmatch(r"\s*([\d.]+)\s*[xX*\u00d7]\s*([\d.]+)\s*([a-z]*)\s*", text)
     try:
         sides = [float(read(f"{side} {found[3] or 'inch'}", "inch")) for side in found.groups()[:2]] if found else []
@@ -95,8 +95,6 @@ class Destination:
         """
         if self.places is None:
             return []
-        from whirlmap.results.files import write
-        from whirlmap.results.findings import Findings
 
         dataset = found.dataset() if isinstance(found, Findings) else found
         kinds: list[tuple[Path | None, Callable[[Path], Path]]] = [
@@ -109,7 +107,6 @@ class Destination:
 
     def _picture(self, draw: Callable[[], Any], place: Path) -> Path:
         from whirlmap.plot.common.save import save
-        from whirlmap.results.files import check_writable
 
         check_writable(place, force=self.force)
         return save(self.looks.figure(draw), place, dpi=self.looks.dpi)
@@ -123,8 +120,6 @@ def write_all(kinds: Sequence[tuple[Path | None, Callable[[Path], Path]]]) -> li
     DiskFullError
         Where a disk had no room, saying what was kept instead.
     """
-    from whirlmap.results.files import DiskFullError, elsewhere
-
     written, faults = list[Path](), list[str]()
     for place, fill in kinds:
         if place is None:
@@ -171,7 +166,6 @@ def claim(
     looks = Looks.read(size, dpi, title, picture="" if drawn else "--out NAME.png, .svg or .pdf, or a folder")
     if out is None:
         return Destination(None, force, looks)
-    from whirlmap.results.files import check_writable, places
 
     found = places(out, name)
     for place in (found.folder,) if found.folder else (found.dataset, found.picture):

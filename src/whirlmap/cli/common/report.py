@@ -7,9 +7,7 @@ import sys
 from collections.abc import Iterable, Mapping, Sequence
 from enum import Enum
 from fractions import Fraction
-from itertools import product
 from pathlib import Path
-from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import typer
@@ -29,7 +27,7 @@ WIDE = 160
 
 def console() -> "Console":
     """Return the console for standard output."""
-    from rich.console import Console
+    from rich.console import Console  # where JSON is printed it would be imported for nothing
 
     columns = os.environ.get("COLUMNS", "")
     width = None if sys.stdout.isatty() else int(columns) if columns.isdecimal() and int(columns) else WIDE
@@ -38,15 +36,13 @@ def console() -> "Console":
 
 def table(title: str, columns: Sequence[str], rows: Iterable[Sequence[object]], *, numbers: Sequence[int] = ()) -> Any:
     """Make a plain table; ``numbers`` are the columns that are set flush right."""
-    from rich.box import SIMPLE_HEAD
-    from rich.table import Table
-    from rich.text import Text
+    from rich import box, table, text
 
-    made = Table(title=Text(title, style="bold"), title_justify="left", box=SIMPLE_HEAD, pad_edge=False)
+    made = table.Table(title=text.Text(title, style="bold"), title_justify="left", box=box.SIMPLE_HEAD, pad_edge=False)
     for i, column in enumerate(columns):
         made.add_column(column, justify="right" if i in numbers else "left", overflow="fold", no_wrap=i == 0)
     for row in rows:
-        made.add_row(*(Text(cell if isinstance(cell, str) else number(cell)) for cell in row))
+        made.add_row(*(text.Text(cell if isinstance(cell, str) else number(cell)) for cell in row))
     return made
 
 
@@ -135,36 +131,10 @@ def say_doubts(attributes: Mapping[Any, Any]) -> None:
         say(f"grazing: {grazing}")
 
 
-def say_assumptions(
-    system: "System", ends: Mapping[str, Any] = MappingProxyType({}), units: Mapping[str, str] = MappingProxyType({})
-) -> list[str]:
-    """Say on standard error which assumptions of the model are strained, as `show` does, and return these texts.
-
-    ``ends`` are the first and the last value of all that was swept: all their combinations count. ``units`` are those of the
-    dimensional inputs among them.
-    """
-    from whirlmap.integrate.loading import changed
-
-    points: list[dict[str, Any]] = [dict(zip(ends, map(float, v), strict=True)) for v in product(*ends.values())]
-    inputs = [{name: f"{at.pop(name)!r} {unit}".strip() for name, unit in units.items()} for at in points]
-    bases = [changed(system, **texts) if texts else system for texts in inputs]
-    return say_strains([base.replace(**at) for base, at in zip(bases, points, strict=True)])
-
-
 def say_not_declared(system: "System", role: str) -> None:
     """Say on standard error what an answer lacks because the model does not declare a role."""
     if words := system.model.not_declared().get(role):
         say(f"{system.model.name} declares no {role}: {words}")
-
-
-def say_strains(systems: Iterable["System"]) -> list[str]:
-    """Say on standard error which assumptions any of these systems strains, and return these texts."""
-    from whirlmap.assumptions.strained import repeated
-
-    texts = repeated(systems)
-    for text in texts:
-        say(f"assumption strained: {text}")
-    return texts
 
 
 def print_written(files: Sequence[Path]) -> None:

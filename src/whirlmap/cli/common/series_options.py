@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from whirlmap.errors import InputError, RangeError
+from whirlmap.recordings.shaft_speed import turns_per
 
 PANEL = "Measured signal"
 
@@ -128,8 +129,6 @@ def samples_per_second(text: str) -> float:
 
 def turns_per_second(text: str | None) -> tuple[float | None, str | None]:
     """Read ``--speed``: turns per second, or the name of a column."""
-    from whirlmap.recordings.shaft_speed import turns_per
-
     found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z/]\S*)\s*", text or "")
     if not found:
         return None, text

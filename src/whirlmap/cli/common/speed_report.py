@@ -1,12 +1,14 @@
 """Report of ``whirlmap speeds``: windows and the ranges between them, in engineering units where the case has them."""
 
 import json as js
+from collections import Counter
 from math import isfinite, nan, pi
 from typing import TYPE_CHECKING, Any
 
 import typer
 
 from whirlmap.cli.common import report
+from whirlmap.sweep.speeds.verdicts import Verdict
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,10 +34,6 @@ def sizes_of(units: "Dimensions") -> tuple[float, float, float]:
 
 def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     """Say what was found, as plain data; lengths in um, forces in N and speeds in rpm where the case has dimensions."""
-    from collections import Counter
-
-    from whirlmap.sweep.speeds.verdicts import Verdict
-
     system, (rpm, um, newton) = units.system, sizes_of(units)
     rows = [_in_units(row, rpm, um, newton) for row in js.loads(ds.attrs["stretches"])]
     if "probability" in ds:
@@ -178,15 +176,3 @@ def _of_operation(at: dict[str, Any], speed: str) -> str:
         for side, m in at["margins"].items()
     ]
     return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else 'as is the whole range'}"
-
-
-def picture(units: "Dimensions", ds: "xr.Dataset") -> Any:
-    """Draw what was found."""
-    from whirlmap.plot.figures.speeds import speeds_figure
-
-    rpm, um, newton = sizes_of(units)
-    shown = ds if isfinite(rpm) else ds.drop_vars("rpm", errors="ignore")
-    return speeds_figure(
-        shown, unit=um if isfinite(um) else 1.0, length="um" if isfinite(um) else "1",
-        force=newton if isfinite(newton) else 1.0, force_unit="N" if isfinite(newton) else "1", title=units.system.case,
-    )  # fmt: skip

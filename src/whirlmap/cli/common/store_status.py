@@ -6,12 +6,11 @@ import typer
 
 from whirlmap.cli.common import report
 from whirlmap.cli.common.progress import clock
+from whirlmap.sweep.store.store_status import store_standing
 
 
 def say_status(folder: Path, *, json: bool) -> None:
     """Print how far a store is, and what it has lost."""
-    from whirlmap.sweep.store.store_status import store_standing
-
     s = store_standing(folder)
     if json:
         report.print_json(s)

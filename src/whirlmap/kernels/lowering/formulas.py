@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 from sympy import Abs, Expr, Symbol, erf, erfc, lambdify
+from sympy.core.function import AppliedUndef
 from sympy.printing.numpy import NumPyPrinter
 
 from whirlmap.equations.identity import model_digest
@@ -137,8 +138,6 @@ def array_function(arguments: Sequence[Any], expressions: Sequence[Expr]) -> Cal
 
 
 def _called() -> Any:
-    from sympy.core.function import AppliedUndef
-
     return AppliedUndef
 
 

@@ -8,6 +8,7 @@ from collections.abc import Callable, Mapping
 from functools import cache
 from typing import Any
 
+import llvmlite
 import llvmlite.binding as llvm
 import numpy as np
 from numpy.typing import NDArray
@@ -78,9 +79,7 @@ def fuses() -> bool:
 
 def platform() -> str:
     """Versions and processor that compiled code depends on."""
-    from llvmlite import __version__
-
-    return f"llvmlite {__version__} LLVM {llvm.llvm_version_info} {llvm.get_default_triple()} {processor()}"
+    return f"llvmlite {llvmlite.__version__} LLVM {llvm.llvm_version_info} {llvm.get_default_triple()} {processor()}"
 
 
 def key(text: str) -> str:

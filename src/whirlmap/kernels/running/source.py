@@ -36,6 +36,7 @@ from whirlmap.kernels.writing.saltation import Surfaces
 from whirlmap.kernels.writing.sines import Sines
 from whirlmap.kernels.writing.sliding import sliding_rates
 from whirlmap.kernels.writing.stepping import Run, Sizes
+from whirlmap.version import __version__
 
 #: Of every function. LLVM would split vectors of 512 bits on processors that have them, and keep those that find no register
 #: on a stack that is aligned for 16 bytes: nearly each would then lie across two lines of cache.
@@ -223,8 +224,6 @@ def _runs(rates: Straight, names: list[Symbol]) -> tuple[Run, ...]:
 
 def _text(module: ir.Module, model: Model) -> str:
     """Assembly of a module, with the attributes that llvmlite cannot write."""
-    from whirlmap.version import __version__
-
     body = re.sub(r"(?m)^(define .*)$", r"\1 #0", str(module))
     return f"; whirlmap {__version__}, {model.name}\n{body}\nattributes #0 = {ATTRIBUTES}\n"
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
-from uuid import uuid4
 
 import numpy as np
 import xarray as xr
@@ -29,10 +28,11 @@ from whirlmap.sweep.maps.manifest import claim, manifest_of, refuse_other, store
 from whirlmap.sweep.maps.refine import COARSE
 from whirlmap.sweep.parameters.space import Chunks, Space, chunk_size, pilot_points
 from whirlmap.sweep.points.point_variables import kept_states, points_dataset, shared_common_multiple
+from whirlmap.sweep.store.creating import create
 from whirlmap.sweep.store.fingerprint import kernel_hash
 from whirlmap.sweep.store.restoring import lost_parts, put_back
-from whirlmap.sweep.store.store_folder import EVALUATION, clear_trials, exists, half_made, remove, restore_manifest
-from whirlmap.sweep.store.zarr_store import Evaluation, create
+from whirlmap.sweep.store.store_folder import EVALUATION, clear_trials, exists, half_made, passing, remove, restore_manifest
+from whirlmap.sweep.store.zarr_store import Evaluation
 
 #: Points of the pilot that the chunks' size follows from, and the seconds that a chunk should take.
 PILOT, SECONDS = 64, 3.0
@@ -162,7 +162,7 @@ def _begin(job: Job, manifest: Mapping[str, Any], chunk: int | None) -> None:
 def _restore(job: Job, lost: list[str], manifest: Mapping[str, Any], notes: list[str]) -> None:
     """Put back axes and descriptions that a store has lost, from an empty store that is made beside it."""
     columns = job.space.columns(pilot_points(job.space, job.system.model, 1))
-    beside = job.folder.with_name(f".{job.folder.name}.{uuid4().hex}.partial")
+    beside = passing(job.folder.with_name(f".{job.folder.name}"))
     try:
         _make(job, beside, manifest, job.store.chunks.size, columns, job.measure(columns))
         put_back(job.store, lost, beside)

@@ -7,6 +7,7 @@ from functools import cache
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.system import System
 from whirlmap.kernels.cache import source_of
+from whirlmap.kernels.running import machine
 from whirlmap.kernels.running.root_choice import chosen
 from whirlmap.results.provenance import package_version
 
@@ -27,8 +28,6 @@ def kernel_hash(system: System, method: str | None) -> str:
 
 @cache
 def _program() -> str:
-    from whirlmap.kernels.running.machine import platform as processor
-
     versions = " ".join(f"{name} {package_version(name)}" for name in LIBRARIES)
-    what = f"{processor()} python {platform.python_version()} {versions} {source_of(DECIDING)}"
+    what = f"{machine.platform()} python {platform.python_version()} {versions} {source_of(DECIDING)}"
     return hashlib.sha256(what.encode()).hexdigest()

@@ -5,15 +5,16 @@ that they are copied from one that is made anew beside it.
 """
 
 import json
-import shutil
 from collections.abc import Iterable
+from functools import partial
 from math import prod
 from pathlib import Path
-from uuid import uuid4
+from shutil import copyfile
 
 import numpy as np
 
-from whirlmap.sweep.store.store_folder import CHUNKS, DESCRIPTION
+from whirlmap.results.files import write_beside
+from whirlmap.sweep.store.store_folder import CHUNKS, DESCRIPTION, passing
 from whirlmap.sweep.store.zarr_store import Store
 
 #: Name under which the description of the whole group is lost.
@@ -77,6 +78,4 @@ def put_back(store: Store, lost: Iterable[str], whole: Path) -> None:
         for path in [source] if source.is_file() else sorted(p for p in source.rglob("*") if p.is_file()):
             target = store.folder / path.relative_to(whole)
             target.parent.mkdir(parents=True, exist_ok=True)
-            trial = target.with_name(f"{target.name}.{uuid4().hex}.partial")
-            shutil.copyfile(path, trial)
-            trial.replace(target)
+            write_beside(target, partial(copyfile, path), trial=passing(target))

@@ -12,7 +12,7 @@ from typing import Any
 from uuid import uuid4
 
 from whirlmap.errors import OutputError
-from whirlmap.results.files import reason
+from whirlmap.results.files import reason, write_beside
 
 #: Group of what is known of the tasks, and the attribute of it that holds the manifest.
 CHUNKS, MANIFEST = "chunks", "manifest"
@@ -89,12 +89,17 @@ def restore_manifest(folder: Path) -> bool:
         return False
     try:
         (folder / CHUNKS).mkdir(exist_ok=True)
-        trial = folder / CHUNKS / f"{DESCRIPTION}.{uuid4().hex}.partial"
-        trial.write_text(json.dumps({k: v for k, v in copy.items() if k != "consolidated_metadata"}, indent=2))
-        trial.replace(folder / CHUNKS / DESCRIPTION)
+        text = json.dumps({k: v for k, v in copy.items() if k != "consolidated_metadata"}, indent=2)
+        place = folder / CHUNKS / DESCRIPTION
+        write_beside(place, lambda trial: trial.write_text(text), trial=passing(place))
     except OSError as error:
         raise OutputError(f"{folder}: its manifest cannot be put back ({reason(error)})") from error
     return True
+
+
+def passing(path: Path) -> Path:
+    """Name of what is not finished, as Zarr names it: `remains` and `clear_trials` know it where a process was killed."""
+    return path.with_name(f"{path.name}.{uuid4().hex}.partial")
 
 
 def remains(folder: Path) -> bool:

@@ -2,12 +2,11 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable
 from pathlib import Path
 
 from whirlmap.errors import OutputError
-from whirlmap.results.files import check_writable
+from whirlmap.results.files import check_writable, replace_file
 
 MANIFEST = "manifest.json"
 
@@ -52,22 +51,10 @@ class Folder:
     def write(self, name: str, fill: Callable[[Path], object]) -> Path:
         """Write one file, complete or not at all, and own it."""
         self.check([name])
-        path = self._replace(name, fill)
+        path = replace_file(self.path / name, fill, force=True)
         self.owned[name] = _digest(path)
         text = json.dumps({"written_by": "whirlmap reproduce", "files": self.owned}, indent=1)
-        self._replace(MANIFEST, lambda trial: trial.write_text(text, encoding="utf-8"))
-        return path
-
-    def _replace(self, name: str, fill: Callable[[Path], object]) -> Path:
-        path = self.path / name
-        trial = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
-        try:
-            fill(trial)
-            trial.replace(path)
-        except OSError as error:
-            raise OutputError(f"{path} cannot be written: {error.strerror or error}") from error
-        finally:
-            trial.unlink(missing_ok=True)
+        replace_file(self.path / MANIFEST, lambda trial: trial.write_text(text, encoding="utf-8"), force=True)
         return path
 
 

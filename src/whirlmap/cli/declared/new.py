@@ -1,0 +1,31 @@
+"""Options and help of ``whirlmap new``."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from whirlmap.cli.common import options
+
+EXAMPLES = (
+    "whirlmap new my_gearbox.toml",
+    "whirlmap new rig.toml --like machines/jeffcott-rig",
+    "whirlmap new my_gearbox.toml && whirlmap show my_gearbox.toml",
+)
+
+
+def new(
+    file: Annotated[Path, typer.Argument(metavar="NAME.toml", help="File to write.")],
+    like: Annotated[
+        str,
+        typer.Option("--like", metavar="CASE", help="Machine whose numbers it begins with.", rich_help_panel=options.SYSTEM),
+    ] = "gear-psfd/machine",
+    force: Annotated[
+        bool, typer.Option("--force", help="Replace the file.", rich_help_panel=options.OUTPUT)
+    ] = False,
+    json: options.Json = False,
+) -> None:
+    """Write a template of a machine: every input with its unit and meaning, filled with the numbers of another one.
+
+    The file loads as it is. Values that the machine does not give stand as comments.
+    """
