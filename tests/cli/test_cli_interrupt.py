@@ -92,7 +92,7 @@ def test_an_interrupted_comparison_keeps_the_designs_that_were_finished(tmp_path
 #: What a command does that keeps something at the first Ctrl-C, and takes its time for it.
 TWICE = """
 import sys, time
-from whirlmap.cli import interrupts
+from whirlmap.cli.common import interrupts
 interrupts.begin()
 if "early" in sys.argv:
     print("ready", flush=True)
