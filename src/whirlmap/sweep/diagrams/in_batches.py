@@ -43,7 +43,7 @@ CHAIN = 16
 STRETCHES, STRETCH, SHORT = 16, 1.0, 16
 
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
-NOT_REACHED = {number.name: number.absent for number in NUMBERS if not np.isnan(number.absent)}
+NOT_REACHED = {number.name: int(number.absent) for number in NUMBERS if not np.isnan(number.absent)}
 
 
 def diagram_in_batches(
