@@ -5,7 +5,7 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.motion.ensembles import make_ensemble
-from whirlmap.kernels import lanes
+from whirlmap.kernels.running import lanes
 
 STEPS = np.array([24, 32, 48, 24, 64, 96, 20, 24, 36, 48, 128])
 PERIODS = np.array([5, 9, 4, 5, 1, 7, 12, 6, 3, 8, 2])

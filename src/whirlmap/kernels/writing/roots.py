@@ -5,19 +5,14 @@ each of them, more than all else in a right-hand side together. Its estimates ar
 digits twice, and what is left is rounding in the last place.
 """
 
-from __future__ import annotations
-
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from llvmlite import ir
 from sympy import Expr
 
 from whirlmap.kernels.lowering.powers import inverse, root
 from whirlmap.kernels.writing.routine import BYTE, LANE, LANES, Routine, Value, number
-
-if TYPE_CHECKING:
-    from whirlmap.kernels.writing.vector import VectorCode
 
 #: Iterations that take 14 good bits to 53.
 ITERATIONS = 2
@@ -35,21 +30,23 @@ class Roots:
 
     estimated: bool
 
-    def write(self, code: VectorCode, e: Expr) -> Value:
-        """Instructions of ``root(x)``, ``inverse(x)`` or ``inverse(root(x))``; limits at 0 and infinity are exact."""
-        r = code.r
+    def write(self, r: Routine, e: Expr, value: Callable[[Expr], Value]) -> Value:
+        """Instructions of ``root(x)``, ``inverse(x)`` or ``inverse(root(x))``; limits at 0 and infinity are exact.
+
+        ``value`` gives the instructions of an expression, made once for each.
+        """
         if not self.estimated:
-            return r.root(code.value(e.args[0])) if isinstance(e, root) else r.div(number(1.0), code.value(e.args[0]))
+            return r.root(value(e.args[0])) if isinstance(e, root) else r.div(number(1.0), value(e.args[0]))
         inner = e.args[0]
         if isinstance(e, root):
-            x = code.value(inner)
-            one_over = code.value(inverse(e))
+            x = value(inner)
+            one_over = value(inverse(e))
             # at 0 and infinity the product is 0 times infinity, and the root is its argument
             edge = r.b.or_(r.b.fcmp_ordered("==", x, number(0.0)), r.b.fcmp_ordered("==", x, number(float("inf"))))
             return r.b.select(edge, x, r.mul(x, one_over))
         if isinstance(inner, root):
-            return _inverse_root(r, code.value(inner.args[0]))
-        return _inverse(r, code.value(inner))
+            return _inverse_root(r, value(inner.args[0]))
+        return _inverse(r, value(inner))
 
 
 def _inverse(r: Routine, x: Value) -> Value:

@@ -65,7 +65,7 @@ class VectorCode:
         if isinstance(e, power) and (quarters := quarters_of(e.args[1])) is not None:
             return self.value(product_of_roots(e.args[0], quarters))
         if isinstance(e, root | inverse):
-            return self.roots.write(self, e)
+            return self.roots.write(r, e, self.value)
         if isinstance(e, sin | cos):
             angle = e.args[0]
             if angle not in self.waves:

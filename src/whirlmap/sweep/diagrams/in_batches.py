@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.labels.measured import NUMBERS
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
 from whirlmap.analysis.simulation.time_series import Series
@@ -44,11 +45,7 @@ CHAIN = 16
 STRETCHES, STRETCH, SHORT = 16, 1.0, 16
 
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
-NOT_REACHED = {
-    "status": int(Status.failed), "regime": 0, "period_T": 0, "period_common": 0, "start_found": 0, "settled_after": 0,
-    "steps": 0, "step_verdict": 0, "lyapunov_periods": 0, "accelerated": 0, "drift_state": -1,
-    "grazings": 0,
-}  # fmt: skip
+NOT_REACHED = {number.name: int(number.absent) for number in NUMBERS if not np.isnan(number.absent)}
 
 
 @takes_options()

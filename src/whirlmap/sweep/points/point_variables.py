@@ -7,17 +7,14 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.labels.measured import Measured
-from whirlmap.analysis.labels.regime import Rule
-from whirlmap.analysis.steady.returns import first_drift
+from whirlmap.analysis.labels.measured import NUMBERS, Measured
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
-from whirlmap.integrate.accuracy import StepVerdict, doubtful
+from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System, common_multiple_attribute
-from whirlmap.results.schema import names_coordinate, regime_variable, status_variable, variable
-from whirlmap.results.status import flags
+from whirlmap.results.schema import names_coordinate, variable
 from whirlmap.sweep.points.extremes import extreme_coordinates, extreme_variables
 
 Array = NDArray[np.float64]
@@ -83,37 +80,7 @@ def common_multiple_variable(dim: str, system: System, varied: Iterable[str], me
 
 def point_variables(dim: str, measured: Measured) -> dict[str, Any]:
     """Variables with one number for each point."""
-    m, r = measured, measured.returns
-    drifts, speed = first_drift(r.drift)
-    return {
-        "status": status_variable(dim, m.status),
-        "regime": regime_variable(dim, r.regime),
-        "period_T": variable(dim, r.period, "T", "smallest return, 0 where none was found; of locked motion n"),
-        "period_common": variable(dim, r.multiple, "1", "smallest return in common periods, 0 where none"),
-        "return_distance": variable(dim, r.distance, "1", "return distance over the range of each state"),
-        "lyapunov": variable(dim, m.exponent, "1/time", "largest Lyapunov exponent of points that do not return"),
-        "lyapunov_error": variable(dim, m.exponent_error, "1/time", "one standard error of it, from block means"),
-        "lyapunov_periods": variable(dim, m.exponent_periods, "T", "T over which it was measured, 0: not"),
-        "confidence": variable(dim, m.confidence, "1", "share of the indicators asked that speak for the regime"),
-        "rule": variable(dim, m.rule, "1", "rule that decided the regime, or what is known without one", **flags(Rule)),
-        "rotation_number": variable(dim, m.winding, "1", "rotation number of the section of points that do not return"),
-        "winding": variable(dim, m.winding, "1", "former name of rotation_number, for one release"),
-        "growth_rate": variable(dim, r.growth, "1/time", "rate of the amplitude: what grows, or comes to rest"),
-        "drift_rate": variable(dim, speed, "1/time", "speed of the first state that drifts, in its unit"),
-        "thinning": variable(dim, r.thinning, "1", "power of time with which the narrowest gap of a film falls"),
-        "drift_state": variable(dim, drifts, "1", "index of that state, -1: none"),
-        "end_time": variable(dim, m.end_time, "time", "time at which the run ended early"),
-        "start_found": variable(dim, m.start_found.astype(np.int8), "1", "whether the default start exists"),
-        "settled_after": variable(dim, r.waited, "1", "common periods run before the record"),
-        "accelerated": variable(dim, r.accelerated.astype(np.int8), "1", "whether convergence was accelerated"),
-        "steps": variable(dim, m.steps, "1/T", "steps per T"),
-        "step_error": variable(dim, m.step_error, "1", "measured error over one common period"),
-        "step_verdict": variable(
-            dim, m.step_verdict, "1", "whether the steps meet the accuracy",
-            flag_values=[int(v) for v in StepVerdict], flag_meanings=" ".join(v.name for v in StepVerdict),
-        ),
-        "grazings": variable(dim, m.grazings, "1", "grazing contacts with surfaces at which rates change, in the record"),
-    }  # fmt: skip
+    return {number.name: number.variable(dim, measured) for number in NUMBERS}
 
 
 def doubts(ds: xr.Dataset, model: Model) -> dict[str, str]:
