@@ -122,7 +122,7 @@ def compare(case, length, time, count, moved):
 @pytest.mark.parametrize("case", [c for c in CASES if c != "gear-psfd/reference"])
 def test_a_model_in_other_units_has_the_same_labels(case):
     for length, time in QUICK:
-        compare(case, length, time, 16, 0)
+        compare(case, length, time, 24, 0)
 
 
 @pytest.mark.slow
