@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import cached_property
 from time import perf_counter
 from typing import TYPE_CHECKING, Any
 
@@ -57,11 +58,15 @@ class Group:
         self.inputs: Inputs = self.kernel.inputs(ensemble.values[:, members], limits, ensemble.sizes[:, members])
         self.steps = ensemble.point_steps[members]
         self.h = ensemble.period[members] / self.steps
-        self.waves = Waves.of(ensemble.orders, self.steps, self.kernel.source.nodes)
         self._packed: tuple[Points, dict[str, Any]] = np.zeros(0, dtype=np.intp), {}  # of the last call
         self.rescue = Rescue(
             model, ensemble.method, ensemble.tangents, ensemble.values[:, members], limits, redo=ensemble.redo
         )
+
+    @cached_property
+    def waves(self) -> Waves:
+        """Tables of the harmonics; ensembles are often made for their states alone."""
+        return Waves.of(self.ensemble.orders, self.steps, self.kernel.source.nodes)
 
     def advance(
         self, local: Points, n_periods: Integers, save: Fraction | int, record: Record, place: Points, *, between: bool,

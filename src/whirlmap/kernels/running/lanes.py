@@ -167,7 +167,7 @@ class Waves:
         shape = len(orders), steps.size
         columns = np.array(rows, dtype=np.int64).reshape(*shape, 4)
         turns = np.array([2 * np.pi * o.numerator / (o.denominator * n) for o in orders for n in steps.tolist()])
-        starts, lengths, strides, far = np.moveaxis(columns, 2, 0)
+        starts, lengths, strides, far = np.ascontiguousarray(np.moveaxis(columns, 2, 0))
         return cls(orders, steps, np.concatenate(pieces), starts, lengths, strides, far, turns.reshape(shape))
 
     def rows(self, steps: Integers) -> dict[str, NDArray[Any]]:
