@@ -73,6 +73,6 @@ def test_a_run_that_could_not_go_on_ends_with_one(status, code, monkeypatch):
         work.run = lambda: work
         return work
 
-    monkeypatch.setattr(sweep_run, "simulation_in_stretches", ended)
+    monkeypatch.setattr("whirlmap.cli.commands.simulate.simulation_in_stretches", ended)
     result = run("simulate duffing --periods 2 --quiet", code)
     assert ("not finished" in result.stderr) == bool(code)

@@ -242,7 +242,7 @@ def test_speeds_and_designs_without_dimensions_are_told_in_groups():
 
 
 def test_starts_are_given_in_um_and_mm_s():
-    from whirlmap.cli.common.options import open_system
+    from whirlmap.cli.common.opening import open_system
 
     begin = open_system(RIG, None, ["y=-180 um", "vy=0.003 m/s", "ux=0.2"]).start
     assert begin == pytest.approx({"y": -1.8, "vy": 3 / (C * 1e-3 * OMEGA), "ux": 0.2}, rel=1e-12)
