@@ -8,8 +8,8 @@ from whirlmap.analysis.signals.kantz import kantz_exponent
 from whirlmap.analysis.signals.neighbour_divergence import is_flow, resolved
 from whirlmap.analysis.signals.rosenstein import rosenstein_exponent
 
-#: Samples whose neighbours are followed.
-FOLLOWED = 48_000
+#: Most samples whose neighbours are followed.
+LONGEST = 48_000
 #: Swings over which neighbours are followed.
 FOLLOWED = 12
 
@@ -43,7 +43,7 @@ def signal_exponents(
     neighbours nearer than twice the distance by which noise parts equal points do not count: those that are, are near by
     chance.
     """
-    part, least, factor, flow = x[:FOLLOWED], 0.0, 1, is_flow(x)
+    part, least, factor, flow = x[:LONGEST], 0.0, 1, is_flow(x)
     if flow:
         part, factor, noise = resolved(part, swing)
         across = max(dimension - 1, 1)
