@@ -61,7 +61,7 @@ def commands():
         for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), start=1):
             if line.startswith("```"):
                 language = None if language is not None else line[3:]
-            elif found := re.match(r"(?:    |\$ |)(whirlmap [a-z].*)$", line):
+            elif found := re.match(r"(?:    |\$ |exec |)(whirlmap [a-z].*)$", line):
                 indented = language is None and line.startswith("    ")
                 if indented or (language in ("console", "sh", "") and line[0] != " "):
                     yield marked(page, number, re.sub(r"\s+# .*$", "", found[1]).strip())
@@ -71,9 +71,12 @@ def commands():
 def folder(tmp_path, monkeypatch):
     """An empty folder, with the files that pages tell the reader to make, as the current one."""
     page = (ROOT / "docs" / "your_own_model.md").read_text(encoding="utf-8")
-    model, case = (re.search(rf"^```{kind}\n(.*?)^```", page, re.MULTILINE | re.DOTALL)[1] for kind in ("python", "toml"))
-    (tmp_path / "loose_pedestal.py").write_text(model, encoding="utf-8")
-    (tmp_path / "my_case.toml").write_text(case, encoding="utf-8")
+    blocks = {kind: [found[2] for found in FENCE.finditer(page) if found[1] == kind] for kind in ("python", "toml")}
+    (spool,) = (code for code in blocks["python"] if 'name="spool"' in code)
+    (machine,) = (code for code in blocks["toml"] if "spool.py" in code)
+    for name, text in (("loose_pedestal.py", blocks["python"][0]), ("my_case.toml", blocks["toml"][0]),
+                       ("spool.py", spool), ("spool.toml", machine)):  # fmt: skip
+        (tmp_path / name).write_text(text, encoding="utf-8")
     (tmp_path / "docs").mkdir()
     monkeypatch.chdir(tmp_path)
     return tmp_path
