@@ -205,15 +205,15 @@ def test_an_interrupted_map_without_a_store_keeps_its_chunks_in_out(tmp_path, mo
 
 
 def test_an_interrupted_reproduction_keeps_the_data_that_are_finished(tmp_path, monkeypatch):
-    from whirlmap.studies.gear_psfd.reproduction import evidence
+    from whirlmap.studies.gear_psfd.reproduction import edition_data
 
     def diagnosed(*_args, **_options):
         raise KeyboardInterrupt
 
     made = whirlmap.bifurcation_diagram(whirlmap.load("gear-psfd/machine"), "s", [0.2, 0.3])
-    monkeypatch.setattr(evidence, "bifurcation_diagram", lambda *_a, **_o: made)
-    monkeypatch.setattr(evidence, "diagnose", diagnosed)
-    monkeypatch.setattr(evidence, "speeds", lambda _quality: np.array([0.8, 1.2]))
+    monkeypatch.setattr(edition_data, "bifurcation_diagram", lambda *_a, **_o: made)
+    monkeypatch.setattr(edition_data, "diagnose", diagnosed)
+    monkeypatch.setattr(edition_data, "speeds", lambda _quality: np.array([0.8, 1.2]))
     words = ["reproduce", "--case", "gear-psfd/machine", "--workers", "1", "--quiet", "--out", str(tmp_path / "r")]
     done = CliRunner().invoke(app, words)
     assert done.exit_code == 130, (done.output, done.exception)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from whirlmap.cli.main import app
+from whirlmap.cli.main import COMMANDS, app, loaded
 
 WORK = "simulate duffing --periods 3 --quiet"
 
@@ -64,11 +64,8 @@ def test_sizes_that_are_none_are_refused_before_anything_is_computed(options, me
 
 def test_every_command_that_draws_one_picture_takes_them():
     several = {"reproduce", "identify"}  # many pictures, each of its own size and title
-    drawing = {
-        command.callback.__name__: set(inspect.signature(command.callback).parameters)
-        for command in app.registered_commands
-        if {"out", "picture"} & set(inspect.signature(command.callback).parameters)
-    }
+    every = {name: set(inspect.signature(loaded(name).callback).parameters) for name in COMMANDS}
+    drawing = {name: options for name, options in every.items() if {"out", "picture"} & options}
     assert len(drawing) > 9 and several < set(drawing)
     for name, options in drawing.items():
         assert name in several or {"size", "dpi", "title"} <= options, name

@@ -59,7 +59,7 @@ def commands():
         for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), start=1):
             if line.startswith("```"):
                 language = None if language is not None else line[3:]
-            elif found := re.match(r"(?:    |\$ |)(whirlmap [a-z].*)$", line):
+            elif found := re.match(r"(?:    |\$ |exec |)(whirlmap [a-z].*)$", line):
                 indented = language is None and line.startswith("    ")
                 if indented or (language in ("console", "sh", "") and line[0] != " "):
                     yield marked(page, number, re.sub(r"\s+# .*$", "", found[1]).strip())

@@ -39,7 +39,7 @@ class Storage:
         if self.share is not None and (self.store is None or (self.force and not self.resume)):
             raise RangeError("a share works on a store that others share: give the store, and no force")
         if self.store is None and self.resume:
-            raise RangeError("resume goes on with a store: give one")
+            raise RangeError("resume continues a store: give one")
 
     @property
     def goes_on(self) -> bool:

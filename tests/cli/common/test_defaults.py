@@ -7,12 +7,12 @@ import pytest
 import typer
 
 import whirlmap
-from whirlmap.cli.main import app
+from whirlmap.cli import main
 from whirlmap.options.computed import Integration, Labelling, Settling
 from whirlmap.options.execution import Execution
 from whirlmap.options.storage import Storage
 
-COMMANDS = {command.name: command.callback for command in app.registered_commands}
+COMMANDS = {name: main.loaded(name).callback for name in main.COMMANDS}
 #: Commands, the functions that they stand for, and options with another name there.
 FUNCTIONS = {
     "simulate": ("simulate", {}), "diagnose": ("diagnose", {"exponents": "exponent_count"}),

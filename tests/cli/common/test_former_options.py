@@ -3,6 +3,7 @@
 import pytest
 
 from whirlmap.cli.common.former_options import FORMER, with_new_spellings
+from whirlmap.cli.main import loaded
 
 
 def test_a_former_spelling_is_replaced_and_warned_of_once(capsys):
@@ -19,9 +20,5 @@ def test_other_commands_keep_their_options(capsys):
 
 @pytest.mark.parametrize("command", FORMER)
 def test_the_new_spellings_exist_and_the_former_ones_are_not_shown(command):
-    from typer.main import get_command
-
-    from whirlmap.cli.main import app
-
-    known = {name for p in get_command(app).commands[command].params for name in p.opts}
+    known = {name for p in loaded(command).params for name in p.opts}
     assert known.issuperset(FORMER[command].values()) and not known & set(FORMER[command])

@@ -10,11 +10,11 @@ from whirlmap.analysis.diagnosis.diagnosis import RUNS
 from whirlmap.analysis.diagnosis.diagnosis import diagnose as measure
 from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
 from whirlmap.cli.common import pictures, report
-from whirlmap.cli.common import series_options as signals
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.options import INTEGRATION
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.cli.common.series_texts import options_given
 from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
@@ -49,7 +49,7 @@ def diagnose(
             json=json, quiet=quiet,
         )  # fmt: skip
         return
-    for name in signals.options_given(
+    for name in options_given(
         column=column, time=time, rate=rate, separator=separator, decimal=decimal, skip=skip, missing=missing, window=window,
         speed=speed, teeth=teeth,
     ):  # fmt: skip

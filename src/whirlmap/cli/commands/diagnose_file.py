@@ -12,7 +12,7 @@ from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.series_options import mark, samples_per_second, turns_per_second, window_of
+from whirlmap.cli.common.series_texts import mark, samples_per_second, turns_per_second, window_of
 from whirlmap.errors import InputError, RangeError
 from whirlmap.recordings.signal import read_signal
 from whirlmap.results.regime import Regime

@@ -14,8 +14,8 @@ from whirlmap.assumptions.oil_heat import oil_heat, why_none
 from whirlmap.assumptions.strain import Facts
 from whirlmap.assumptions.strained import judged, repeated
 from whirlmap.cli.common import report
-from whirlmap.cli.common import series_options as signals
 from whirlmap.cli.common.opening import open_system
+from whirlmap.cli.common.series_texts import options_given
 from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.equilibrium import start_states
@@ -45,7 +45,7 @@ def show(
 
         show_file(series, time=time, separator=separator, decimal=decimal, skip=skip, json=json)
         return
-    for name in signals.options_given(time=time, separator=separator, decimal=decimal, skip=skip):
+    for name in options_given(time=time, separator=separator, decimal=decimal, skip=skip):
         raise InputError(f"{name}: found it without --series FILE, which it belongs to")
     if case is None:
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"

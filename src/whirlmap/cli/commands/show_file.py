@@ -6,7 +6,7 @@ import typer
 
 from whirlmap.cli.common import report
 from whirlmap.cli.common.messages import say
-from whirlmap.cli.common.series_options import mark
+from whirlmap.cli.common.series_texts import mark
 from whirlmap.recordings.description import describe_file
 
 

@@ -2,7 +2,7 @@
 
 Where all lanes that run in a block take the same steps from the same phase, each stage reads its numbers once and spreads
 them over the lanes. Where they do not, a step first writes rows for all of its stages, lanes that read the same
-row of a table together; that takes 5 to 15 % of a step of a small model. Both give the rates the same rows: the bits of a
+row of a table together, which small models feel most. Both give the rates the same rows: the bits of a
 lane do not depend on its block. A block and a call decide (`StageHarmonics.own`).
 """
 
