@@ -23,7 +23,8 @@ NOT_RUN = {
     "whirlmap reproduce": "minutes of full quality; tests/studies runs a small one",
     "whirlmap map gear-psfd/machine": "120 000 points: an hour on 16 cores",
     "whirlmap map duffing --vary gamma=0.1:0.7:400": "120 000 points",
-    "whirlmap map --status": "the store of a job array of SLURM",
+    "whirlmap map duffing --vary gamma=0.2:0.6:80": "a job array of SLURM",
+    "whirlmap map --status": "the store of that job array",
     "with SLURMCluster": "needs a cluster",
 }  # fmt: skip
 #: Start of a command or of a Python block that takes more than about 10 s.

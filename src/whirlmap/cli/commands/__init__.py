@@ -1,1 +1,1 @@
-"""One module for each command: it declares the options, calls the library and reports."""
+"""One module for each command: it calls the library and reports. Its options are in `whirlmap.cli.declared`."""
