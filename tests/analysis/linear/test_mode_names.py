@@ -45,11 +45,7 @@ def test_modes_of_a_model_without_bodies_have_no_name_and_no_whirl_and_it_says_s
     ds = campbell(system, "s", np.linspace(0.5, 2.0, 5))
     assert set(ds["mode_name"].values.tolist()) == {""} and not ds["whirl"].values.any()
     assert system.model.not_declared()["bodies"] == "no names and no sense of whirl of modes"
-<<<<<<< HEAD
     assert "not declared: bodies (no names" in str(system.model)
-=======
-    assert "not declared: bodies" in str(system.model)
->>>>>>> lazy
 
 
 def test_the_critical_speed_of_the_rig_in_rpm_and_hz(rig):
