@@ -86,11 +86,14 @@ def compare(before: str, after: str) -> int:
             a, b = (json.loads(str(d[name]) or "{}") for d in (one, two))
             for key in sorted({*a, *b} - {"provenance", "command"}):
                 if a.get(key) != b.get(key):
-                    print(f"{name}: {key} {a.get(key)} -> {b.get(key)}")
+                    was, now = (str(d.get(key))[:60] for d in (a, b))
+                    print(f"{name}: {key}" + (f" {was} -> {now}" if was != now else ", in digits beyond the first"))
                     differ = 1
         elif not np.array_equal(a := one[name], b := two[name], equal_nan=one[name].dtype.kind == "f"):
             moved = (a != b) & ~((a != a) & (b != b)) if a.shape == b.shape else np.ones(1)
-            print(f"{name}: {int(np.sum(moved))} of {moved.size} numbers differ")
+            floats = a.shape == b.shape and a.dtype.kind == "f"
+            largest = np.nanmax(np.abs(b - a)) / np.nanmax(np.abs(a)) if floats else np.nan
+            print(f"{name}: {int(np.sum(moved))} of {moved.size} numbers differ, by {largest:.1e} of the largest")
             differ = 1
     print("all equal to the last bit" if not differ else "differences above")
     return differ

@@ -169,6 +169,7 @@ class Ensemble:
         self.turns = np.zeros(n, dtype=np.int64)
         self.step_error, self.step_verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
         self.crossings, self.grazings = np.zeros(n), np.zeros(n)
+        self._groups: list[Group] = []
         self._group()
         sides = np.full((max((g.kernel.source.sizes.surfaces for g in self._groups), default=0), n), UNKNOWN)
         self._y = np.concatenate([x, _tangent_start(self.sizes, tangents, orthonormal), sides])

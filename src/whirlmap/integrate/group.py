@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from time import perf_counter
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,14 +15,12 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.integrate.rescue import Rescue
 from whirlmap.integrate.workers import stop_if_given_up
+from whirlmap.kernels.methods import Method
 from whirlmap.kernels.running.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.running.reference import reference_outputs
 from whirlmap.kernels.writing.event_location import FINE, pieces
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.results.status import Status
-
-if TYPE_CHECKING:
-    from whirlmap.integrate.ensemble import Ensemble
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -42,6 +40,28 @@ class Record:
     sums: Array
 
 
+class OfEnsemble(Protocol):
+    """What a group needs of its ensemble: numbers of the points, and their present state, which it changes in place."""
+
+    model: Model
+    method: Method
+    tangents: int
+    orders: tuple[Fraction, ...]
+    redo: bool
+    values: Array
+    limits: Array
+    sizes: Array
+    point_steps: Integers
+    period: Array
+    turns: Integers
+    status: NDArray[np.int8]
+    end_time: Array
+    end_stop: NDArray[np.int8]
+    crossings: Array
+    grazings: Array
+    _y: Array
+
+
 class Group:
     """Points that share one kernel, and one number of orthonormalisations per T.
 
@@ -49,7 +69,7 @@ class Group:
     steps per T, phase and run.
     """
 
-    def __init__(self, ensemble: Ensemble, model: Model, members: Points, orth: int) -> None:
+    def __init__(self, ensemble: OfEnsemble, model: Model, members: Points, orth: int) -> None:
         self.ensemble, self.members, self.orth = ensemble, members, orth
         self.kernel: LaneKernel = lane_kernel(
             model, ensemble.method, slopes=slopes_for(ensemble.tangents), kind="locked"
