@@ -38,12 +38,12 @@ def test_what_says_nothing_is_refused(ask, error, said):
 def test_drawn_machines_have_the_same_limit_in_metres():
     rig = whirlmap.load(RIG, c="100 um", K="2.1e6 N/m")
     machines, limits = drawn_machines(rig, {"c": 0.1, "Gamma": 0.05}, 12, 0.2, seed=3)
-    c = np.array([m.details.inputs["c"].value for m in machines])
+    c = np.array([m.machine.inputs["c"].value for m in machines])
     assert len(set(c)) == 12 and (np.abs(c - 100e-6) <= 10e-6).all() and np.abs(c - 100e-6).max() > 5e-6
     np.testing.assert_allclose(limits * c, 0.2 * 100e-6, rtol=1e-12)
     gamma = np.array([float(m.values["Gamma"]) for m in machines]) / float(rig.values["Gamma"])
     assert (np.abs(gamma - 1) <= 0.05).all() and len(set(gamma)) == 12  # drawn itself, it does not follow the clearance
-    assert {m.details.inputs["K"].value for m in machines} == {2.1e6}  # what was changed before stays
+    assert {m.machine.inputs["K"].value for m in machines} == {2.1e6}  # what was changed before stays
     again, _ = drawn_machines(rig, {"c": 0.1, "Gamma": 0.05}, 12, 0.2, seed=3)
     assert [m.values for m in again] == [m.values for m in machines]
 
