@@ -49,6 +49,7 @@ def test_bits_do_not_depend_on_the_calls(which, monkeypatch):
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_ctrl_c_ends_a_long_run_at_once(workers):
+    signal.signal(signal.SIGINT, signal.default_int_handler)  # who starts the tests in the background has it ignored
     system = whirlmap.load("duffing")
     ensemble, _ = make_ensemble(system, {"gamma": np.linspace(0.2, 0.5, 256)}, workers=workers)
     ensemble.advance(1)

@@ -90,7 +90,10 @@ ORBIT = Model(
         x: vx, y: vy, vx: cos(w * t) + B * chebyshevt(3, cos(w * t)) - 2 * z * vx - x,
         vy: sin(w * t) - 2 * z * vy - k * y,
     },
-    outputs={"r": Output(sqrt(x**2 + y**2), "1", "radius"), "eps": Output(sqrt(x**2 + y**2) / 20, "1", "eccentricity")},
+    outputs={
+        "r": Output(sqrt(x**2 + y**2), "1", "radius"),
+        "eps": Output(sqrt(x**2 + y**2) / 20, "1", "eccentricity", role="eccentricity", bearing="1"),
+    },
 )  # fmt: skip
 
 

@@ -85,7 +85,7 @@ def places(out: str | Path, name: str) -> Places:
     return Places(dataset=path / f"{name}.nc", picture=path / f"{name}.png", folder=path)
 
 
-def check_writable(path: str | Path, *, force: bool = False) -> None:
+def check_writable(path: str | Path, *, force: bool = False, as_file: bool | None = None) -> None:
     """Refuse a place that cannot be written, or must not be overwritten; nothing is created that stays.
 
     Commands call this before they compute anything.
@@ -96,6 +96,8 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
         A file, or a folder that is to be made. Its parent must exist. An empty folder counts as new.
     force : bool
         What exists may be replaced.
+    as_file : bool, optional
+        Whether it is to be a file; where absent its suffix says so.
 
     Raises
     ------
@@ -108,7 +110,8 @@ def check_writable(path: str | Path, *, force: bool = False) -> None:
     if not parent.is_dir():
         fault = "is not a folder" if parent.exists() else "does not exist"
         raise OutputError(f"{path}: the folder {parent} {fault}; make it first")
-    as_file = path.suffix.lower() in (*DATASETS, *PICTURES, *ANIMATIONS, *TEXTS)
+    if as_file is None:
+        as_file = path.suffix.lower() in (*DATASETS, *PICTURES, *ANIMATIONS, *TEXTS)
     if as_file and path.is_dir():
         raise OutputError(f"{path}: found a folder, expected a file or nothing")
     if not as_file and path.exists() and not path.is_dir():
@@ -155,7 +158,7 @@ def replace_file(path: Path, fill: Callable[[Path], object], *, force: bool = Fa
     OutputError
         As `check_writable`, or the disk refuses; `DiskFullError` where it has no room.
     """
-    check_writable(path, force=force)
+    check_writable(path, force=force, as_file=True)
     try:
         write_beside(path, fill, _replace if force else _claim)
     except OSError as error:

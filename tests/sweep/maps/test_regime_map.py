@@ -24,7 +24,7 @@ from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
 from whirlmap.sweep.maps import executors
 from whirlmap.sweep.maps.regime_map import regime_map
 from whirlmap.sweep.points.label_points import label_points
-from whirlmap.sweep.store import zarr_store as store
+from whirlmap.sweep.store.store_folder import MANIFEST
 from whirlmap.sweep.store.store_status import store_standing
 from whirlmap.sweep.store.zarr_store import Evaluation, Store, differences
 
@@ -372,7 +372,7 @@ def test_systems_go_to_other_machines_whole():
 
 
 def test_the_manifest_says_what_the_store_is_of(whole):
-    manifest = json.loads((whole / "chunks" / "zarr.json").read_text())["attributes"][store.MANIFEST]
+    manifest = json.loads((whole / "chunks" / "zarr.json").read_text())["attributes"][MANIFEST]
     assert manifest["parameters"] == {"delta": 0.3, "alpha": -1.0, "beta": 1.0}
     assert (manifest["shape"], manifest["chunk"]) == ([11, 9], [6, 1])
 

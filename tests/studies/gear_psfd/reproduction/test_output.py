@@ -34,7 +34,7 @@ def test_a_failed_file_leaves_nothing_behind(tmp_path):
         path.write_text("half")
         raise OSError(28, "No space left on device")
 
-    with pytest.raises(OutputError, match="No space left"):
+    with pytest.raises(OutputError, match="the disk is full"):
         folder.write("report.html", fail)
     assert list((tmp_path / "out").iterdir()) == []
 
