@@ -171,3 +171,23 @@ def test_a_role_alone_does_not_read_a_parameter():
     with pytest.raises(ModelError, match="declares z, but reads it nowhere"):
         z = Parameter("z", "1", "z")
         Model("idle", (x, v), (w, z), {x: v, v: cos(w * t) - x}, harmonics=(w,), speed=z)
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"journals": {"a": (x, v)}}, r"journals\['a'\] is no Journal"),
+        ({"journals": {"a": Journal((x,), 1)}}, r"journals\['a'\]"),
+        ({"journals": {"a": Journal((x + 1, v), 1)}}, r"journals\['a'\]"),
+        ({"bodies": {"disc": (x, x)}}, r"bodies\['disc'\] is .* states, each once"),
+        ({"bodies": {"disc": (x, v)}, "unbalances": {"disk": p}}, "unbalances names 'disk', expected a body: disc"),
+    ],
+)
+def test_roles_of_what_the_model_does_not_have_are_refused(more, said):
+    with pytest.raises(ModelError, match=said):
+        oscillator(**more)
+
+
+def test_displacements_are_states():
+    with pytest.raises(ModelError, match="swing names p, which is no state"):
+        Model("named", (x, v), (p, w), {x: v, v: cos(w * t) - p * v - x}, harmonics=(w,), swing=(p,))

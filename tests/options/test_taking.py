@@ -109,3 +109,13 @@ def test_progress_true_shows_a_bar_and_tells_it(capsys, monkeypatch):
     assert "simulate: " in capsys.readouterr().err
     whirlmap.simulate(whirlmap.load("duffing"), periods=4, progress=False)
     assert not capsys.readouterr().err
+
+
+def test_values_of_another_kind_and_clusters_are_refused_by_a_sentence():
+    duffing = whirlmap.load("duffing")
+    with pytest.raises(TypeError, match=r"simulate: found .*Labelling\(.* as integration, expected Integration"):
+        whirlmap.simulate(duffing, periods=1, integration=Labelling())
+    with pytest.raises(TypeError, match=r"found \{'steps': 64\} as integration"):
+        whirlmap.simulate(duffing, periods=1, integration={"steps": 64})
+    with pytest.raises(TypeError, match="simulate: only regime_map and tolerance_sweep run on a cluster"):
+        whirlmap.simulate(duffing, periods=1, execution=Execution(cluster="tcp://1.2.3.4:1"))

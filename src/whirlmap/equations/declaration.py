@@ -7,7 +7,7 @@ from typing import Any
 from sympy import Symbol, sympify
 
 from whirlmap.equations import allowed, names
-from whirlmap.equations.parts import OF_BEARING, Output
+from whirlmap.equations.parts import OF_BEARING, Journal, Output
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError
@@ -61,6 +61,27 @@ def refuse_equations(model: str, states: Sequence[State], equations: Collection[
             f"model {model!r} needs one equation for each state:"
             f" without equation {missing or 'none'}, not a state {extra or 'none'}"
         )
+
+
+def refuse_roles(
+    model: str, states: Sequence[State], swing: Iterable[Any], bodies: Mapping[str, Any], journals: Mapping[str, Journal],
+    unbalances: Mapping[str, Any],
+) -> None:  # fmt: skip
+    """Refuse roles of what the model does not have."""
+    for symbol in swing:
+        if symbol not in states:
+            raise ModelError(f"model {model!r}: swing names {symbol}, which is no state")
+    for name, body in bodies.items():
+        if not 1 <= len(set(body)) == len(body) or not set(body) <= set(states):
+            raise ModelError(f"model {model!r}: bodies[{name!r}] is {body}, expected its coordinates: states, each once")
+    for name, journal in journals.items():
+        if not (len(journal.u) == 2 and set(journal.u) <= set(states)):
+            raise ModelError(
+                f"model {model!r}: journals[{name!r}] is {journal}, expected Journal((x, y), spin) with two states"
+            )
+    for name in unbalances:
+        if name not in bodies:
+            raise ModelError(f"model {model!r}: unbalances names {name!r}, expected a body: {' '.join(bodies) or 'none'}")
 
 
 def refuse_expressions(

@@ -62,8 +62,18 @@ class VariedInputs:
         """Parameters that follow, or those of these names, at the values of the inputs; all arrays have one length."""
         wanted = [name for name in self.followers if names is None or name in names]
         rows, where = np.unique(np.stack([values[name] for name in self.units]), axis=1, return_inverse=True)
-        found = [self._at(tuple(row), wanted) for row in rows.T.tolist()]
+        found = [self._row(tuple(row)) for row in rows.T.tolist()]
         return {name: np.array([one[name] for one in found])[where.ravel()] for name in wanted}
+
+    def _row(self, at: tuple[float, ...]) -> dict[str, float]:
+        """All parameters that follow, at values of the inputs: the chunks of a map ask for the same ones again."""
+        if at not in self._rows:
+            self._rows[at] = self._at(at, self.followers)
+        return self._rows[at]
+
+    @cached_property
+    def _rows(self) -> dict[tuple[float, ...], dict[str, float]]:
+        return {}
 
     @cached_property
     def sizes(self) -> list[str]:

@@ -81,6 +81,8 @@ def takes_options(
         def taking(*args: P.args, **given: P.kwargs) -> R:
             whole: dict[str, Any] = _resolved(function.__name__, given, held, known)
             execution = whole["execution"]
+            if execution.cluster is not None and "storage" not in held:
+                raise TypeError(f"{function.__name__}: only regime_map and tolerance_sweep run on a cluster")
             if execution.progress is not True:
                 return cast(Any, function)(*args, **whole)
             with Progress(bar or function.__name__, None, **shown) as progress:  # type: ignore[arg-type]  # words all of them
@@ -121,6 +123,8 @@ def _resolved(function: str, given: dict[str, Any], held: Iterable[str], known: 
 
 def _with(function: str, name: str, whole: Any, parts: dict[str, Any]) -> Any:
     """A value with some of its parts, None standing for one that is not given."""
+    if type(whole) is not type(DEFAULTS[name]):
+        raise TypeError(f"{function}: found {whole!r} as {name}, expected {type(DEFAULTS[name]).__name__}(...)")
     parts = {part: value for part, value in parts.items() if value is not None and (part, value) != ("progress", False)}
     for field in fields(whole):
         now = getattr(whole, field.name)

@@ -26,7 +26,7 @@ def is_input(system: System, name: str, *, beside: bool = False) -> bool:
     of that parameter may change.
     """
     if name in system.parameters or (
-        name == speed_input(system) and not beside and isfinite(Dimensions(system).worth("rotation"))
+        system.speed and name == speed_input(system) and not beside and isfinite(Dimensions(system).worth("rotation"))
     ):
         return False
     return input_of(system, name) is not None

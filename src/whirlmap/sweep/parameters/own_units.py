@@ -112,8 +112,8 @@ def refuse_input(system: System, name: str, option: str) -> None:
         fed = [p for p, note in system.notes.items() if note.startswith("group:") and name in _words(note)]
         hint = f"; it feeds {', '.join(fed)}" if fed else ""
         raise RangeError(
-            f"{option}: found the dimensional input {name!r} (bifurcation, map and improve vary those), expected a"
-            f" dimensionless parameter{hint}"
+            f"{option}: found the dimensional input {name!r} (only --vary of bifurcation, map and improve takes those),"
+            f" expected a dimensionless parameter{hint}"
             f"\n  parameters: {' '.join(system.parameters)}"
         )
 
@@ -129,7 +129,7 @@ def speed_input(system: System) -> str:
 
 def as_parameter(system: System, name: str) -> str:
     """The model's speed for the dimensional input that is the speed, any other name as it is."""
-    return system.speed if name and name == speed_input(system) else name
+    return system.speed if system.speed and name == speed_input(system) else name
 
 
 def refuse_twice(system: System, names: set[str], found: Range) -> None:
