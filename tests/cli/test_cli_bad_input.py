@@ -74,7 +74,7 @@ WRONG = [
     ("linear machines/jeffcott-rig --threshold speed=1000:2000", "without units", "speed=500 rpm:6000 rpm"),
     ("improve machines/jeffcott-rig --vary c=60:140:5", "expected its unit, such as m"),
     ("improve machines/jeffcott-rig --vary clearance=60um:140um:5", "'c'? (radial clearance of both bearings)"),
-    ("campbell machines/jeffcott-rig --vary c=50um:100um:9", "dimensional input 'c'", "improve vary", "feeds s"),
+    ("campbell machines/jeffcott-rig --vary c=50um:100um:9", "dimensional input 'c'", "improve takes", "feeds s"),
     ("bifurcation machines/jeffcott-rig --vary c=50:100:9", "c has a dimension", "values with their unit"),
     ("bifurcation machines/jeffcott-rig --vary limit=5um:10um:9", "limit: found", "that changes nothing"),
     (f"{MACHINE} --start u1x=1.2", "u1x = 1.2", "touches its bearing"),
