@@ -5,7 +5,7 @@ A task computes one chunk and writes it into the store; only a small outcome com
 
 from collections.abc import Iterable, Iterator, Mapping
 from concurrent.futures import FIRST_COMPLETED, Future, wait
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from functools import cached_property
 from itertools import islice
@@ -235,6 +235,8 @@ def connected(cluster: Any) -> Iterator[Any]:
     try:
         client = Client(cluster, timeout=CONNECT)
     except (OSError, ValueError) as error:
+        with suppress(ValueError):  # none was made
+            Client.current().close()  # else everything that Dask computes in this process would ask the one that failed
         raise OutputError(f"no Dask scheduler answers at {cluster}: {error}") from None
     try:
         yield client
