@@ -33,7 +33,7 @@ CITED = {
 #: Options of runs, which are described together, and those that a docstring hands on by `Those of ...`.
 RUNS = {"settling", "lyapunov", "steps", "accuracy", "method", "workers", "progress"}
 RUNS |= {"labelling", "integration", "execution", "storage"}
-HANDED_ON = {"tolerance_sweep": {"on_chunk"}, "diagnose": {"system"}}
+HANDED_ON = {"tolerance_sweep": {"on_chunk"}}
 
 
 def parts(function):

@@ -5,7 +5,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import whirlmap
-from whirlmap.equations import Model, Parameter, State, cos, t
+from whirlmap.analysis.motion.endings import confirm_run
+from whirlmap.analysis.simulation import time_series
+from whirlmap.equations import Model, Parameter, State, Stop, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.in_batches import simulation_in_stretches
@@ -57,3 +59,26 @@ def test_a_section_goes_on_with_more_steps(transient):
     ds = whirlmap.section(waking(30.0), periods=20, transient=transient)
     assert (ds["status"] == Status.ok).all()
     assert np.isfinite(ds["section"]).all()
+
+
+def test_an_end_is_confirmed_once(monkeypatch):
+    """However long the record would have been: SciPy's time of the contact, found by two runs."""
+    wall = Model(
+        "touches", (x, v), (A, d, w), {x: v, v: A * cos(w * t) + d * v - x}, harmonics=(w,), swing=(x,),
+        stops={"contact": Stop(1 - x**2, "the wall is touched")},
+    )  # fmt: skip
+    asked = []
+    monkeypatch.setattr(time_series, "confirm_run", lambda *run: asked.append(run) or confirm_run(*run))
+    ds = whirlmap.simulate(System(wall, {"A": 0.1, "d": 0.1, "w": 1.3}), periods=20_000)
+
+    def touch(time, z):
+        return 1 - z[0] ** 2
+
+    touch.terminal = True
+    made = solve_ivp(
+        lambda time, z: [z[1], 0.1 * np.cos(1.3 * time) + 0.1 * z[1] - z[0]], (0, 100), [0.0, 0.0], "DOP853", rtol=1e-12,
+        atol=1e-14, events=touch,
+    )  # fmt: skip
+    assert Status(int(ds["status"])) is Status.contact
+    assert float(ds["end_time"]) == pytest.approx(made.t[-1], rel=1e-9)
+    assert len(asked) == 1

@@ -67,6 +67,8 @@ def diagnose(
 
     Parameters
     ----------
+    system : System
+        Its values and start states count.
     exponent_count : int, optional
         Number of exponents, largest first; where absent 4, or as many as there are states.
     max_periods : int

@@ -86,14 +86,14 @@ class Series:
         self.ensemble = chosen.subset(FIRST, steps=self.steps)
         self.start = self.ensemble.x.copy()
         self.done = self.passed = 0
+        self.believed = False  # whether the run has ended, and more steps have found that
         self.x = self.outputs = np.zeros((0, 0))
 
     def pass_by(self, periods: int) -> None:
         """Let some T of the transient pass."""
         self.ensemble.advance(periods, progress=self.progress)
         self.passed += periods
-        if self.passed == self.transient or not self.ensemble.running[0]:
-            self._check()
+        self._check(self.passed == self.transient)
 
     def advance(self) -> None:
         """Record one more stretch; before the first one, let what is left of the transient pass."""
@@ -105,18 +105,22 @@ class Series:
         segment = self.ensemble.advance(length, save_every=self.every, progress=self.progress)
         self._take(self.done * self.steps // self.every + 1, segment.saved[:, :, 0])
         self.done += length
-        if self.done == self.periods or not self.ensemble.running[0]:
-            self._check()
+        self._check(self.done == self.periods)
 
-    def _check(self) -> None:
-        """Begin anew with more steps where the motion here asks for them, or does not end with them."""
+    def _check(self, due: bool) -> None:
+        """Begin anew with more steps where the motion here asks for them, or does not end with them.
+
+        A motion that goes on is asked where that is ``due``, one that has ended once.
+        """
         e, began = self.ensemble, np.zeros(1, dtype=np.int64)
+        if self.believed or (e.running[0] and not due):
+            return
         here = e.subset(FIRST, steps=self.rung if e.running[0] else self.steps)
         more = check_steps(here) if e.running[0] else confirm_run(here, self.start, began, self.passed + self.done)
         needed = int(here.point_steps[0]) if more else 0
         e.step_verdict[:] = here.step_verdict
         if not more:
-            e.status[:] = here.status
+            e.status[:], self.believed = here.status, not e.running[0]
         if needed > self.steps:
             times = -(-needed // self.steps)
             self.rung, self.steps, self.every = needed, self.steps * times, self.every * times

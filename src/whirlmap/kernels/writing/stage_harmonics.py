@@ -1,9 +1,9 @@
 """Cosines and sines of the harmonics at the stage times of a step; each lane has its own phase and its own steps per T.
 
 Where all lanes that run in a block take the same steps from the same phase, each stage reads its numbers once and spreads
-them over the lanes. Where they do not, a step first writes rows for all of its stages, lanes that read the same
-row of a table together, which small models feel most. Both give the rates the same rows: the bits of a
-lane do not depend on its block. A block and a call decide (`StageHarmonics.own`).
+them over the lanes. Where they do not, a step first writes rows for all of its stages; lanes that read the same row of a
+table are served together. Both give the rates the same rows: the bits of a lane do not depend on its block. Which of the two
+is taken is decided for each block in each call (`StageHarmonics.own`).
 """
 
 from math import pi
