@@ -176,9 +176,10 @@ def test_a_role_alone_does_not_read_a_parameter():
 @pytest.mark.parametrize(
     ("more", "said"),
     [
-        ({"journals": {"a": (x, v)}}, r"journals\['a'\] is no Journal"),
+        ({"journals": {"a": (x, v)}}, r"journals\['a'\] is .* expected Journal"),
         ({"journals": {"a": Journal((x,), 1)}}, r"journals\['a'\]"),
         ({"journals": {"a": Journal((x + 1, v), 1)}}, r"journals\['a'\]"),
+        ({"speed": x}, "speed is x, expected one of its parameters"),
         ({"bodies": {"disc": (x, x)}}, r"bodies\['disc'\] is .* states, each once"),
         ({"bodies": {"disc": (x, v)}, "unbalances": {"disk": p}}, "unbalances names 'disk', expected a body: disc"),
     ],

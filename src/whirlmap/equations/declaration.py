@@ -64,24 +64,26 @@ def refuse_equations(model: str, states: Sequence[State], equations: Collection[
 
 
 def refuse_roles(
-    model: str, states: Sequence[State], swing: Iterable[Any], bodies: Mapping[str, Any], journals: Mapping[str, Journal],
-    unbalances: Mapping[str, Any],
+    model: str, speed: Any, swing: Iterable[Any], bodies: Mapping[str, Any], journals: Mapping[str, Any],
+    unbalances: Iterable[str],
 ) -> None:  # fmt: skip
-    """Refuse roles of what the model does not have."""
+    """Refuse roles of another kind than they have; whether their symbols are the model's is asked of all expressions."""
+    if speed is not None and not isinstance(speed, Parameter):
+        raise ModelError(f"model {model!r}: speed is {speed}, expected one of its parameters")
     for symbol in swing:
-        if symbol not in states:
+        if not isinstance(symbol, State):
             raise ModelError(f"model {model!r}: swing names {symbol}, which is no state")
     for name, body in bodies.items():
-        if not 1 <= len(set(body)) == len(body) or not set(body) <= set(states):
+        if not 1 <= len(set(body)) == len(body) or not all(isinstance(q, State) for q in body):
             raise ModelError(f"model {model!r}: bodies[{name!r}] is {body}, expected its coordinates: states, each once")
     for name, journal in journals.items():
-        if not (len(journal.u) == 2 and set(journal.u) <= set(states)):
+        if not (isinstance(journal, Journal) and len(journal.u) == 2 and all(isinstance(q, State) for q in journal.u)):
             raise ModelError(
                 f"model {model!r}: journals[{name!r}] is {journal}, expected Journal((x, y), spin) with two states"
             )
     for name in unbalances:
-        if name not in bodies:
-            raise ModelError(f"model {model!r}: unbalances names {name!r}, expected a body: {' '.join(bodies) or 'none'}")
+        if bodies and name not in bodies:
+            raise ModelError(f"model {model!r}: unbalances names {name!r}, expected a body: {' '.join(bodies)}")
 
 
 def refuse_expressions(

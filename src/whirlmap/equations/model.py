@@ -117,10 +117,8 @@ class Model(Listed):
         declaration.refuse_names(self.name, self.states, self.parameters, self.outputs)
         declaration.refuse_equations(self.name, self.states, self.equations)
         declaration.refuse_outputs(self.name, self.outputs)
-        if loose := [name for name, journal in self.journals.items() if not isinstance(journal, Journal)]:
-            raise ModelError(f"model {self.name!r}: journals[{loose[0]!r}] is no Journal((x, y), spin)")
+        declaration.refuse_roles(self.name, self.speed, self.swing, self.bodies, self.journals, self.unbalances)
         declaration.refuse_expressions(self.name, self.expressions(), self.states, self.parameters, self.tables)
-        declaration.refuse_roles(self.name, self.states, self.swing, self.bodies, self.journals, self.unbalances)
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")
         read = self.read()
