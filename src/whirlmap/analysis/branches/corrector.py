@@ -18,6 +18,8 @@ Array = NDArray[np.float64]
 
 #: Iterations at most; scaled steps below which one is rounding, and below which one that no longer falls is.
 ITERATIONS, ROUNDING, STALLED = 12, 1e-12, 1e-7
+#: Scaled step, and part of the one before, after which a quadratic method has converged.
+SOON, SOON_AFTER = 1e-6, 1e-2
 #: Largest scaled step in one iteration: beyond, the method has left the branch.
 FARTHEST = 3.0
 #: Condition number beyond which a matrix is singular.
@@ -35,12 +37,16 @@ class Ask:
     normal : array, shape (unknown,)
         Of the hyperplane through the guess, in units of ``sizes``.
     sizes : array, shape (unknown,)
+    exact : bool
+        Whether the derivatives must be those at the solution, as events need them; where not, those at an iterate that is
+        off by 1e-6 at most will do.
     """
 
     equations: Equations
     guess: Unknowns
     normal: Array
     sizes: Array
+    exact: bool = True
 
 
 @dataclass(frozen=True)
@@ -59,6 +65,8 @@ class Corrected:
     turned : float
         Sign of the determinant of derivatives and tangent: it changes at a branch point.
     iterations : int
+    step_error : float, optional
+        Error of its steps, where that was measured (`PeriodicOrbits.step_error`).
     """
 
     equations: Equations
@@ -67,6 +75,7 @@ class Corrected:
     tangent: Array
     turned: float
     iterations: int
+    step_error: float | None = None
 
     @cached_property
     def exponents(self) -> tuple[Array, Array]:
@@ -91,14 +100,16 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
 
     Notes
     -----
-    Newton's method with the exact matrices of the segments. A point is found where a step is rounding, or no longer falls
-    below 1e-7. It is lost where a step is longer than `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
+    Newton's method with the exact matrices of the segments; the derivatives by free parameters are those of the first
+    iterate. A point is found where a step is rounding, or no longer falls below 1e-7; where its derivatives need not be
+    exact, already where a step is so small, and so much smaller than the one before, that the next would be. It is lost where a step is longer than `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
     """
     out: list[Corrected | Lost] = [Lost(Status.ok)] * len(asks)
+    last: list[Linear | None] = [None] * len(asks)
     now, before = [a.guess for a in asks], np.full(len(asks), np.inf)
     left = list(range(len(asks)))
     for turn in range(ITERATIONS):
-        found = _linear([(asks[k].equations, now[k]) for k in left])
+        found = _linear([(asks[k].equations, now[k], last[k]) for k in left])
         stay = []
         for k, linear in zip(left, found, strict=True):
             ask = asks[k]
@@ -112,11 +123,12 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
             if not size <= FARTHEST:
                 continue
             now[k] = now[k].of(now[k].vector - step)
-            if size <= ROUNDING or (size <= STALLED and size > 0.3 * before[k]):
+            soon = not ask.exact and size <= SOON and size <= SOON_AFTER * before[k] < SOON_AFTER
+            if size <= ROUNDING or (size <= STALLED and size > 0.3 * before[k]) or soon:
                 length = np.linalg.norm(tangent / linear.sizes)
                 out[k] = Corrected(ask.equations, now[k], linear, tangent / length, sign, turn + 1)
                 continue
-            before[k] = size
+            before[k], last[k] = size, linear
             stay.append(k)
         left = stay
         if not left:
@@ -124,13 +136,14 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
     return out
 
 
-def _linear(points: Sequence[tuple[Equations, Unknowns]]) -> list[Linear]:
+def _linear(points: Sequence[tuple[Equations, Unknowns, Linear | None]]) -> list[Linear]:
     """Linearise points, those of the same equations in one call."""
     out: list[Linear | None] = [None] * len(points)
-    kinds = {id(e): e for e, _ in points}
+    kinds = {id(e): e for e, _, _ in points}
     for key, equations in kinds.items():
-        mine = [k for k, (e, _) in enumerate(points) if id(e) == key]
-        for k, linear in zip(mine, equations.linear([points[k][1] for k in mine]), strict=True):
+        mine = [k for k, (e, _, _) in enumerate(points) if id(e) == key]
+        found = equations.linear([points[k][1] for k in mine], [points[k][2] for k in mine])
+        for k, linear in zip(mine, found, strict=True):
             out[k] = linear
     return [linear for linear in out if linear is not None]
 

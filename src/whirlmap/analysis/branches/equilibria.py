@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,8 +39,9 @@ class Equilibria:
     widths: Array
     sizes: Array
 
-    def linear(self, points: Sequence[Unknowns]) -> list[Linear]:
-        """Rates and their derivatives; in units of the states' sizes and the typical time."""
+    def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
+        """Rates and their derivatives; see `Equations`, but ``before`` is not used: they cost little."""
+        del before
         x = np.concatenate([p.x for p in points]).T
         free = np.stack([p.free for p in points], axis=1)
         rates, jacobians = self._evaluate(x, free)
@@ -65,7 +67,7 @@ class Equilibria:
             good = np.isfinite(rates[:, k]).all() and np.isfinite(jacobian).all()
             status = Status.ok if good else Status.failed
             out.append(
-                Linear(rates[:, k], jacobian, np.concatenate([sizes, self.widths]), sizes / period[k], matrix[None], status)
+                Linear(rates[:, k], jacobian, np.concatenate([sizes * sqrt(sizes.size), self.widths]), sizes / period[k], matrix[None], status)
             )
         return out
 

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
-from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits, cycle
 from whirlmap.analysis.branches.unknowns import Linear
 
 Array = NDArray[np.float64]
@@ -113,10 +113,7 @@ def doubling(linear: Linear) -> tuple[float, float]:
     """Sign of det(M + I), and the logarithm of its modulus, from the segments' matrices."""
     count, n, _ = linear.matrices.shape
     matrix = np.zeros((count * n, count * n))
-    for k in range(count):
-        here, after = k * n, (k + 1) % count * n
-        matrix[here : here + n, here : here + n] += linear.matrices[k]
-        matrix[here : here + n, after : after + n] += np.eye(n) if k == count - 1 else -np.eye(n)
+    cycle(matrix, linear.matrices, 1.0)
     sign, log = np.linalg.slogdet(matrix)
     return float(sign), float(log)
 

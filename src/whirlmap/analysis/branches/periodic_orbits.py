@@ -84,13 +84,13 @@ class PeriodicOrbits:
         """Periods of the states that are angles."""
         return cyclic_states(self.system)
 
-    def linear(self, points: Sequence[Unknowns]) -> list[Linear]:
-        """Equations and derivatives of many orbits, each with its own number of segments."""
+    def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
+        """Equations and derivatives of many orbits, each with its own number of segments; see `Equations`."""
         runs = self.lanes(points)
         e = self.ensemble(runs, tangents=True)
         extremes = self.extremes(e, runs)
-        ends, by_free = e.x.copy(), self._by_free(runs)
-        by_time = self._by_time(runs, ends)
+        ends = e.x.copy()
+        by_free, by_time = self._by_free(points, runs, before), self._by_time(runs, ends)
         out = []
         for k, point in enumerate(points):
             mine = np.flatnonzero(runs.orbit == k)
@@ -100,7 +100,7 @@ class PeriodicOrbits:
             low, high = extremes["minimum"][:, mine].min(axis=1), extremes["maximum"][:, mine].max(axis=1)
             sizes = scales_between(self.system.model, e.period[mine[:1]], low[:, None], high[:, None])[:, 0]
             out.append(
-                self._linear(point, ends[:, mine].T, matrices, by_free[:, :, mine], by_time[:, mine], sizes, status)
+                self._linear(point, ends[:, mine].T, matrices, by_free[k], by_time[:, mine], sizes, status)
             )
         return out
 
@@ -113,13 +113,10 @@ class PeriodicOrbits:
         rows, width = states + timed, states + timed + point.free.size
         residual, jacobian = np.zeros(rows), np.zeros((rows, width))
         residual[:states] = self.wrapped(ends - np.roll(point.x, -1, axis=0)).ravel()
-        for k in range(count):
-            here, after = slice(k * n, k * n + n), (k + 1) % count * n
-            jacobian[here, here] += matrices[k]
-            jacobian[here, after : after + n] -= np.eye(n)
-        jacobian[:states, states + timed :] = by_free.transpose(2, 1, 0).reshape(states, -1)
+        cycle(jacobian, matrices, -1.0)
+        jacobian[:states, states + timed :] = by_free
         weights = np.tile(sizes, count)
-        every = np.concatenate([weights * sqrt(count), [point.duration] if timed else [], self.widths])
+        every = np.concatenate([weights * sqrt(states), [point.duration] if timed else [], self.widths])
         if timed:
             height, slope = self._section(point)
             jacobian[:states, states] = by_time.T.ravel() / count
@@ -149,10 +146,13 @@ class PeriodicOrbits:
         """Lanes ready to run their segments; with other free parameters, or ``finer`` steps."""
         model, values = self.system.model, self.columns(runs.free if free is None else free)
         forced = self.periods > 0
+        # A cycle begins where a state is zero to rounding: that tells nothing of the size at which it has diverged.
+        bound = np.inf if model.bound is None else model.bound
+        beyond = np.where([[s.cyclic is not None] for s in model.states], np.inf, np.full(runs.x.shape, bound))
         steps = finer * (np.full(runs.share.size, self.steps) if forced else self.steps // runs.share)
         return Ensemble(
             model, values, runs.x, orders=self.orders, steps=steps, method=self.method,
-            tangents=model.dimension if tangents else 0, orthonormal=False, workers=self.workers,
+            tangents=model.dimension if tangents else 0, orthonormal=False, workers=self.workers, beyond=beyond,
             turn=None if forced else runs.time,
             ahead=finer * self.steps_of_return // runs.share * runs.place if forced else None,
         )  # fmt: skip
@@ -178,8 +178,17 @@ class PeriodicOrbits:
         kernel = lane_kernel(self.system.plain_model(), self.method, slopes="none", kind="locked")
         return kernel.source.sizes.surfaces > 0
 
-    def _by_free(self, runs: "Lanes") -> Array:
-        """Derivatives of the ends by the free parameters, shape (free, state, lane)."""
+    def _by_free(self, points: Sequence[Unknowns], runs: "Lanes", before: Sequence[Linear | None]) -> list[Array]:
+        """Derivatives of the ends of each orbit by the free parameters, shape (segment and state, free)."""
+        count = self.widths.size
+        known = [b if b is not None and b.status == Status.ok else None for b in before]
+        if known and all(b is not None for b in known):
+            return [b.jacobian[: p.x.size, -count:] for b, p in zip(known, points, strict=True) if b is not None]
+        found = self._differences(runs).transpose(2, 1, 0)
+        return [found[runs.orbit == k].reshape(p.x.size, count) for k, p in enumerate(points)]
+
+    def _differences(self, runs: "Lanes") -> Array:
+        """Central differences of the ends by the free parameters, shape (free, state, lane)."""
         count = self.widths.size
         sizes = np.maximum(np.abs(runs.free), self.widths[:, None]) * DIFFERENCE
         both = np.empty((count, 2, count, runs.share.size))
@@ -224,14 +233,18 @@ class PeriodicOrbits:
         return float(surface_of(model)(point.x[0], values)), slope
 
     def exponents(self, linear: Linear) -> tuple[Array, Array]:
-        """Multipliers of one orbit: logarithms of moduli, largest first, and arguments, without that of a cycle's time."""
+        """Multipliers of one orbit: logarithms of moduli, largest first, and arguments, without that of a cycle's time.
+
+        Those near the unit circle are good to rounding; small ones may drown in it (`sweep.branches.measured_branches`).
+        """
         matrices = linear.matrices
         if not np.isfinite(matrices).all():
             return np.full(matrices.shape[1], np.nan), np.full(matrices.shape[1], np.nan)
         if not self.periods:
             matrices = self.across(linear)
-        if len(matrices) == 1:
-            values = np.linalg.eigvals(matrices[0])
+        product = np.linalg.multi_dot([*matrices[::-1], np.eye(matrices.shape[1])])
+        if np.linalg.norm(product) <= LONGEST:
+            values = np.linalg.eigvals(product)
             with np.errstate(divide="ignore"):
                 logs, angles = np.log(np.abs(values)), np.angle(values)
             order = np.lexsort((-angles, -logs))
@@ -253,6 +266,22 @@ class PeriodicOrbits:
         return np.concatenate(
             [linear.matrices[:-1], (np.eye(n) - np.outer(flow, slope) / (slope @ flow))[None] @ linear.matrices[-1:]]
         )
+
+    def once_per_T(self, points: Sequence[Unknowns]) -> list[Array]:
+        """States of orbits at each T from phase zero on, shape (period, state) of each; of cycles the first alone."""
+        if not self.periods:
+            return [p.x[:1] for p in points]
+        places = [np.arange(self.periods) * len(p.x) // self.periods for p in points]
+        orbit = np.repeat(np.arange(len(points)), self.periods)
+        place, share = np.concatenate(places), np.array([len(p.x) for p in points])[orbit]
+        runs = Lanes(
+            np.concatenate([p.x[at] for p, at in zip(points, places, strict=True)]).T,
+            np.stack([p.free for p in points], axis=1)[:, orbit], orbit, place, share, np.full(orbit.size, np.nan),
+        )  # fmt: skip
+        e = self.ensemble(runs)
+        beyond = np.tile(np.arange(self.periods), len(points)) * share - self.periods * place  # parts of a T
+        e.advance(beyond, parts=share)
+        return [e.x[:, orbit == k].T for k in range(len(points))]
 
     def step_error(self, points: Sequence[Unknowns], sizes: Sequence[Array]) -> Array:
         """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,)."""
@@ -280,6 +309,15 @@ class PeriodicOrbits:
             middle = [e.x[:, runs.orbit == k].T for k in range(len(points))]
             out = [[y for pair in zip(x, m, strict=True) for y in pair] for x, m in zip(out, middle, strict=True)]
         return [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]
+
+
+def cycle(out: Array, matrices: Array, last: float) -> None:
+    """Add to a matrix those of the segments, each less the identity at the next; ``last`` times it where the orbit closes."""
+    count, n, _ = matrices.shape
+    for k in range(count):
+        here, after = slice(k * n, k * n + n), (k + 1) % count * n
+        out[here, here] += matrices[k]
+        out[here, after : after + n] += (last if k == count - 1 else -1.0) * np.eye(n)
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Onto the branch of doubled orbits at a period doubling."""
 
 from dataclasses import replace
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +54,6 @@ def doubled(event: Event, apart: float) -> tuple[Ask, Array]:
     duration = None if c.point.duration is None else 2 * c.point.duration
     guess = Unknowns(x, c.point.free, duration)
     rest = guess.vector.size - x.size
-    every = np.concatenate([np.tile(c.linear.sizes[: count * n], 2), c.linear.sizes[count * n :]])
+    every = np.concatenate([np.tile(c.linear.sizes[: count * n] * sqrt(2), 2), c.linear.sizes[count * n :]])
     normal = np.concatenate([away.ravel(), -away.ravel(), np.zeros(rest)]) / every
     return Ask(twice, guess, normal / np.linalg.norm(normal), every), vector

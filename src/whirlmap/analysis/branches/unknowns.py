@@ -82,8 +82,11 @@ class Linear:
 class Equations(Protocol):
     """A kind of solutions: periodic orbits, equilibria, or events of either."""
 
-    def linear(self, points: Sequence[Unknowns]) -> list[Linear]:
-        """The equations at many points, computed side by side."""
+    def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
+        """The equations at many points, computed side by side.
+
+        ``before`` may hold what they were at points so near that the derivatives by the free parameters are the same.
+        """
 
     def exponents(self, linear: Linear) -> tuple[Array, Array]:
         """Logarithms of the multipliers' moduli, largest first, and arguments; of an equilibrium growth and turn."""

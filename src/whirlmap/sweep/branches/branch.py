@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, field
 from itertools import pairwise
+from math import sqrt
 
 import numpy as np
 from numpy.typing import NDArray
@@ -98,19 +99,13 @@ class Branch:
 
 
 def arclengths(points: list[Corrected]) -> Array:
-    """Length of the branch up to each point, in sizes of the states and widths of the ranges."""
+    """Length of the branch up to each point: root mean square of the states in their sizes, and widths of the ranges."""
     out = [0.0]
     for a, b in pairwise(points):
-        n = a.point.x.shape[1]
-        if len(a.point.x) == len(b.point.x):
-            step = (b.point.vector - a.point.vector) / a.linear.sizes
-        else:
-            rest = slice(a.point.x.size, None), slice(b.point.x.size, None)
-            step = np.append(
-                (b.point.x[0] - a.point.x[0]) / a.linear.weights[:n],
-                (b.point.vector[rest[1]] - a.point.vector[rest[0]]) / a.linear.sizes[rest[0]],
-            )
-        out.append(out[-1] + float(np.linalg.norm(step)))
+        n, before, after = a.point.x.shape[1], a.point.x.size, b.point.x.size
+        states = (b.point.x[0] - a.point.x[0]) / a.linear.sizes[:n] * sqrt(len(a.point.x))  # sizes count the segments
+        rest = (b.point.vector[after:] - a.point.vector[before:]) / a.linear.sizes[before:]
+        out.append(out[-1] + float(np.linalg.norm([*states, *rest])))
     return np.array(out)
 
 

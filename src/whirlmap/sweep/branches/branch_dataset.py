@@ -54,8 +54,8 @@ def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]
             "length along the branch, in sizes of the states and widths of the ranges",
         ),
         "section": variable(
-            ("point", "state"), _states(points), "1", "state at phase zero, or on the section",
-            unit_of_each=" ".join(s.unit for s in system.model.states),
+            ("point", "period", "state"), _section(found.section[:count]), "1",
+            "state once per T, first at phase zero, or on the section", unit_of_each=_units(system),
         ),
         "stable": variable("point", (unstable[:count] == 0).astype(np.int8), "1", "whether no multiplier lies outside"),
         "unstable": variable("point", unstable[:count], "1", "number of multipliers outside the unit circle"),
@@ -82,10 +82,31 @@ def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]
     }
     coords |= {
         "branch": ("branch", np.arange(1, len(branches) + 1), {"long_name": "branch"}),
+        "period": np.arange(1, max(len(rows) for rows in found.section[:count]) + 1),
         "state": names_coordinate("state", system.states, "state"),
         **extreme_coordinates(system),
     }
     return xr.Dataset(data, coords)
+
+
+def events_of(ds: xr.Dataset) -> xr.Dataset:
+    """The events of branches as a Dataset of their own.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `continue_orbit`.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``event``: ``kind``, ``branch``, ``after``, ``surface``, ``section(event, state)``, ``log_modulus``, ``argument``
+        (event, multiplier), and the varied parameters as coordinates.
+    """
+    kept = ds[[str(name) for name in ds.data_vars if str(name).startswith("event_")]]
+    made = kept.rename({name: str(name).removeprefix("event_") for name in kept.data_vars})
+    coordinates = [name for name in made.data_vars if name in ds.coords]
+    return made.drop_vars([c for c in made.coords if c != "state"]).set_coords(coordinates).assign_attrs(ds.attrs)
 
 
 def _unit(system: System, varied: Varied) -> str:
@@ -93,8 +114,16 @@ def _unit(system: System, varied: Varied) -> str:
     return known.get(varied.name, varied.unit) or "1"
 
 
-def _states(points: Sequence[Corrected]) -> Array:
-    return np.stack([p.point.x[0] for p in points])
+def _units(system: System) -> str:
+    return " ".join(s.unit for s in system.model.states)
+
+
+def _section(rows: Sequence[Array]) -> Array:
+    """Sections of all points, NaN beyond the shorter ones."""
+    out = np.full((len(rows), max(len(r) for r in rows), rows[0].shape[1]), np.nan)
+    for k, row in enumerate(rows):
+        out[k, : len(row)] = row
+    return out
 
 
 def _duration(c: Corrected) -> float:
@@ -131,7 +160,7 @@ def _events(
         "event_surface": variable("event", np.array([e.surface for _, _, e in events], dtype=str), "1", "switching grazed"),
         "event_section": variable(
             ("event", "state"), np.array([c.point.x[0] for c in at]).reshape(len(at), system.model.dimension), "1",
-            "state at phase zero, or on the section", unit_of_each=" ".join(s.unit for s in system.model.states),
+            "state at phase zero, or on the section", unit_of_each=_units(system),
         ),
         **values,
         **_multipliers("event", "event_", log, angle),

@@ -33,7 +33,7 @@ Direction = Literal["up", "down", "both"]
 #: Starts from which coexisting motions are sought.
 STARTS = 256
 #: Error of the segments of orbits that steps are chosen for.
-ACCURACY = 1e-11
+ACCURACY = 1e-12
 
 
 @in_parts("continue")
@@ -89,14 +89,14 @@ def continue_orbit(
         Longest step, in units of the range and of the sizes of the states.
     labelling : Labelling, optional
         How the settled motion is found; or its parts as keywords. ``accuracy`` is also the largest error of the segments
-        of an orbit, 1e-11 where absent.
+        of an orbit, 1e-12 where absent.
     execution : Execution, optional
         How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
     Returns
     -------
     xr.Dataset
-        Over ``point``, branch after branch: the parameter, ``branch_of``, ``arclength``, ``section(point, state)``,
+        Over ``point``, branch after branch: the parameter, ``branch_of``, ``arclength``, ``section(point, period, state)``,
         ``stable``, ``unstable``, ``log_modulus(point, multiplier)`` and ``argument``, extremes of states and outputs as in
         diagrams, ``steps``, ``segments``, ``step_error``, ``duration``. Over ``branch``: ``kind``, ``period_T``,
         ``first_point``, ``end(branch, side)``. Over ``event``: ``event_kind``, ``event_branch``, the parameter as

@@ -17,11 +17,11 @@ from whirlmap.sweep.points.extremes import EXTREMES
 
 Array = NDArray[np.float64]
 
-#: Largest change of a logarithm of a modulus, over the larger of it and one, with which segments are short enough, and most
-#: times that segments and steps are doubled.
-CLOSE, DOUBLINGS = 1e-9, 6
-#: Orbits that are measured together.
-BATCH = 8 * LANES
+#: Largest change of a logarithm of a modulus, over the larger of it and one, with which segments and steps are short enough,
+#: and most times that each are doubled.
+CLOSE, DOUBLINGS, REFINED = 1e-9, 8, 3
+#: Orbits that are measured together, and segments of them that are run at a time with all tangent vectors.
+BATCH, MOST_LANES = 8 * LANES, 512
 
 
 @dataclass(frozen=True)
@@ -32,11 +32,13 @@ class Numbers:
     ----------
     log_modulus, argument : array, shape (point, multiplier)
     log_error : array, shape (point, multiplier)
-        Change of the logarithms with the last doubling of segments and steps.
+        Change of the logarithms with the last doubling of the steps.
     extremes : dict of arrays, shape (state and output, point)
         Those of `EXTREMES`.
     step_error : array, shape (point,)
         What twice the steps change at the ends of the segments, over the sizes of the states.
+    section : list of array, shape (period, state)
+        States of each point at each T, the first at phase zero; of cycles and at rest the first alone.
     """
 
     log_modulus: Array
@@ -44,6 +46,7 @@ class Numbers:
     log_error: Array
     extremes: dict[str, Array]
     step_error: Array
+    section: list[Array]
 
 
 def numbers(points: Sequence[Corrected]) -> Numbers:
@@ -54,6 +57,7 @@ def numbers(points: Sequence[Corrected]) -> Numbers:
     rows = model.dimension + len(model.outputs)
     log, angle, error = (np.full((count, widest), np.nan) for _ in range(3))
     step_error, extremes = np.full(count, np.nan), {name: np.full((rows, count), np.nan) for name in EXTREMES}
+    section = [p.point.x[:1] for p in points]
     kinds: dict[tuple[int, int], list[int]] = {}
     for k, p in enumerate(points):
         kinds.setdefault((id(p.equations), len(p.point.x)), []).append(k)
@@ -66,6 +70,8 @@ def numbers(points: Sequence[Corrected]) -> Numbers:
             if isinstance(equations, PeriodicOrbits):
                 found = multipliers(equations, some)
                 here = _extremes(equations, some)
+                for k, rows in zip(at, equations.once_per_T([p.point for p in some]), strict=True):
+                    section[k] = rows
                 step_error[at] = equations.step_error([p.point for p in some], [p.linear.weights for p in some])
             else:
                 assert isinstance(equations, Equilibria)
@@ -75,39 +81,52 @@ def numbers(points: Sequence[Corrected]) -> Numbers:
                 whole[at, :width] = part
             for name in EXTREMES:
                 extremes[name][:, at] = here[name]
-    return Numbers(log, angle, error, extremes, step_error)
+    return Numbers(log, angle, error, extremes, step_error, section)
 
 
 def multipliers(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> tuple[Array, Array, Array]:
-    """Logarithms of moduli, arguments, and the last change of the former, each of shape (point, multiplier).
+    """Logarithms of moduli, arguments, and the error of the former, each of shape (point, multiplier).
 
     Notes
     -----
-    As in `floquet_multipliers`: the orbits are cut into segments whose matrices are never multiplied; segments and steps are
-    doubled until no logarithm of a modulus changes by more than `CLOSE` of the larger of itself and one [lust2001].
+    As in `floquet_multipliers`: the orbits are cut into segments whose matrices are never multiplied [lust2001]. Segments are
+    doubled until no logarithm of a modulus changes by more than `CLOSE` of the larger of itself and one, then the steps; the
+    error is the last change.
     """
     now = [p.point for p in points]
     logs, angles = _exponents(orbits, now)
-    error = np.full_like(logs, np.inf)
-    left = np.arange(len(points))
     for _ in range(DOUBLINGS):
+        count = 2 * len(now[0].x)
+        if orbits.steps_of_return % count:
+            break
+        now = orbits.divided(now, count)
+        finer, angles = _exponents(orbits, now)
+        change, logs = _change(finer, logs), finer
+        if change.max() <= CLOSE:
+            break
+    error = np.full_like(logs, np.inf)
+    for _ in range(REFINED):
         orbits = replace(orbits, steps=2 * orbits.steps)
-        now = orbits.divided(now, 2 * len(now[0].x))
-        finer, angles[left] = _exponents(orbits, now)
-        change = np.abs(finer - logs[left])
-        change[np.isneginf(finer) & np.isneginf(logs[left])] = 0.0
-        stalled = ~(change < error[left]).any(axis=1)
-        logs[left], error[left] = finer, change
-        done = np.asarray(stalled | (change <= CLOSE * np.maximum(1.0, np.abs(finer))).all(axis=1))
-        now = [p for p, stop in zip(now, done, strict=True) if not stop]
-        left = left[~done]
-        if not left.size:
+        finer, angles = _exponents(orbits, now)
+        change, logs = _change(finer, logs), finer
+        stalled = not (change < error).any()
+        error = change * np.maximum(1.0, np.abs(np.where(np.isfinite(logs), logs, 1.0)))
+        if change.max() <= CLOSE or stalled:
             break
     return logs, angles, error
 
 
+def _change(finer: Array, before: Array) -> Array:
+    """Change of logarithms, over the larger of themselves and one."""
+    same = np.isneginf(finer) & np.isneginf(before)
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(finer - before) / np.maximum(1.0, np.abs(finer))
+    return np.where(same, 0.0, np.nan_to_num(apart, nan=np.inf))
+
+
 def _exponents(orbits: PeriodicOrbits, points: Sequence[Unknowns]) -> tuple[Array, Array]:
-    found = orbits.linear(points)
+    each = max(MOST_LANES // len(points[0].x), 1)
+    found = [linear for k in range(0, len(points), each) for linear in orbits.linear(points[k : k + each])]
     if orbits.periods:
         return eigenvalues_of_products(np.stack([linear.matrices for linear in found]))
     logs, angles = eigenvalues_of_products(np.stack([orbits.across(linear) for linear in found]))

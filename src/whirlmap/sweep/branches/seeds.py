@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.equilibria import Equilibria
-from whirlmap.analysis.branches.periodic_orbits import LONGEST, PeriodicOrbits
-from whirlmap.analysis.branches.tracing import STEPS, divided
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.tracing import STEPS, divided, too_long
 from whirlmap.analysis.branches.unknowns import Equations, Unknowns
 from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import cyclic_states
@@ -75,7 +75,7 @@ class Beginning:
     value: tuple[float, ...]
     labelling: Labelling
     execution: Execution
-    accuracy: float = 1e-11
+    accuracy: float = 1e-12
     system: System = field(init=False)
 
     def __post_init__(self) -> None:
@@ -292,6 +292,7 @@ def finished(c: Corrected, accuracy: float) -> Corrected:
     """The same solution with steps and segments that hold the accuracy; the parameter stays."""
     while isinstance(c.equations, PeriodicOrbits):
         error = float(c.equations.step_error([c.point], [c.linear.weights])[0])
+        c = replace(c, step_error=error)
         more = [s for s in STEPS if s > c.equations.steps]
         if error <= accuracy or not more:
             break
@@ -299,13 +300,10 @@ def finished(c: Corrected, accuracy: float) -> Corrected:
         if isinstance(again, Lost):
             break
         c = again
-    while isinstance(c.equations, PeriodicOrbits) and np.linalg.norm(c.linear.matrices, axis=(1, 2)).max() > LONGEST:
+    while too_long(c):
         run: Any = divided(c)
-        answer = correct([next(run)])[0] if c.equations.steps_of_return % (2 * len(c.point.x)) == 0 else None
-        if answer is None:
-            break
         try:
-            run.send(answer)
+            run.send(correct([next(run)])[0])
         except StopIteration as stop:
             if len(stop.value.point.x) == len(c.point.x):
                 break
