@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from math import lcm, pi
+from numbers import Real
 from typing import Any
 
 import numpy as np
@@ -122,14 +123,15 @@ class System(Listed):
                     f"{self.model.name} has no state {name!r}.{nearest(name, self.states)}"
                     f"\n  states: {' '.join(self.states)}"
                 )
-            if not np.isfinite(self.start[name]):
+            if not _finite(self.start[name]):
                 raise RangeError(f"start value of {name!r} must be a finite number, not {self.start[name]!r}")
         for p in self.model.parameters:
             if p.name not in self.values:
                 raise CaseError(f"{self.model.name}: no value for {p.name!r} ({p.meaning})")
-            fault = p.fault(float(self.values[p.name]))
+            value = _number(p, self.values[p.name])
+            fault = p.fault(value)
             if fault:
-                raise CaseError(f"{p.name} = {float(self.values[p.name]):g} {fault} ({p.meaning})")
+                raise CaseError(f"{p.name} = {value:g} {fault} ({p.meaning})")
         for check in self.model.checks:
             fault = check({name: float(value) for name, value in self.values.items()})
             if fault:
@@ -179,8 +181,10 @@ class System(Listed):
         """
         for name in changes:
             if name not in self.parameters:
+                input_too = self.machine is not None and name in self.machine.inputs
+                hint = f" {name} is a dimensional input of the case, which whirlmap.load takes." if input_too else ""
                 raise CaseError(
-                    f"{self.model.name} has no parameter {name!r}.{nearest(name, self.parameters)}"
+                    f"{self.model.name} has no parameter {name!r}.{hint or nearest(name, self.parameters)}"
                     f"\n  parameters: {' '.join(self.parameters)}"
                 )
         made = {name: _exact(self.model.parameter(name), value) for name, value in changes.items()}
@@ -349,8 +353,27 @@ class System(Listed):
 
 
 def _exact(parameter: Parameter, value: Any) -> Any:
+    if parameter.order and isinstance(value, str):
+        return exact_order(value, parameter.name)
+    number = _number(parameter, value)
     exact = exact_order(value, parameter.name) if parameter.order else None
-    return float(value) if exact is None else exact
+    return number if exact is None else exact
+
+
+def _number(parameter: Parameter, value: Any) -> float:
+    """A value of a parameter as a float; `CaseError` where it is no number."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        raise CaseError(
+            f"{parameter.name}: found {value!r}, expected a number ({parameter.meaning}, unit {parameter.unit});"
+            " values with units are taken by whirlmap.load"
+        ) from None
+
+
+def _finite(value: Any) -> bool:
+    """Whether a value is a finite number; a text is none."""
+    return isinstance(value, Real) and bool(np.isfinite(float(value)))
 
 
 @lru_cache(maxsize=64)

@@ -14,13 +14,13 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.own_units import in_states
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_points
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.attractors.attractors import attractors as find
 from whirlmap.sweep.diagrams.in_batches import expected_periods
-from whirlmap.sweep.parameters.own_units import in_states
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -18,6 +18,8 @@ from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.own_units import in_parameters, refuse_twice
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_memory
@@ -26,8 +28,6 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.hysteresis import intervals
 from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
 from whirlmap.sweep.parameters.axis import Axis, is_input
-from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
-from whirlmap.sweep.parameters.ranges import Range
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -21,12 +21,12 @@ from whirlmap.equations import hints
 from whirlmap.errors import InputError, RangeError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.loading import load
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_points
 from whirlmap.sweep.diagrams.in_batches import expected_periods
 from whirlmap.sweep.parameters.engineering import limit_of, speeds_of
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.speeds.improve import improve as find
 from whirlmap.units import such_as
 

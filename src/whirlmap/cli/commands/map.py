@@ -23,15 +23,15 @@ from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import InputError, RangeError, nearest
 from whirlmap.integrate.accuracy import StepVerdict
 from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.own_units import refuse_input, refuse_twice
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.options.storage import Storage
 from whirlmap.results.memory import refuse_points
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.maps.run_sweep import run_sweep
-from whirlmap.sweep.parameters.own_units import refuse_input, refuse_twice
 from whirlmap.sweep.parameters.random_draws import Tolerance
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.parameters.space import space_of
 from whirlmap.sweep.store.zarr_store import Store
 
