@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.trials import Trials
 
@@ -134,14 +133,7 @@ def choose_steps(
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
     steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point
     that has lost its order goes on to `KINKED` steps, or to the accuracy.
-
-    Raises
-    ------
-    RangeError
-        Where the accuracy is not in (0, 1), or below 1e-13, which rounding does not allow.
     """
-    if not 1e-13 <= accuracy < 1:
-        raise RangeError(f"accuracy must lie between 1e-13 and 1, not {accuracy}")
     members = np.arange(ensemble.points) if members is None else members
     n = members.size
     ladder: tuple[int, ...] = LADDER if ensemble.model.forced else RUNGS

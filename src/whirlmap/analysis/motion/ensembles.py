@@ -128,8 +128,6 @@ def make_ensemble(
         Whether each default start was had (see `start_states`).
     """
     forced, steps, accuracy = system.model.forced, integration.steps, integration.accuracy
-    if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
-        raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
     values = parameter_values(system, vary or {})
     orders = _shared_orders(system, values, vary or {})
     if starts is None:
