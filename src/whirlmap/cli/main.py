@@ -16,7 +16,7 @@ from typer.core import TyperCommand, TyperGroup
 from whirlmap import __version__
 from whirlmap.cli.common import interrupts
 from whirlmap.cli.common.former_options import with_new_spellings
-from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
+from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say, taking_values
 from whirlmap.errors import WhirlmapError
 from whirlmap.results.files import WRITTEN
 
@@ -98,7 +98,7 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments."""
-        args = with_new_spellings(self.name or "", args)
+        args = with_new_spellings(self.name or "", args, taking_values(self.params))
         given_twice(self.params, args)
         return super().parse_args(ctx, args)
 
