@@ -31,7 +31,16 @@ from whirlmap.sweep.points.point_variables import kept_states, points_dataset, s
 from whirlmap.sweep.store.creating import create
 from whirlmap.sweep.store.fingerprint import kernel_hash
 from whirlmap.sweep.store.restoring import lost_parts, put_back
-from whirlmap.sweep.store.store_folder import EVALUATION, clear_trials, exists, half_made, passing, remove, restore_manifest
+from whirlmap.sweep.store.store_folder import (
+    EVALUATION,
+    at_work,
+    clear_trials,
+    exists,
+    half_made,
+    passing,
+    remove,
+    restore_manifest,
+)
 from whirlmap.sweep.store.zarr_store import Evaluation
 
 #: Points of the pilot that the chunks' size follows from, and the seconds that a chunk should take.
@@ -232,13 +241,14 @@ def _work(job: Job, share: tuple[int, int] | None, computing: Any, on_chunk: OnC
         on_chunk(progress)
     left = spread(np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done)).tolist()
     outcomes = in_threads(job, left, computing) if threads else in_dask(job, left, computing)
-    try:
-        for outcome in outcomes:
-            _take(job, outcome, progress)
-            if on_chunk:
-                on_chunk(progress)
-    finally:
-        outcomes.close()  # type: ignore[attr-defined]  # a generator: it waits for the chunks that are being computed
+    with at_work(job.folder):
+        try:
+            for outcome in outcomes:
+                _take(job, outcome, progress)
+                if on_chunk:
+                    on_chunk(progress)
+        finally:
+            outcomes.close()  # type: ignore[attr-defined]  # a generator: it waits for the chunks that are being computed
 
 
 def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
