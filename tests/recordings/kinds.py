@@ -287,7 +287,7 @@ def ragged(v):
     at = 20 + 30 * v
     rows[at] = (*rows[at], "7") if v % 2 else rows[at][:1]
     return Recorded(
-        table(rows, head="time,a\n"), refused=f"line {at + 2}: found {3 if v % 2 else 1} columns", options={"column": "a"}
+        table(rows, head="time,a\n"), refused=f"line {at + 2}: found {"3 columns" if v % 2 else "1 column"}", options={"column": "a"}
     )
 
 

@@ -15,6 +15,7 @@ from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
 from whirlmap.cli.common import interrupts
+from whirlmap.cli.common.checkout import has_comparison
 from whirlmap.cli.common.former_options import with_new_spellings
 from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say, taking_values
 from whirlmap.errors import WhirlmapError
@@ -153,7 +154,7 @@ def _listed() -> None:
 
 
 for name, line in COMMANDS.items():
-    app.command(name, short_help=line)(_listed)
+    app.command(name, short_help=line, hidden=name == "bench" and not has_comparison())(_listed)
 
 
 @cache

@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
+from whirlmap.errors import counted
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.trials import Trials
 
@@ -61,7 +62,8 @@ class StepVerdict(IntEnum):
 def doubtful(verdicts: NDArray[np.int8], model: Model) -> str:
     """Say how many points do not meet the accuracy, and what to try; empty where all do."""
     counts = {v: int((verdicts == v).sum()) for v in StepVerdict if v != StepVerdict.met}
-    return "; ".join(f"{count} of {verdicts.size} points: {v.advice(model)}" for v, count in counts.items() if count)
+    every = counted(verdicts.size, "point")
+    return "; ".join(f"{count} of {every}: {v.advice(model)}" for v, count in counts.items() if count)
 
 
 @dataclass(frozen=True)

@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, counted
 from whirlmap.integrate.group import Group, Record
 from whirlmap.integrate.scales import limits, tangent_sizes
 from whirlmap.integrate.system import common_multiple, periods, strobe
@@ -394,7 +394,7 @@ def _tangent_start(sizes: Array, count: int, random: bool) -> Array:
     if count == 0:
         return np.zeros((0, points))
     if count > n:
-        raise RangeError(f"{count} tangent vectors in {n} dimensions")
+        raise RangeError(f"{counted(count, 'tangent vector')} in {counted(n, 'dimension')}")
     if not random:
         return np.repeat(np.eye(n, count).T.reshape(n * count, 1), points, axis=1)
     q = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))[0]

@@ -42,8 +42,10 @@ class Storage:
             if not isinstance(self.share, tuple | list) or len(self.share) != 2:
                 raise RangeError(f"share: found {self.share!r}, expected (i, n) with i from 1 to n")
             i, n = self.share
-            refuse_count("n of share (i, n)", n, 1, 10_000_000)
-            refuse_count("i of share (i, n)", i, 1, n)
+            for number in (i, n):
+                refuse_count("share (i, n)", number, 1, 10_000_000)
+            if i > n:
+                raise RangeError(f"share {i}/{n}: expected i/n with i from 1 to n")
         if self.chunk is not None:
             refuse_count("chunk", self.chunk, 1, 10_000_000)
         if self.share is not None and (self.store is None or (self.force and not self.resume)):

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from whirlmap.analysis.linear.linearisation import linearised
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, counted
 from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.system import System
 
@@ -57,7 +57,7 @@ def stability_threshold(
     """
     name, ends = in_own_units(system, name, bracket, "bracket")
     if ends.shape != (2,):
-        raise RangeError(f"bracket: found {ends.size} values, expected two, (low, high)")
+        raise RangeError(f"bracket: found {counted(ends.size, 'value')}, expected two, (low, high)")
     low, high = ends.tolist()
     if not (np.isfinite([low, high]).all() and low < high and 1e-14 <= tolerance < 1):
         raise RangeError("the bracket must be (low, high) with low < high, and the tolerance at least 1e-14 and below 1")

@@ -12,6 +12,7 @@ from whirlmap.cli.common.assignments import ranges
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.errors import counted
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
 from whirlmap.integrate.own_units import in_states
@@ -128,7 +129,7 @@ def say_attractors(facts: dict[str, Any]) -> None:
     shown = facts.get("dimensional", facts)["attractors"]
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
-    typer.echo(f"{facts['case']}: {facts['starts']} starts, {len(found)} attractor{'s' if len(found) != 1 else ''}")
+    typer.echo(f"{facts['case']}: {counted(facts['starts'], 'start')}, {counted(len(found), 'attractor')}")
     rows = []
     for a, numbers in zip(found, shown, strict=True):
         label = f"periodic, {a['period']}T" if a["regime"] == "periodic" else a["regime"]

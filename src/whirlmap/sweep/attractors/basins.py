@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError, counted, nearest
 from whirlmap.integrate.own_units import state_values
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
@@ -64,7 +64,8 @@ def basins(
     boundary is known to one cell, and a fractal one is not resolved by any grid.
     """
     if len(grid) != 2:
-        raise RangeError(f"grid: found {len(grid)} states ({' '.join(grid) or 'none'}), expected two, as in x and v")
+        found = f"{counted(len(grid), 'state')} ({' '.join(grid) or 'none'})"
+        raise RangeError(f"grid: found {found}, expected two, as in x and v")
     axes = {}
     for name, given in grid.items():
         if name not in system.states:

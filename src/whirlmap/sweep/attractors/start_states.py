@@ -9,7 +9,7 @@ from sympy import sympify
 
 from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import cyclic_states
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError, counted, nearest
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.own_units import state_values
 from whirlmap.integrate.system import System
@@ -69,7 +69,7 @@ def draw_starts(system: System, count: int, box: Mapping[str, Ends], seed: int) 
             )
         values = state_values(system, name, given, "box")
         if values.shape != (2,):
-            raise RangeError(f"box of {name!r}: found {values.size} values, expected two, (low, high)")
+            raise RangeError(f"box of {name!r}: found {counted(values.size, 'value')}, expected two, (low, high)")
         low, high = values.tolist()
         ends[name] = low, high
         if not (np.isfinite([low, high]).all() and low <= high):

@@ -14,7 +14,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.motion.ensembles import run_attributes
-from whirlmap.errors import OutputError, RangeError
+from whirlmap.errors import OutputError, RangeError, counted
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
@@ -224,11 +224,12 @@ def _work(job: Job, share: tuple[int, int] | None, computing: Any, on_chunk: OnC
     progress = ChunkReport(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
     progress.messages += notes
     if swept := store.sweep_away(set(numbers) if share else None):  # other shares may be writing
-        progress.messages.append(f"{swept} half-written files of an interrupted run were deleted")
+        progress.messages.append(f"{counted(swept, 'half-written file')} of an interrupted run deleted")
     if standing.damaged.size:
-        progress.messages.append(f"{standing.damaged.size} damaged chunks are computed again: {_some(standing.damaged)}")
+        damaged = counted(standing.damaged.size, "damaged chunk")
+        progress.messages.append(f"{damaged} computed again: {_some(standing.damaged)}")
     if standing.failed.size:
-        progress.messages.append(f"{standing.failed.size} chunks that failed are tried again: {_some(standing.failed)}")
+        progress.messages.append(f"{counted(standing.failed.size, 'failed chunk')} tried again: {_some(standing.failed)}")
     progress.done = standing.done.size
     progress.points_done = sum(map(store.chunks.points, standing.done.tolist()))
     progress.regimes.update(store.tally(standing.done.tolist(), "regime"))
@@ -263,7 +264,7 @@ def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
 def _take(job: Job, outcome: Outcome, progress: ChunkReport) -> None:
     if outcome.stop:
         raise OutputError(
-            f"{outcome.fault}\n  {progress.done} of {progress.total} chunks are done and kept;"
+            f"{outcome.fault}\n  {progress.done} of {counted(progress.total, 'chunk')} done and kept;"
             " --resume (resume=True) continues once this is repaired"
         )
     points = job.store.chunks.points(outcome.number)

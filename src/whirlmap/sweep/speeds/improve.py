@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError, counted, nearest
 from whirlmap.integrate.ensemble import cores
 from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.ranges import Range, read_numbers
@@ -152,7 +152,7 @@ def improve(
         ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
         if stage:
             work.total = max(work.total, work.done + 1)
-            ds.attrs["incomplete"] = f"interrupted in {stage}, after {work.done} designs"
+            ds.attrs["incomplete"] = f"interrupted in {stage}, after {counted(work.done, 'design')}"
         return ds
 
     return Work(int(np.prod([v.size for v in axes.values()])) + follow, parts, gather)
@@ -177,7 +177,7 @@ def _axes(vary: Mapping[str, ArrayLike], units: Mapping[str, str]) -> tuple[dict
 
 def _refuse_axes(axes: Mapping[str, Array], system: System) -> None:
     if not 1 <= len(axes) <= 2:
-        raise RangeError(f"found {len(axes)} design parameters, expected one or two")
+        raise RangeError(f"found {counted(len(axes), 'design parameter')}, expected one or two")
     for name, values in axes.items():
         if name in (speed_of(system), system.machine and system.machine.speed_input):
             raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")
