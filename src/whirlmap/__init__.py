@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from whirlmap.results.labels import labels as labels
     from whirlmap.sweep.attractors.attractors import attractors as attractors
     from whirlmap.sweep.attractors.basins import basins as basins
+    from whirlmap.sweep.branches.continue_orbit import continue_orbit as continue_orbit
     from whirlmap.sweep.diagrams.diagram import bifurcation_diagram as bifurcation_diagram
     from whirlmap.sweep.diagrams.waterfall import waterfall as waterfall
     from whirlmap.sweep.maps.regime_map import regime_map as regime_map
@@ -80,6 +81,7 @@ _HOMES = {
     "regime_map": "whirlmap.sweep.maps.regime_map",
     "tolerance_sweep": "whirlmap.sweep.maps.regime_map",
     "waterfall": "whirlmap.sweep.diagrams.waterfall",
+    "continue_orbit": "whirlmap.sweep.branches.continue_orbit",
 }
 
 #: Former names, for one release.

@@ -33,6 +33,8 @@ COMMANDS = {
     "campbell": "Compute the damped frequencies of CASE against a parameter, and the critical speeds at which order"
     " lines cross them.",
     "bifurcation": "Sweep one parameter of CASE and label the regime of every point.",
+    "continue": "Follow branches of periodic orbits of CASE against one parameter, stable or not, and locate their"
+    " bifurcations.",
     "map": "Label the regime of every point of a grid over parameters of CASE.",
     "speeds": "Find the windows of speed in which CASE runs periodically and within a limit of vibration.",
     "improve": "Compare values of one or two design parameters of CASE by the safe speeds that they give.",
@@ -44,6 +46,10 @@ COMMANDS = {
     "cache": "Show the folder of compiled kernels, its size and what kernels are compiled for, or clear it.",
     "bench": "Compare the speed of whirlmap with heyoka, SciPy and plain C on the gear pair, on one core, at equal error.",
 }
+
+
+#: Modules of the commands whose name is a word of Python.
+MODULES = {"continue": "continue_orbit"}
 
 
 class Program(TyperGroup):
@@ -160,13 +166,14 @@ for name, line in COMMANDS.items():
 @cache
 def loaded(name: str) -> Any:
     """Import the options and the help of a command; what it computes by is imported when it runs."""
-    module = import_module(f"whirlmap.cli.declared.{name}")
-    declared = getattr(module, name)
+    home = MODULES.get(name, name)
+    module = import_module(f"whirlmap.cli.declared.{home}")
+    declared = getattr(module, home)
 
     @wraps(declared)
     def command(**given: Any) -> None:
         whole = getattr(declared, "whole", dict)(**given)  # see `options.computing`
-        getattr(import_module(f"whirlmap.cli.commands.{name}"), name)(**whole)
+        getattr(import_module(f"whirlmap.cli.commands.{home}"), home)(**whole)
 
     alone = typer.Typer(add_completion=False, rich_markup_mode="markdown", pretty_exceptions_enable=False)
     alone.command(name, cls=Command, epilog=epilog(module.EXAMPLES))(command)

@@ -46,7 +46,7 @@ LONG_TRIAL, TRIAL = 1000, 128
 OK = np.int8(Status.ok)
 
 #: Arrays over points that a subset carries along.
-_POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "step_error", "step_verdict", "crossings", "grazings")
+_POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "ahead", "step_error", "step_verdict", "crossings", "grazings")
 
 
 @dataclass(frozen=True)
@@ -70,7 +70,7 @@ class Segment:
 
 
 class Ensemble:
-    """Points of one model, each at a whole number of T after phase zero.
+    """Points of one model, each at a whole number of T after phase zero, or so many steps ahead of that.
 
     Parameters
     ----------
@@ -101,6 +101,8 @@ class Ensemble:
         Sizes beyond which states have diverged; those of the start where absent (`scales.limits`).
     turn : array, shape (point,), optional
         T of each point of an unforced model, in place of its typical time.
+    ahead : array of int, shape (point,), optional
+        Steps that each point stands ahead of phase zero: the segments of an orbit begin at phases of their own.
     sizes : array, shape (state, point), optional
         Sizes of the states, in which lengths of tangent vectors are measured: with speeds in nanometres per second beside
         lengths in metres, vectors would turn out parallel. Those of the start where absent (`scales.tangent_sizes`).
@@ -115,8 +117,8 @@ class Ensemble:
         When a point ended (NaN while it runs), in the model's time.
     end_stop : array of int, shape (point,)
         Which of the model's stops ended it, or behind them which pole of its equations (`rescue.end_named`); else -1.
-    turns : array of int, shape (point,)
-        Periods T that each point has run.
+    turns, ahead : array of int, shape (point,)
+        Periods T that each point has run, and steps that it stands ahead of them.
     point_steps, point_orth : arrays of int, shape (point,)
         Steps, and orthonormalisations, per T of each point.
     limits : array, shape (state, point)
@@ -146,6 +148,7 @@ class Ensemble:
         beyond: Array | None = None,
         turn: Array | None = None,
         sizes: Array | None = None,
+        ahead: Integers | None = None,
     ) -> None:
         n = values.shape[1]
         if np.min(steps, initial=1) < 1:
@@ -167,6 +170,7 @@ class Ensemble:
         self.end_time = np.full(n, np.nan)
         self.end_stop = np.full(n, -1, dtype=np.int8)
         self.turns = np.zeros(n, dtype=np.int64)
+        self.ahead = np.zeros(n, dtype=np.int64) if ahead is None else np.array(ahead, dtype=np.int64)
         self.step_error, self.step_verdict = np.full(n, np.nan), np.zeros(n, dtype=np.int8)
         self.crossings, self.grazings = np.zeros(n), np.zeros(n)
         self._groups: list[Group] = []
@@ -286,6 +290,7 @@ class Ensemble:
         n_periods: int | Integers,
         *,
         members: NDArray[np.intp] | None = None,
+        parts: int | Integers = 1,
         save_every: int = 0,
         save_periods: int | Fraction = 0,
         extremes: bool | Literal["between"] = False,
@@ -297,6 +302,8 @@ class Ensemble:
         ----------
         n_periods : int or array of int, shape (member,)
             T that they run: one number for all, or one for each.
+        parts : int or array of int, shape (member,)
+            Parts into which these T are divided, of which each point runs one: a whole number of its steps.
         members : array of int, optional
             Indices of the points; all of them where absent.
         save_every : int
@@ -333,7 +340,9 @@ class Ensemble:
         place[members] = np.arange(members.size)
         running = self.running
         to_do = np.zeros(self.points, dtype=np.int64)  # steps
-        to_do[members] = periods * self.point_steps[members]
+        to_do[members] = periods * self.point_steps[members] // parts
+        if (to_do[members] * parts != periods * self.point_steps[members]).any():
+            raise RangeError("a part of the periods to run is no whole number of steps")
         tasks = [
             (group, local)
             for group in self._groups
@@ -344,7 +353,7 @@ class Ensemble:
 
         def work(task: tuple[Group, NDArray[np.intp]]) -> None:
             group, local = task
-            own = periods[place[group.members[local]]]
+            own = to_do[group.members[local]]
             group.advance(local, own, save, segment, place, between=extremes == "between", progress=progress)
 
         work_in_all = sum(int(to_do[group.members[local]].sum()) // LANES for group, local in tasks)
@@ -356,7 +365,9 @@ class Ensemble:
                 for _ in pool.map(work, tasks):
                     pass
         still = self.running[members]
-        self.turns[members[still]] += periods[still]
+        done = self.ahead[members[still]] + to_do[members[still]]
+        whole, self.ahead[members[still]] = np.divmod(done, self.point_steps[members[still]])
+        self.turns[members[still]] += whole
         statistics = _statistics(segment.sums, to_do[members], still) if extremes else None
         return Segment(segment.saved, segment.growth, statistics)
 

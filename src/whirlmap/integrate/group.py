@@ -54,6 +54,7 @@ class OfEnsemble(Protocol):
     point_steps: Integers
     period: Array
     turns: Integers
+    ahead: Integers
     status: NDArray[np.int8]
     end_time: Array
     end_stop: NDArray[np.int8]
@@ -89,18 +90,18 @@ class Group:
         return Waves.of(self.ensemble.orders, self.steps, self.kernel.source.nodes)
 
     def advance(
-        self, local: Points, n_periods: Integers, save: Fraction | int, record: Record, place: Points, *, between: bool,
+        self, local: Points, to_do: Integers, save: Fraction | int, record: Record, place: Points, *, between: bool,
         progress: Callable[[int], None] | None = None,
     ) -> None:  # fmt: skip
-        """Advance some points, each by its own number of T, redoing failed steps until each has reached its end or ended.
+        """Advance some points, redoing failed steps until each has reached its end or ended.
 
-        ``local`` holds indices into the group's members, in an order in which neighbours have about as many steps to do;
+        ``local`` holds indices into the group's members, in an order in which neighbours have about as many steps ``to_do``;
         ``place`` the columns of all points in the record; ``between`` says whether extremes between steps count. The kernel
         is called for some steps at a time (`CALL`), which changes no bit.
         """
         e = self.ensemble
         at = self.members[local]
-        run = _Run(self, local, n_periods, save, record, between=between)
+        run = _Run(self, local, to_do, save, record, between=between)
         length, most, said = max(FIRST // run.blocks, 1), int(run.total.max()), 0
         while run.goes_on:
             stop_if_given_up()
@@ -146,12 +147,12 @@ class Group:
         failed, part = run.failed[block, 0, lane], run.reached[block, 0, lane]
         run.failed[block, 0, lane] = -1
         h, steps, y = self.h[members], self.steps[members], np.ascontiguousarray(run.y[block, :, lane].T)
-        angles = self.waves.angles(steps, e.turns[points], failed, part)
+        angles = self.waves.angles(steps, e.turns[points], e.ahead[points] + failed, part)
         outcome = self.rescue.mend(members, y, angles, (1 - part) * h, run.cause[block, 0, lane])
         run.y[block, :, lane] = y.T
         ended = outcome.status != Status.ok
         e.status[points[ended]] = outcome.status[ended]
-        e.end_time[points[ended]] = ((e.turns[points] * steps + failed + part) * h + outcome.time)[ended]
+        e.end_time[points[ended]] = ((e.turns[points] * steps + e.ahead[points] + failed + part) * h + outcome.time)[ended]
         e.end_stop[points[ended]] = outcome.stop[ended]
         on = ~ended
         run.active[block[ended], 0, lane[ended]] = 0
@@ -184,7 +185,7 @@ class _Run:
     """
 
     def __init__(
-        self, group: Group, local: Points, n_periods: Integers, save: Fraction | int, record: Record, *, between: bool
+        self, group: Group, local: Points, to_do: Integers, save: Fraction | int, record: Record, *, between: bool
     ) -> None:
         e = group.ensemble
         self.group, self.local = group, local
@@ -195,8 +196,7 @@ class _Run:
         self.inputs = group.packed(local)
         self.lanes = local[np.minimum(np.arange(self.blocks * LANES), local.size - 1)]  # the last one fills its block
         self.steps = group.steps[self.lanes]
-        never = n_periods.max() * self.steps + 1
-        self.total = blocked((n_periods * group.steps[local])[None])
+        self.total, never = blocked(to_do[None]), np.full_like(self.steps, to_do.max() + 1)
         self.save_every, self.orth_every = (
             (steps if recorded.shape[0] else never).reshape(self.y.shape[0], 1, LANES)
             for steps, recorded in (
@@ -229,11 +229,12 @@ class _Run:
 
     def call(self, length: int) -> None:
         """Call the kernel: every point takes so many steps more, or those that it has left, up to one that fails."""
-        kernel, turns = self.group.kernel, self.group.ensemble.turns[self.group.members[self.lanes]]
+        kernel, e, points = self.group.kernel, self.group.ensemble, self.group.members[self.lanes]
+        done = e.ahead[points] + self.first.reshape(-1)
         last = np.minimum(self.first + length, self.total)
         kernel.advance(
             blocks=self.blocks, count=self.count, y=self.y, **self.inputs, first=self.first, last=last, active=self.active,
-            begin=blocked(self.group.waves.begin(self.steps, turns, self.first.reshape(-1))), failed=self.failed,
+            begin=blocked(self.group.waves.begin(self.steps, e.turns[points], done)), failed=self.failed,
             save_every=self.save_every, saves=self.saved.shape[1], saved=self.saved, orth_every=self.orth_every,
             events=self.growth.shape[1], growth=self.growth, folded=self.folded, sums=self.sums, cause=self.cause,
             reached=self.reached, tally=self.tally, pieces=self.pieces, work=kernel.work(),

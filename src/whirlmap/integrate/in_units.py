@@ -38,7 +38,7 @@ def in_units(system: System, result: Result) -> Result:
         What the result was computed from.
     result : xr.Dataset or Findings
         Of `simulate`, `section`, `lyapunov_spectrum`, `bifurcation_diagram`, `regime_map`, `label_points`, `diagnose`,
-        `attractors`, `basins`, `safe_speeds` or `campbell`.
+        `attractors`, `basins`, `safe_speeds`, `campbell` or `continue_orbit`.
 
     Returns
     -------
@@ -107,14 +107,15 @@ class _Converter:
         along = EACH.get(name)
         if along in dims and along in self.every:
             return self._each(dims, values, attrs, along)
-        if name in self.system.parameters or (name in dims and name in (*self.system.states, *self.system.model.outputs)):
-            found = self._quantity(name, dims)
+        own = name.removeprefix("event_")  # the varied parameter at events of branches
+        if own in self.system.parameters or (name in dims and name in (*self.system.states, *self.system.model.outputs)):
+            found = self._quantity(own, dims)
         else:
             measure = OTHER.get(name, attrs.get("measure") or OF_TIME.get(attrs.get("units", ""), ""))
             found = self._measure(measure, dims)
         if found.unit == PURE.unit:
             return variable
-        words = {"long_name": "speed of the first shaft"} if name == self.system.speed else {}
+        words = {"long_name": "speed of the first shaft"} if own == self.system.speed else {}
         return dims, values * found.size, {**attrs, **words, "units": found.unit}
 
     def _each(self, dims: tuple[str, ...], values: NDArray[Any], attrs: dict[str, Any], along: str) -> Variable:

@@ -1,13 +1,13 @@
 """Floquet multipliers of a periodic orbit, down to the smallest, from the tangent dynamics of the compiled kernel."""
 
 from dataclasses import dataclass
-from itertools import pairwise
 from math import ceil
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.variational.periodic_schur import eigenvalues_of_products
 from whirlmap.errors import RangeError
 from whirlmap.integrate.scales import scales, unit_sizes
 from whirlmap.integrate.system import System
@@ -25,8 +25,6 @@ SEGMENTS = 4
 CLOSE, DOUBLINGS = 1e-9, 6
 #: Least steps of the eighth-order method per T.
 STEPS = 64
-#: Most passes round the orbit until its invariant subspaces have converged, and the tolerance of that.
-PASSES, STILL = 60, 1e-7
 
 
 @gives_dataset
@@ -141,9 +139,8 @@ def _round(system: System, start: Array, duration: float, segments: int, each: i
     # A state that is zero by chance, or held, has the size of those that it is alike to.
     period, magnitude = np.array([system.period]), np.abs(orbit).max(axis=1)[:, None]
     size = unit_sizes(system.model, period, scales(system.model, period, magnitude, magnitude, share=1.0))[:, 0]
-    log_modulus, argument = _eigenvalues_of_product(matrices * (size / size[:, None]))
-    order = np.lexsort((-argument, -log_modulus))
-    return orbit, log_modulus[order], argument[order]
+    log_modulus, argument = eigenvalues_of_products((matrices * (size / size[:, None]))[None])
+    return orbit, log_modulus[0], argument[0]
 
 
 @dataclass(frozen=True)
@@ -186,34 +183,3 @@ class _Segment:
             raise RangeError(f"the orbit of {self.name} leaves the model's limits: it is no periodic orbit")
         end = unblocked(run, n)
         return end[:n, 0], end[n : 2 * n]
-
-
-def _eigenvalues_of_product(matrices: Array) -> tuple[Array, Array]:
-    """Logarithms of moduli, and arguments, of the eigenvalues of matrices[-1] @ ... @ matrices[0]."""
-    n = matrices.shape[1]
-    frame = np.linalg.qr(np.random.default_rng(5).normal(size=(n, n)))[0]
-    before, edges = None, [0, n]
-    for _ in range(PASSES):
-        first = frame
-        triangles = np.empty_like(matrices)
-        for k, matrix in enumerate(matrices):
-            frame, triangles[k] = np.linalg.qr(matrix @ frame)
-        turned = first.T @ frame
-        edges = [0, *(i for i in range(1, n) if np.abs(turned[i:, :i]).max() < STILL), n]
-        if edges == before and max(np.diff(edges)) <= 2:
-            break
-        before = edges
-    logs, angles = [], []
-    for a, b in pairwise(edges):
-        block, scale = np.eye(b - a), 0.0
-        for triangle in triangles:
-            block = triangle[a:b, a:b] @ block
-            size = np.abs(block).max()
-            if size == 0.0:
-                break
-            block, scale = block / size, scale + np.log(size)
-        values = np.linalg.eigvals(turned[a:b, a:b] @ block)
-        with np.errstate(divide="ignore"):
-            logs.append(np.log(np.abs(values)) + scale)
-        angles.append(np.angle(values))
-    return np.concatenate(logs), np.concatenate(angles)

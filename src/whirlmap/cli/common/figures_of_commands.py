@@ -18,6 +18,7 @@ from whirlmap.plot.common.diagnosis_parts import journal_of, marked_shaft
 from whirlmap.plot.common.style import WIDE, new_figure, styled
 from whirlmap.plot.figures.animation import animate_orbit
 from whirlmap.plot.figures.basins import attractors_figure, basins_figure
+from whirlmap.plot.figures.branches import branches_figure
 from whirlmap.plot.figures.campbell import campbell_figure
 from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure, diagram_figure
 from whirlmap.plot.figures.improve import improve_figure
@@ -114,6 +115,11 @@ def regime_map(units: Dimensions, ds: xr.Dataset, quantity: str) -> Figure:
 def campbell(system: System, ds: xr.Dataset) -> Figure:
     """Draw frequencies, order lines and damping against speed."""
     return campbell_figure(ds, title=system.case)
+
+
+def branches(units: Dimensions, ds: xr.Dataset, quantities: Sequence[str]) -> Figure:
+    """Branches of some states or outputs, in these units."""
+    return branches_figure(shown_in(units, ds), quantities, title=units.system.case)
 
 
 def attractors(units: Dimensions, ds: xr.Dataset) -> Figure:

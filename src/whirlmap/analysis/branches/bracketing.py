@@ -1,0 +1,67 @@
+"""Roots of a function along a branch, each value of which needs a corrected point: Chandrupatla's method."""
+
+from collections.abc import Callable, Generator
+
+import numpy as np
+
+from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
+
+#: What a step of a branch asks for, and what it is given.
+Asking = Generator[Ask, Corrected | Lost, "Corrected | None"]
+
+#: Part of the chord to which a root is located, and most points for it.
+EXACT, MOST = 1e-14, 60
+
+
+def located(a: Corrected, b: Corrected, test: Callable[[Corrected], float]) -> Asking:
+    """Point between two of a branch where a test function vanishes; None where one on the way is not found.
+
+    Every value is taken at a point of the branch itself, in the hyperplane across the chord; nothing is interpolated but
+    where to look next [chandrupatla1997].
+    """
+    sizes = a.linear.sizes
+    begin, chord = a.point.vector, b.point.vector - a.point.vector
+    normal = chord / sizes / np.linalg.norm(chord / sizes)
+    low, high, at_low, at_high = 0.0, 1.0, test(a), test(b)
+    best, part = (a, b)[abs(at_high) < abs(at_low)], 0.5
+    least = min(abs(at_low), abs(at_high))
+    for _ in range(MOST):
+        # Close to the root rounding decides: the chord's ends were corrected at hyperplanes of their own.
+        where = low + part * (high - low)
+        found = yield Ask(a.equations, a.point.of(begin + where * chord), normal, sizes)
+        if isinstance(found, Lost):
+            return None
+        value = test(found)
+        if not np.isfinite(value):
+            return None
+        if abs(value) <= least:
+            best, least = found, abs(value)
+        if value == 0:
+            return found
+        if np.sign(value) == np.sign(at_low):
+            third, at_third, low, at_low = low, at_low, where, value
+        else:
+            third, at_third, high, at_high = high, at_high, where, value
+        width = abs(high - low)
+        if width <= 2 * EXACT:
+            break
+        part = _next_part(low, high, third, at_low, at_high, at_third)
+        # A part so near an end that it repeats it moves by what is resolved.
+        edge = min(EXACT / width, 0.5)
+        part = min(max(part, edge), 1 - edge)
+    return best
+
+
+def _next_part(low: float, high: float, third: float, at_low: float, at_high: float, at_third: float) -> float:
+    """Part of the bracket from its lower end: by inverse quadratic interpolation where that is safe, else its middle."""
+    if at_third in (at_low, at_high):
+        return 0.5
+    # Seen from the end that the third point lies behind, as in the source.
+    near, far, of_near, of_far = (low, high, at_low, at_high) if third < low else (high, low, at_high, at_low)
+    xi, phi = (near - far) / (third - far), (of_near - of_far) / (at_third - of_far)
+    if not 1 - np.sqrt(1 - xi) < phi < np.sqrt(xi):
+        return 0.5
+    part = of_near / (of_far - of_near) * at_third / (of_far - at_third) + (third - near) / (far - near) * of_near / (
+        at_third - of_near
+    ) * of_far / (at_third - of_far)
+    return float(part if near == low else 1 - part)

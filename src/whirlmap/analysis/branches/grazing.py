@@ -1,0 +1,127 @@
+"""Orbits that touch a declared switching without crossing it: where a contact of each turn begins or ends.
+
+The height of the orbit over the surface is sampled at its steps; about each of its extremes a polynomial of degree 7 through
+8 samples gives the extreme itself. An orbit grazes where an extreme vanishes. The orbit has no kink there, and with 512
+samples in a period the polynomial is exact to rounding.
+"""
+
+from collections.abc import Callable, Generator
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.branches.bracketing import located
+from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
+from whirlmap.analysis.branches.events import Event, StepTooLongError
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.equations.quantities import t
+from whirlmap.kernels.lowering.formulas import Formula, numpy_function
+
+Array = NDArray[np.float64]
+
+#: Samples of a return at least, for each of its T.
+SAMPLES = 512
+#: Samples through which a polynomial goes.
+POINTS = 8
+#: Part of a return by which an extreme may move between neighbouring points, and height over its range that is none.
+MOVES, TOUCHES = 0.1, 1e-8
+
+
+@dataclass(frozen=True)
+class Extreme:
+    """An extreme of the height over a surface: its phase in returns, its value, and whether it is a maximum."""
+
+    phase: float
+    value: float
+    maximum: bool
+
+
+def grazings_between(a: Corrected, b: Corrected, *, alone: bool = True) -> Generator[Ask, Corrected | Lost, list[Event]]:
+    """Grazing orbits between two points of a branch.
+
+    Raises
+    ------
+    StepTooLongError
+        Two of them in one step, where ``alone``; or one that is not found.
+    """
+    orbits = a.equations
+    if not isinstance(orbits, PeriodicOrbits) or not orbits.system.model.switchings:
+        return []
+    events: list[Event] = []
+    for name, before, after in zip(orbits.system.model.switchings, extremes(a), extremes(b), strict=True):
+        for one in before:
+            other = _like(after, one)
+            if other is None or np.sign(other.value) == np.sign(one.value):
+                continue
+            if events and alone:
+                raise StepTooLongError
+            at = yield from located(a, b, _height(list(orbits.system.model.switchings).index(name), one))
+            if at is None:
+                raise StepTooLongError
+            events.append(Event("grazing", at, name))
+    return events
+
+
+def _height(surface: int, like: Extreme) -> Callable[[Corrected], float]:
+    def test(c: Corrected) -> float:
+        found = _like(extremes(c)[surface], like)
+        return np.nan if found is None else found.value
+
+    return test
+
+
+def _like(among: list[Extreme], one: Extreme) -> Extreme | None:
+    """The nearest extreme of the same kind."""
+    same = [e for e in among if e.maximum == one.maximum]
+    away = [abs((e.phase - one.phase + 0.5) % 1 - 0.5) for e in same]
+    return same[int(np.argmin(away))] if same and min(away) <= MOVES else None
+
+
+def extremes(c: Corrected) -> list[list[Extreme]]:
+    """Extremes of an orbit's height over each declared switching."""
+    out = []
+    for row in heights(c):
+        before, after = np.roll(row, 1), np.roll(row, -1)
+        found = []
+        for maximum, sign in ((True, 1.0), (False, -1.0)):
+            for k in np.flatnonzero((sign * row >= sign * before) & (sign * row > sign * after)):
+                phase, value = _refined(row, int(k))
+                found.append(Extreme(phase, value, maximum))
+        out.append(found)
+    return out
+
+
+def heights(c: Corrected) -> Array:
+    """Height of an orbit over each declared switching at equal times of one return, shape (surface, sample)."""
+    orbits = c.equations
+    assert isinstance(orbits, PeriodicOrbits)
+    model, runs = orbits.system.model, orbits.lanes([c.point])
+    finer = max(-(-SAMPLES // orbits.steps), 1)
+    e = orbits.ensemble(runs, finer=finer)
+    x = np.concatenate([runs.x[None], orbits.run(e, runs, save=True)])[:-1]
+    samples = x.shape[0] * x.shape[2]
+    x = x.transpose(1, 2, 0).reshape(model.dimension, samples)
+    duration = float(e.period[0]) * (orbits.periods or runs.share[0])
+    time = duration * np.arange(samples) / samples
+    values = orbits.columns(c.point.free[:, None])[:, 0]
+    surfaces = [q.surface for q in model.switchings.values()]
+    of = numpy_function(model, "switchings", lambda: Formula([t, model.states, model.parameters], surfaces))
+    return np.stack([np.broadcast_to(np.asarray(row, dtype=float), time.shape) for row in of(time, list(x), list(values))])
+
+
+def _refined(row: Array, k: int) -> tuple[float, float]:
+    """Phase and value of an extreme near a sample."""
+    place = np.arange(POINTS) - (POINTS - 1) // 2
+    curve = np.polynomial.Polynomial(np.linalg.solve(np.vander(place, increasing=True), row[(k + place) % row.size]))
+    slope, bend, at = curve.deriv(), curve.deriv(2), 0.0
+    for _ in range(20):
+        if bend(at) == 0:
+            break
+        step = slope(at) / bend(at)
+        at -= step
+        if not abs(at) <= 2:
+            return k / row.size, float(row[k])
+        if abs(step) < 1e-13:
+            break
+    return (k + at) / row.size % 1.0, float(curve(at))

@@ -1,0 +1,323 @@
+"""Following one branch from a point in one direction: pseudo-arclength steps, as a generator that asks for points.
+
+Many branches are followed at once: each is a generator, and what they ask for is corrected in one call (`stepping`).
+"""
+
+from collections.abc import Generator, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from math import sqrt
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.branches.bracketing import located
+from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
+from whirlmap.analysis.branches.events import Event, StepTooLongError, along, events_between
+from whirlmap.analysis.branches.grazing import grazings_between
+from whirlmap.analysis.branches.periodic_orbits import LONGEST, PeriodicOrbits
+from whirlmap.analysis.branches.unknowns import Unknowns
+from whirlmap.kernels.writing.routine import LANES
+from whirlmap.results.status import Status
+
+Array = NDArray[np.float64]
+Asking = Generator[Ask, Corrected | Lost, Any]
+
+#: First step over the longest, and shortest step over it.
+FIRST, SHORTEST = 0.1, 1e-7
+#: Steps below this part of the longest take what they find: two events in one may be one point.
+FINE = 1e-4
+#: Largest angle between neighbouring tangents, and largest distance from the predicted point, over the step.
+ANGLE, AWAY = 0.25, 0.5
+#: Iterations at which a step grows, and at which it shrinks.
+FEW, MANY = 4, 7
+#: Distance from the end of a range, over its width, that is rounding.
+EDGE = 1e-10
+#: The steps of an orbit are checked at every such point, and where an event lies; an error so much smaller than asked for
+#: allows fewer of them.
+CHECKED, SPARE = 4, 1e-3
+#: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
+ROUND, SAME = 4, 1e-6
+#: States of all segments up to which an orbit takes as many segments as a block has lanes, for these cost the same. Beyond,
+#: the dense solver of NumPy starts threads, which cost more than they gain.
+WIDEST = 96
+#: Ends that are no fault, in words.
+ENDS = {"range": "the end of the range", "closed": "its first point"}
+#: Steps per T of orbits, or per return, that are tried.
+STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 8192)
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Where branches end, and how finely they are followed.
+
+    Attributes
+    ----------
+    low, high : float
+        Range of the first free parameter.
+    longest : float
+        Longest step in units of the range and of the sizes of the states.
+    points : int
+        Most points of a branch in one direction.
+    accuracy : float
+        Largest error of an orbit's segments, over the sizes of the states.
+    """
+
+    low: float
+    high: float
+    longest: float = 0.02
+    points: int = 2000
+    accuracy: float = 1e-12
+
+
+@dataclass
+class Trace:
+    """A branch in one direction.
+
+    Attributes
+    ----------
+    points : list of Corrected
+        The seed first.
+    events : list of (int, Event)
+        The event, and the index of the point before it.
+    end : str
+        ``range``, ``closed``, ``contact``, ``kink`` or ``steps``; empty while it is followed.
+    why : str
+        What stopped it, in words.
+    doubts : set of str
+        What could not be made sure on the way.
+    """
+
+    points: list[Corrected]
+    events: list[tuple[int, Event]] = field(default_factory=list)
+    end: str = ""
+    why: str = ""
+    doubts: set[str] = field(default_factory=set)
+
+
+def stepping(runs: Sequence[Asking]) -> Iterator[int]:
+    """Run generators to their ends, and give how many still go on, after each round.
+
+    The points that all of them ask for are corrected in one call.
+    """
+    waiting: list[tuple[Asking, Ask]] = []
+    for run in runs:
+        waiting += _next(run, None)
+    while waiting:
+        found = correct([ask for _, ask in waiting])
+        waiting = [pair for (run, _), c in zip(waiting, found, strict=True) for pair in _next(run, c)]
+        yield len(waiting)
+
+
+def _next(run: Asking, answer: "Corrected | Lost | None") -> list[tuple[Asking, Ask]]:
+    try:
+        return [(run, run.send(answer))]  # type: ignore[arg-type]  # a generator begins with None
+    except StopIteration:
+        return []
+
+
+def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = None) -> Asking:
+    """Follow a branch from its first point.
+
+    Parameters
+    ----------
+    out : Trace
+        With the first point; the others are added, so that who stops keeps them.
+    sign : float
+        Side to which the first step goes, of the tangent as it is.
+    halves : array, shape (state,), optional
+        Of a doubled orbit: direction in which its two halves differ; where they come to differ no more it has closed on the
+        orbit that it doubled from.
+    """
+    seed = out.points[0]
+    a = replace(seed, tangent=sign * seed.tangent, turned=sign * seed.turned)
+    first, step, lost = a, FIRST * limits.longest, Status.ok
+    if abs(a.value - (limits.high if along(a) > 0 else limits.low)) <= EDGE * (limits.high - limits.low):
+        out.end, out.why = "range", ENDS["range"]
+    while not out.end:
+        if len(out.points) > limits.points:
+            out.end, out.why = "steps", f"{limits.points} points"
+            break
+        if step < SHORTEST * limits.longest:
+            out.end, out.why = _ending(lost, a)
+            break
+        b, lost, ended = yield from _stepped(a, step, limits)
+        if b is None:
+            step /= 2
+            continue
+        try:
+            if halves is not None and (closed := (yield from _collapsed(a, b, halves))) is not None:
+                out.points.append(closed)
+                out.end, out.why = "closed", "meets the orbit that it doubled from"
+                break
+            events = yield from events_between(a, b, alone=step > FINE * limits.longest)
+            events += yield from grazings_between(a, b, alone=step > FINE * limits.longest)
+        except StepTooLongError:
+            if step > 2 * FINE * limits.longest:
+                step /= 2
+                continue
+            events = []
+            out.doubts.add("the number of unstable multipliers changes where no event was located")
+        if (closed := (yield from _came_back(first, a, b, len(out.points)))) is not None:
+            b, ended = closed, "closed"
+        out.events += [(len(out.points) - 1, e) for e in events]
+        if len(out.points) % CHECKED == 0 or events or b.equations is not a.equations:
+            b, doubt = yield from _fine_enough(b, limits)
+            out.doubts |= doubt
+        elif too_long(b):
+            b = yield from divided(b)
+        out.points.append(b)
+        out.end, out.why = ended, ENDS.get(ended, "")
+        step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
+        step, a = min(step, limits.longest), _coarser(b, limits)
+
+
+def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Corrected | Lost, tuple[Any, Status, str]]:
+    """The next point; None where it was not found, or is not the next. And whether it lies at the end of the range."""
+    sizes = a.linear.sizes
+    ahead = a.tangent / sizes
+    move = along(a) / limits_width(limits)
+    guess, normal, ended = a.point.vector + step * a.tangent, ahead, ""
+    edge = limits.high if move > 0 else limits.low
+    left = abs(edge - a.value) / limits_width(limits)
+    if abs(move) * step >= left:
+        fixed = along_parameter(a.point)
+        guess, normal, ended = a.point.vector + a.tangent * (left / abs(move)), fixed, "range"
+        step = max(left / abs(move), 1e-12)
+    b = yield Ask(a.equations, a.point.of(guess), normal, sizes, exact=False)
+    if isinstance(b, Lost):
+        return None, b.status, ""
+    if ended and b.tangent / sizes @ ahead < 0:
+        b = replace(b, tangent=-b.tangent, turned=-b.turned)
+    apart = np.linalg.norm((b.point.vector - guess) / sizes)
+    there = b.tangent / sizes
+    turn = np.arccos(min(1.0, float(there @ ahead / np.linalg.norm(there))))
+    if apart > AWAY * step or (turn > ANGLE and step > FINE * limits.longest):
+        return None, Status.ok, ""
+    if not ended and not limits.low <= b.value <= limits.high:
+        return (yield from _stepped_onto(a, b, limits))
+    return b, Status.ok, ended
+
+
+def _stepped_onto(
+    a: Corrected, b: Corrected, limits: Limits
+) -> Generator[Ask, Corrected | Lost, tuple[Any, Status, str]]:
+    """The point at the end of the range, where a step has gone beyond it."""
+    edge = limits.high if b.value > limits.high else limits.low
+    part = (edge - a.value) / (b.value - a.value)
+    guess = a.point.of(a.point.vector + part * (b.point.vector - a.point.vector))
+    found = yield Ask(a.equations, guess, along_parameter(a.point), a.linear.sizes)
+    if isinstance(found, Lost):
+        return None, found.status, ""
+    if found.tangent / a.linear.sizes @ (a.tangent / a.linear.sizes) < 0:
+        found = replace(found, tangent=-found.tangent, turned=-found.turned)
+    return found, Status.ok, "range"
+
+
+def limits_width(limits: Limits) -> float:
+    """Width of the range."""
+    return limits.high - limits.low
+
+
+def _came_back(first: Corrected, a: Corrected, b: Corrected, points: int) -> Generator[Ask, Corrected | Lost, Any]:
+    """The first point, where the branch has come back to it between two points; else None."""
+    if points < ROUND or first.point.x.shape != a.point.x.shape:
+        return None
+    sizes = a.linear.sizes
+    chord = (b.point.vector - a.point.vector) / sizes
+    length = np.linalg.norm(chord)
+    to = (first.point.vector - a.point.vector) / sizes
+    part = to @ chord / length**2
+    if not (0 < part <= 1 and np.linalg.norm(to - part * chord) <= 0.5 * length):
+        return None
+    if first.tangent / sizes @ (a.tangent / sizes) <= 0:
+        return None
+    found = yield Ask(a.equations, first.point, chord / length, sizes)
+    if isinstance(found, Lost) or np.abs((found.point.vector - first.point.vector) / sizes).max() > SAME:
+        return None
+    return found
+
+
+def _collapsed(a: Corrected, b: Corrected, halves: Array) -> Generator[Ask, Corrected | Lost, Any]:
+    """Where a doubled orbit becomes the orbit that it doubled from; None where it does not."""
+    if apart_in_halves(a) @ halves * (apart_in_halves(b) @ halves) > 0:
+        return None
+    return (yield from located(a, b, lambda c: float(apart_in_halves(c) @ halves)))
+
+
+def apart_in_halves(c: Corrected) -> Array:
+    """By how much the two halves of an orbit begin apart, in sizes of the states."""
+    count, n = c.point.x.shape
+    return np.asarray((c.point.x[0] - c.point.x[count // 2]) / c.linear.weights[:n])
+
+
+def _coarser(b: Corrected, limits: Limits) -> Corrected:
+    """The same point to go on from with fewer steps, where its own hold far more than the accuracy."""
+    orbits = b.equations
+    if not isinstance(orbits, PeriodicOrbits) or b.step_error is None or b.step_error > SPARE * limits.accuracy:
+        return b
+    fewer = [s for s in STEPS if s < orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
+    return replace(b, equations=replace(orbits, steps=fewer[-1]), step_error=None) if fewer else b
+
+
+def _fine_enough(b: Corrected, limits: Limits) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
+    """The same point with steps and segments that hold its accuracy."""
+    doubts: set[str] = set()
+    if not isinstance(b.equations, PeriodicOrbits):
+        return b, doubts
+    while True:
+        b = replace(b, step_error=float(b.equations.step_error([b.point], [b.linear.weights])[0]))
+        if b.step_error is not None and b.step_error <= limits.accuracy:
+            break
+        more = [s for s in STEPS if s > b.equations.steps and s * max(b.equations.periods, 1) % len(b.point.x) == 0]
+        if not more:
+            doubts.add("the accuracy is not met with the most steps")
+            break
+        sizes = b.linear.sizes
+        found = yield Ask(replace(b.equations, steps=more[0]), b.point, b.tangent / sizes, sizes)
+        if isinstance(found, Lost):
+            doubts.add("the accuracy is not met with the steps of the point before")
+            break
+        b = found
+    if too_long(b):
+        b = yield from divided(b)
+    return b, doubts
+
+
+def too_long(c: Corrected) -> bool:
+    """Whether segments of an orbit stretch too much, or are fewer than the lanes of a block, and few unknowns."""
+    orbits = c.equations
+    if not isinstance(orbits, PeriodicOrbits) or orbits.steps_of_return % (2 * len(c.point.x)):
+        return False
+    if len(c.point.x) < LANES and 2 * c.point.x.size <= WIDEST:
+        return True
+    return bool(np.linalg.norm(c.linear.matrices, axis=(1, 2)).max() > LONGEST)
+
+
+def divided(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
+    """The same orbit in twice as many segments."""
+    orbits, count = b.equations, 2 * len(b.point.x)
+    assert isinstance(orbits, PeriodicOrbits)
+    (point,) = orbits.divided([b.point], count)
+    n = b.point.x.shape[1]
+    rest = b.tangent.size - b.point.x.size
+    normal, sizes = np.zeros(point.vector.size), np.ones(point.vector.size)
+    normal[:n], normal[-rest:] = b.tangent[:n] / b.linear.sizes[:n], b.tangent[-rest:] / b.linear.sizes[-rest:]
+    sizes[: count * n], sizes[-rest:] = np.tile(b.linear.sizes[:n] * sqrt(2), count), b.linear.sizes[-rest:]
+    found = yield Ask(orbits, point, normal / np.linalg.norm(normal), sizes)
+    return b if isinstance(found, Lost) else found
+
+
+def _ending(lost: Status, a: Corrected) -> tuple[str, str]:
+    """Word and reason for a branch whose steps have become too short."""
+    if lost == Status.contact:
+        return "contact", lost.sentence
+    kinked = isinstance(a.equations, PeriodicOrbits) and a.equations.has_surfaces
+    if lost in (Status.sticks, Status.chatters) or (lost == Status.ok and kinked):
+        return "kink", lost.sentence if lost != Status.ok else "the orbit meets a surface at which the rates change"
+    return "steps", lost.sentence if lost != Status.ok else "no next point was found with the shortest step"
+
+
+def seeded(equations: Any, guess: Unknowns, sizes: Array) -> Ask:
+    """What is asked for a first point: the parameter stays."""
+    return Ask(equations, guess, along_parameter(guess), sizes)

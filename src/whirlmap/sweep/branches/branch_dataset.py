@@ -1,0 +1,167 @@
+"""Branches as one Dataset: their points one after the other, and their events."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from whirlmap.analysis.branches.corrector import Corrected
+from whirlmap.analysis.branches.events import OUTSIDE, Event
+from whirlmap.integrate.system import System
+from whirlmap.results.schema import names_coordinate, variable
+from whirlmap.sweep.branches.branch import ENDS, KINDS, Branch, arclengths
+from whirlmap.sweep.branches.free_parameters import Varied
+from whirlmap.sweep.branches.measured_branches import numbers
+from whirlmap.sweep.points.extremes import extreme_coordinates, extreme_variables
+
+Array = NDArray[np.float64]
+
+#: Kinds of events, in the order of their flags.
+EVENTS = (
+    "fold", "branch-point", "period-doubling", "neimark-sacker", "hopf", "grazing",
+    "cusp", "resonance-1-1", "resonance-1-2", "resonance-1-3", "resonance-1-4",
+)  # fmt: skip
+
+
+def flagged(names: Sequence[str]) -> dict[str, Any]:
+    """CF attributes of an integer that stands for one of these words."""
+    return {
+        "flag_values": np.arange(len(names), dtype=np.int8), "flag_meanings": " ".join(n.replace("-", "_") for n in names)
+    }  # fmt: skip
+
+
+def word(ds: xr.Dataset, name: str, value: Any) -> str:
+    """The word that an integer variable's value stands for."""
+    return str(str(ds[name].attrs["flag_meanings"]).split()[int(value)]).replace("_", "-")
+
+
+def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]) -> xr.Dataset:
+    """All branches, over ``point``, ``event`` and ``branch``."""
+    points = [p for b in branches for p in b.points()]
+    events = [(k, i, e) for k, b in enumerate(branches) for i, e in b.events()]
+    found = numbers([*points, *(e.at for _, _, e in events)])
+    count = len(points)
+    of = np.repeat(np.arange(1, len(branches) + 1), [len(b.points()) for b in branches])
+    first = np.searchsorted(of, np.arange(1, len(branches) + 1))
+    unstable = (found.log_modulus > OUTSIDE).sum(axis=1)
+    period = np.array([b.seed.period for b in branches])
+    data: dict[str, Any] = {
+        "branch_of": variable("point", of, "1", "number of the branch"),
+        "arclength": variable(
+            "point", np.concatenate([arclengths(b.points()) for b in branches]), "1",
+            "length along the branch, in sizes of the states and widths of the ranges",
+        ),
+        "section": variable(
+            ("point", "period", "state"), _section(found.section[:count]), "1",
+            "state once per T, first at phase zero, or on the section", unit_of_each=_units(system),
+        ),
+        "stable": variable("point", (unstable[:count] == 0).astype(np.int8), "1", "whether no multiplier lies outside"),
+        "unstable": variable("point", unstable[:count], "1", "number of multipliers outside the unit circle"),
+        **_multipliers("point", "", found.log_modulus[:count], found.argument[:count]),
+        "multiplier_error": variable(
+            ("point", "multiplier"), found.log_error[:count], "1", "change of log_modulus with the last doubling of segments"
+        ),
+        **extreme_variables("point", system, {name: rows[:, :count] for name, rows in found.extremes.items()}),
+        "steps": variable("point", [getattr(p.equations, "steps", 0) for p in points], "1", "steps per T, or per return"),
+        "segments": variable("point", [len(p.point.x) for p in points], "1", "segments of the orbit"),
+        "step_error": variable("point", found.step_error[:count], "1", "what twice the steps change, in sizes of states"),
+        "duration": variable("point", [_duration(p) for p in points], "time", "time of one return"),
+        "kind": variable("branch", [KINDS.index(b.kind) for b in branches], "1", "what its points are", **flagged(KINDS)),
+        "period_T": variable("branch", period, "T", "return in T, of a cycle in crossings of its section; 0 at rest"),
+        "first_point": variable("branch", first, "1", "index of its first point"),
+        "end": variable(
+            ("branch", "side"), [[ENDS.index(e) for e in b.ends()] for b in branches], "1", "how it ends", **flagged(ENDS)
+        ),
+        **_events(varied, system, events, found.log_modulus[count:], found.argument[count:]),
+    }
+    coords: dict[str, Any] = {
+        v.name: variable("point", [p.point.free[k] for p in points], _unit(system, v), v.meaning)
+        for k, v in enumerate(varied)
+    }
+    coords |= {
+        "branch": ("branch", np.arange(1, len(branches) + 1), {"long_name": "branch"}),
+        "period": np.arange(1, max(len(rows) for rows in found.section[:count]) + 1),
+        "state": names_coordinate("state", system.states, "state"),
+        **extreme_coordinates(system),
+    }
+    return xr.Dataset(data, coords)
+
+
+def events_of(ds: xr.Dataset) -> xr.Dataset:
+    """The events of branches as a Dataset of their own.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `continue_orbit`.
+
+    Returns
+    -------
+    xr.Dataset
+        Over ``event``: ``kind``, ``branch``, ``after``, ``surface``, ``section(event, state)``, ``log_modulus``, ``argument``
+        (event, multiplier), and the varied parameters as coordinates.
+    """
+    kept = ds[[str(name) for name in ds.data_vars if str(name).startswith("event_")]]
+    made = kept.rename({name: str(name).removeprefix("event_") for name in kept.data_vars})
+    coordinates = [name for name in made.data_vars if name in ds.coords]
+    return made.drop_vars([c for c in made.coords if c != "state"]).set_coords(coordinates).assign_attrs(ds.attrs)
+
+
+def _unit(system: System, varied: Varied) -> str:
+    known = {p.name: p.unit for p in system.model.parameters}
+    return known.get(varied.name, varied.unit) or "1"
+
+
+def _units(system: System) -> str:
+    return " ".join(s.unit for s in system.model.states)
+
+
+def _section(rows: Sequence[Array]) -> Array:
+    """Sections of all points, NaN beyond the shorter ones."""
+    out = np.full((len(rows), max(len(r) for r in rows), rows[0].shape[1]), np.nan)
+    for k, row in enumerate(rows):
+        out[k, : len(row)] = row
+    return out
+
+
+def _duration(c: Corrected) -> float:
+    if c.point.duration is not None:
+        return c.point.duration
+    periods = getattr(c.equations, "periods", 0)
+    return float(c.equations.ensemble(c.equations.lanes([c.point])).period[0]) * periods if periods else 0.0  # type: ignore[attr-defined]
+
+
+def _multipliers(dim: str, before: str, log: Array, angle: Array) -> dict[str, Any]:
+    over = (dim, "multiplier")
+    return {
+        f"{before}log_modulus": variable(
+            over, log, "1", "logarithm of each multiplier's modulus; at rest growth in one typical time"
+        ),
+        f"{before}argument": variable(over, angle, "rad", "its argument; at rest the turn in one typical time"),
+    }
+
+
+def _events(
+    varied: Sequence[Varied], system: System, events: Sequence[tuple[int, int, Event]], log: Array, angle: Array
+) -> dict[str, Any]:
+    at = [e.at for _, _, e in events]
+    values = {
+        f"event_{v.name}": variable(
+            "event", [c.point.free[k] for c in at], _unit(system, v), f"{v.meaning}, at the event"
+        )
+        for k, v in enumerate(varied)
+    }
+    return {
+        "event_kind": variable("event", [EVENTS.index(e.kind) for _, _, e in events], "1", "what it is", **flagged(EVENTS)),
+        "event_branch": variable("event", [k + 1 for k, _, _ in events], "1", "branch that it lies on"),
+        "event_after": variable("event", [i for _, i, _ in events], "1", "index, along its branch, of the point before it"),
+        "event_surface": variable("event", np.array([e.surface for _, _, e in events], dtype=str), "1", "switching grazed"),
+        "event_section": variable(
+            ("event", "state"), np.array([c.point.x[0] for c in at]).reshape(len(at), system.model.dimension), "1",
+            "state at phase zero, or on the section", unit_of_each=_units(system),
+        ),
+        **values,
+        **_multipliers("event", "event_", log, angle),
+    }  # fmt: skip

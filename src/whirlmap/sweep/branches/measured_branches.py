@@ -1,0 +1,152 @@
+"""What is measured of the points of branches once they are followed: multipliers down to the smallest, extremes, errors."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from whirlmap.analysis.branches.corrector import Corrected
+from whirlmap.analysis.branches.equilibria import Equilibria
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.unknowns import Unknowns
+from whirlmap.analysis.variational.periodic_schur import eigenvalues_of_products
+from whirlmap.integrate.ensemble import LANES
+from whirlmap.kernels.running.reference import reference_outputs
+from whirlmap.sweep.points.extremes import EXTREMES
+
+Array = NDArray[np.float64]
+
+#: Largest change of a logarithm of a modulus, over the larger of it and one, with which segments and steps are short enough,
+#: and most times that each are doubled.
+CLOSE, DOUBLINGS, REFINED = 1e-9, 8, 3
+#: Orbits that are measured together, and segments of them that are run at a time with all tangent vectors.
+BATCH, MOST_LANES = 8 * LANES, 512
+
+
+@dataclass(frozen=True)
+class Numbers:
+    """Numbers of many points.
+
+    Attributes
+    ----------
+    log_modulus, argument : array, shape (point, multiplier)
+    log_error : array, shape (point, multiplier)
+        Change of the logarithms with the last doubling of the steps.
+    extremes : dict of arrays, shape (state and output, point)
+        Those of `EXTREMES`.
+    step_error : array, shape (point,)
+        What twice the steps change at the ends of the segments, over the sizes of the states.
+    section : list of array, shape (period, state)
+        States of each point at each T, the first at phase zero; of cycles and at rest the first alone.
+    """
+
+    log_modulus: Array
+    argument: Array
+    log_error: Array
+    extremes: dict[str, Array]
+    step_error: Array
+    section: list[Array]
+
+
+def numbers(points: Sequence[Corrected]) -> Numbers:
+    """Measure points; those of the same equations are computed together."""
+    count = len(points)
+    widest = max(len(p.exponents[0]) for p in points)
+    model = points[0].equations.system.model  # type: ignore[attr-defined]
+    rows = model.dimension + len(model.outputs)
+    log, angle, error = (np.full((count, widest), np.nan) for _ in range(3))
+    step_error, extremes = np.full(count, np.nan), {name: np.full((rows, count), np.nan) for name in EXTREMES}
+    section = [p.point.x[:1] for p in points]
+    kinds: dict[tuple[int, int], list[int]] = {}
+    for k, p in enumerate(points):
+        kinds.setdefault((id(p.equations), len(p.point.x)), []).append(k)
+    for members in kinds.values():
+        for first in range(0, len(members), BATCH):
+            at = members[first : first + BATCH]
+            some = [points[k] for k in at]
+            width = len(some[0].exponents[0])
+            equations = some[0].equations
+            if isinstance(equations, PeriodicOrbits):
+                found = multipliers(equations, some)
+                here = _extremes(equations, some)
+                for k, rows in zip(at, equations.once_per_T([p.point for p in some]), strict=True):
+                    section[k] = rows
+                step_error[at] = equations.step_error([p.point for p in some], [p.linear.weights for p in some])
+            else:
+                assert isinstance(equations, Equilibria)
+                logs, angles = (np.array([p.exponents[i] for p in some]) for i in (0, 1))
+                found, here = (logs, angles, np.zeros_like(logs)), _at_rest(equations, some)
+            for whole, part in zip((log, angle, error), found, strict=True):
+                whole[at, :width] = part
+            for name in EXTREMES:
+                extremes[name][:, at] = here[name]
+    return Numbers(log, angle, error, extremes, step_error, section)
+
+
+def multipliers(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> tuple[Array, Array, Array]:
+    """Logarithms of moduli, arguments, and the error of the former, each of shape (point, multiplier).
+
+    Notes
+    -----
+    As in `floquet_multipliers`: the orbits are cut into segments whose matrices are never multiplied [lust2001]. Segments are
+    doubled until no logarithm of a modulus changes by more than `CLOSE` of the larger of itself and one, then the steps; the
+    error is the last change.
+    """
+    now = [p.point for p in points]
+    logs, angles = _exponents(orbits, now)
+    for _ in range(DOUBLINGS):
+        count = 2 * len(now[0].x)
+        if orbits.steps_of_return % count:
+            break
+        now = orbits.divided(now, count)
+        finer, angles = _exponents(orbits, now)
+        change, logs = _change(finer, logs), finer
+        if change.max() <= CLOSE:
+            break
+    error = np.full_like(logs, np.inf)
+    for _ in range(REFINED):
+        orbits = replace(orbits, steps=2 * orbits.steps)
+        finer, angles = _exponents(orbits, now)
+        change, logs = _change(finer, logs), finer
+        stalled = not (change < error).any()
+        error = change * np.maximum(1.0, np.abs(np.where(np.isfinite(logs), logs, 1.0)))
+        if change.max() <= CLOSE or stalled:
+            break
+    return logs, angles, error
+
+
+def _change(finer: Array, before: Array) -> Array:
+    """Change of logarithms, over the larger of themselves and one."""
+    same = np.isneginf(finer) & np.isneginf(before)
+    with np.errstate(invalid="ignore"):
+        apart = np.abs(finer - before) / np.maximum(1.0, np.abs(finer))
+    return np.where(same, 0.0, np.nan_to_num(apart, nan=np.inf))
+
+
+def _exponents(orbits: PeriodicOrbits, points: Sequence[Unknowns]) -> tuple[Array, Array]:
+    each = max(MOST_LANES // len(points[0].x), 1)
+    found = [linear for k in range(0, len(points), each) for linear in orbits.linear(points[k : k + each])]
+    if orbits.periods:
+        return eigenvalues_of_products(np.stack([linear.matrices for linear in found]))
+    logs, angles = eigenvalues_of_products(np.stack([orbits.across(linear) for linear in found]))
+    return logs[:, :-1], angles[:, :-1]
+
+
+def _extremes(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> dict[str, Array]:
+    """Extremes, mean and rms over one return of each orbit, of states and outputs, from those of its segments."""
+    runs = orbits.lanes([p.point for p in points])
+    found = orbits.extremes(orbits.ensemble(runs), runs, between=True)
+    count = len(points)
+    shares = [found[name].reshape(found[name].shape[0], count, -1) for name in ("minimum", "maximum", "mean", "rms")]
+    low, high, mean, rms = shares
+    whole = mean.mean(axis=2)
+    spread = np.sqrt((rms**2 + (mean - whole[:, :, None]) ** 2).mean(axis=2))
+    return {"minimum": low.min(axis=2), "maximum": high.max(axis=2), "mean": whole, "rms": spread}
+
+
+def _at_rest(equations: Equilibria, points: Sequence[Corrected]) -> dict[str, Array]:
+    x = np.concatenate([p.point.x for p in points]).T
+    values = equations.columns(np.stack([p.point.free for p in points], axis=1))
+    rows = np.concatenate([x, np.asarray(reference_outputs(equations.system.model)(x, values)).reshape(-1, x.shape[1])])
+    return {"minimum": rows, "maximum": rows, "mean": rows, "rms": np.zeros_like(rows)}

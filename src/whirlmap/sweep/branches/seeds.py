@@ -1,0 +1,311 @@
+"""Where branches begin: settled motions, given states, attractors, and points of diagrams."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+import xarray as xr
+from numpy.typing import NDArray
+
+from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
+from whirlmap.analysis.branches.equilibria import Equilibria
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.tracing import STEPS, divided, too_long
+from whirlmap.analysis.branches.unknowns import Equations, Unknowns
+from whirlmap.analysis.labels.labelling import measure
+from whirlmap.analysis.motion.ensembles import cyclic_states
+from whirlmap.analysis.periodic_orbits.newton import wrapped
+from whirlmap.analysis.simulation.poincare_section import section
+from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.system import LONGEST as LONGEST_COMMON
+from whirlmap.integrate.system import System
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
+from whirlmap.results.regime import Regime
+from whirlmap.results.status import Status
+from whirlmap.sweep.attractors.attractors import attractors
+from whirlmap.sweep.attractors.repeat_time import repeat_of_forcing
+from whirlmap.sweep.branches.free_parameters import FreeParameters
+
+Array = NDArray[np.float64]
+
+#: Section points from which Newton's method is tried where no settled orbit is at hand.
+TRIED = 64
+#: Distance over the sizes of the states within which two orbits are one, and motion of an equilibrium over its size.
+SAME = 1e-5
+#: T (typical times) over which crossings of a settled cycle are collected at first, and at most.
+CROSSINGS, MOST_CROSSINGS = 64, 65536
+
+
+@dataclass(frozen=True)
+class Seed:
+    """A first point.
+
+    Attributes
+    ----------
+    at : Corrected
+    period : int
+        T of one return; crossings of the section of an unforced cycle; 0 of an equilibrium.
+    phases : array, shape (state, phase)
+        The orbit at all phases at which the equations are the same.
+    """
+
+    at: Corrected
+    period: int
+    phases: Array
+
+
+@dataclass(frozen=True)
+class Beginning:
+    """What all first points share.
+
+    Attributes
+    ----------
+    free : FreeParameters
+    value : tuple of float
+        Of the free parameters.
+    labelling : Labelling
+    execution : Execution
+    accuracy : float
+        Of the segments of orbits.
+    """
+
+    free: FreeParameters
+    value: tuple[float, ...]
+    labelling: Labelling
+    execution: Execution
+    accuracy: float = 1e-12
+    system: System = field(init=False)
+
+    def __post_init__(self) -> None:
+        """The system at that value."""
+        columns: dict[str, Any] = {name: float(column[0]) for name, column in self.free.at(*self.value).items()}
+        object.__setattr__(self, "system", self.free.system.replace(**columns))
+
+    def settled(self, period: int | None) -> list[Seed]:
+        """The settled motion, or the orbits of a given period that Newton's method finds from its section.
+
+        Raises
+        ------
+        RangeError
+            No periodic motion, and no period that says what to look for.
+        """
+        measured, ensemble = measure(
+            self.free.system, self.free.at(*self.value), self.labelling, self.execution, kept=self.system.states
+        )
+        found = Regime(int(measured.returns.regime[0]))
+        x, n = measured.end_state[:, 0], int(measured.returns.period[0])
+        ran = Status(int(measured.status[0])) == Status.ok
+        if found == Regime.at_rest and not self.system.model.forced:
+            return self.equilibrium(x)
+        if ran and found == Regime.at_rest:
+            return self.orbits([x], period or ensemble.strobe)
+        if ran and found == Regime.periodic and period in (None, n):
+            return self.orbits([x], n) if self.system.model.forced else self.cycles(x, n)
+        if period is not None and ran and self.system.model.forced:
+            points = measured.returns.section[:, :, 0]
+            points = points[np.isfinite(points).all(axis=1)][:: ensemble.strobe][-TRIED:]
+            if seeds := self.orbits(list(points), period):
+                return seeds
+            raise RangeError(
+                f"{self._place()}: Newton's method found no orbit of period {period} T from {len(points)} section points of"
+                f" the settled motion, which is {found.label}"
+            )
+        raise RangeError(
+            f"{self._place()}: the settled motion is {found.label}, no orbit to begin with; begin where it is periodic"
+            " (--from VALUE), give a state near an orbit (--orbit NAME=VALUE,...), or a period (--period N)"
+        )
+
+    def given(self, state: Mapping[str, float] | Sequence[float], period: int | None) -> list[Seed]:
+        """The orbit, or the equilibrium, that Newton's method finds from a state.
+
+        Raises
+        ------
+        RangeError
+            An unknown state, or no solution.
+        """
+        system = self.system
+        if isinstance(state, Mapping):
+            for name in state:
+                if name not in system.states:
+                    raise RangeError(f"orbit: {system.model.name} has no state {name!r}.{nearest(name, system.states)}")
+            missing = [name for name in system.states if name not in state]
+            if missing:
+                raise RangeError(f"orbit: found no value for {' '.join(missing)}, expected one for every state")
+            state = [float(state[name]) for name in system.states]
+        x = np.array(state, dtype=float)
+        if x.shape != (system.model.dimension,) or not np.isfinite(x).all():
+            raise RangeError(f"orbit: found {x.size} numbers, expected {system.model.dimension}, a finite one for each state")
+        if system.model.forced:
+            seeds = self.orbits([x], period or system.strobe)
+        else:
+            seeds = self.equilibrium(x) if period in (None, 0) else self.cycles(x, period or 1)
+        if not seeds:
+            raise RangeError(f"{self._place()}: Newton's method found no solution from the given state")
+        return seeds
+
+    def coexisting(self, starts: int) -> list[Seed]:
+        """The periodic attractors, and the equilibria, that many starts come to.
+
+        Raises
+        ------
+        RangeError
+            None of the attractors is periodic.
+        """
+        found = attractors(self.system, starts=starts, labelling=self.labelling, execution=self.execution)
+        seeds: list[Seed] = []
+        for k in range(found.sizes["attractor"]):
+            one = found.isel(attractor=k)
+            x, n = one["section"].values[0], int(one["period_T"])
+            label = Regime(int(one["regime"]))
+            if label == Regime.at_rest:
+                seeds += self.equilibrium(x) if not self.system.model.forced else self.orbits([x], self.system.strobe)
+            elif label == Regime.periodic:
+                seeds += self.orbits([x], n) if self.system.model.forced else self.cycles(x, n)
+        if not seeds:
+            raise RangeError(f"{self._place()}: none of {found.sizes['attractor']} attractors is periodic")
+        return seeds
+
+    def of_dataset(self, ds: xr.Dataset) -> list[Seed]:
+        """The orbit of a labelled diagram or map at the point nearest to the value.
+
+        Raises
+        ------
+        RangeError
+            The Dataset has no section of all states there, or its point is not periodic.
+        """
+        names = [v.name for v in self.free.varied]
+        if any(name not in ds.coords for name in names) or "section" not in ds or "period_T" not in ds:
+            raise RangeError(f"the file holds no labelled section over {' and '.join(names)}: expected a diagram or a map")
+        near = {name: value for name, value in zip(names, self.value, strict=True) if name in ds.dims}
+        one = ds.sel(near, method="nearest")
+        for extra in [d for d in one["section"].dims if d not in ("period", "state")]:
+            one = one.isel({extra: 0})
+        kept = [str(s) for s in np.atleast_1d(one["state"].values)]
+        if missing := [s for s in self.system.states if s not in kept]:
+            every = ",".join(self.system.states)
+            raise RangeError(f"the file keeps no section of {' '.join(missing)}: make it with --plot {every}")
+        points = one["section"].sel(state=list(self.system.states)).transpose("period", "state").values
+        points, n = points[np.isfinite(points).all(axis=1)], int(one["period_T"])
+        if not n or not points.size:
+            raise RangeError(f"{self._place()}: the point of the file is {Regime(int(one['regime'])).label}, not periodic")
+        # Sections of forced models begin at phase zero of the common period.
+        first = points[0]
+        seeds = self.orbits([first], n) if self.system.model.forced else self.cycles(first, n)
+        if not seeds:
+            raise RangeError(f"{self._place()}: Newton's method found no orbit from the point of the file")
+        return seeds
+
+    def equations(self, periods: int, steps: int) -> PeriodicOrbits:
+        """Equations of orbits of so many T; 0 of an unforced cycle."""
+        free = self.free
+        return PeriodicOrbits(
+            self.system, free.columns, free.allowed, free.widths, self.system.orders, periods, steps,
+            workers=self.execution.workers,
+        )  # fmt: skip
+
+    def orbits(self, guesses: Sequence[Array], periods: int) -> list[Seed]:
+        """Distinct forced orbits that Newton's method finds from some states, with steps that hold the accuracy.
+
+        Raises
+        ------
+        RangeError
+            A period that is no multiple of the forcing's, or a forcing that does not repeat.
+        """
+        system = self.system
+        if not system.repeats or system.strobe != system.common_multiple:
+            limit = f"{system.model.name}: the forcing has no common period of {LONGEST_COMMON} T or less"
+            raise RangeError(f"{limit}: no orbit can be closed")
+        repeats = repeat_of_forcing(system, np.stack(guesses, axis=1))
+        if periods % repeats:
+            raise RangeError(f"period: found {periods} T, expected a multiple of {repeats} T, in which the forcing repeats")
+        value = np.array(self.value)
+        found = self._corrected(self.equations(periods, STEPS[1]), [Unknowns(g[None], value) for g in guesses])
+        seeds: list[Seed] = []
+        for c in found:
+            phases = self._phases(c)
+            known = [s.phases for s in seeds]
+            scale = c.linear.weights[: system.model.dimension, None]
+            cyclic = cyclic_states(system)
+            if any((np.abs(wrapped(p - c.point.x[0][:, None], cyclic) / scale).max(axis=0) < SAME).any() for p in known):
+                continue
+            seeds.append(Seed(c, periods, phases))
+        return seeds
+
+    def _phases(self, c: Corrected) -> Array:
+        orbits = c.equations
+        assert isinstance(orbits, PeriodicOrbits)
+        repeats = repeat_of_forcing(self.system, c.point.x.T)
+        every = repeats if orbits.periods % repeats == 0 else orbits.periods
+        runs = orbits.lanes([Unknowns(c.point.x[:1], c.point.free)])
+        e = orbits.ensemble(runs)
+        saved = e.advance(orbits.periods, save_periods=every).saved[:, :, 0]
+        return np.concatenate([c.point.x[:1], saved[:-1]]).T
+
+    def cycles(self, x: Array, returns: int) -> list[Seed]:
+        """The unforced cycle that a settled run is on, from its crossings of the section."""
+        begin = self.system.replace(start=dict(zip(self.system.states, map(float, x), strict=True)))
+        wait = CROSSINGS
+        while True:
+            crossed = section(begin, transient=0, periods=wait, accuracy=1e-10, execution=self.execution).isel(run=0)
+            times = crossed["crossing_time"].values
+            times = times[np.isfinite(times)]
+            if times.size > returns or wait >= MOST_CROSSINGS:
+                break
+            wait *= 8
+        if times.size <= returns:
+            raise RangeError(f"{self._place()}: the motion crosses its section {times.size} times in {wait} typical times")
+        first = crossed["section"].values[times.size - 1 - returns]
+        duration = float(times[-1] - times[-1 - returns])
+        guess = Unknowns(first[None], np.array(self.value), duration)
+        found = self._corrected(self.equations(0, STEPS[4] * returns), [guess])
+        return [Seed(c, returns, c.point.x[:1].T) for c in found]
+
+    def equilibrium(self, x: Array) -> list[Seed]:
+        """The equilibrium near a state."""
+        free = self.free
+        sizes = np.maximum(np.abs(x), np.abs([s.start for s in self.system.model.states]))
+        equations = Equilibria(self.system, free.columns, free.allowed, free.widths, sizes)
+        return [Seed(c, 0, c.point.x.T) for c in self._corrected(equations, [Unknowns(x[None], np.array(self.value))])]
+
+    def _corrected(self, equations: Equations, guesses: Sequence[Unknowns]) -> list[Corrected]:
+        """Solutions at that value, with steps and segments that hold their accuracy."""
+        sizes = [linear.sizes for linear in equations.linear(guesses)]
+        asks = [
+            Ask(equations, g, along_parameter(g), np.where(np.isfinite(s) & (s > 0), s, 1.0))
+            for g, s in zip(guesses, sizes, strict=True)
+        ]
+        out = []
+        for c in correct(asks):
+            if isinstance(c, Lost) or not self.free.allowed(c.point.free[:, None])[0]:
+                continue
+            out.append(finished(c, self.accuracy))
+        return out
+
+    def _place(self) -> str:
+        values = zip(self.free.varied, self.value, strict=True)
+        return ", ".join(f"{v.given} = {v.shown(value):g}{' ' + v.unit if v.unit != '1' else ''}" for v, value in values)
+
+
+def finished(c: Corrected, accuracy: float) -> Corrected:
+    """The same solution with steps and segments that hold the accuracy; the parameter stays."""
+    while isinstance(c.equations, PeriodicOrbits):
+        error = float(c.equations.step_error([c.point], [c.linear.weights])[0])
+        c = replace(c, step_error=error)
+        more = [s for s in STEPS if s > c.equations.steps]
+        if error <= accuracy or not more:
+            break
+        again = correct([Ask(replace(c.equations, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
+        if isinstance(again, Lost):
+            break
+        c = again
+    while too_long(c):
+        run: Any = divided(c)
+        try:
+            run.send(correct([next(run)])[0])
+        except StopIteration as stop:
+            if len(stop.value.point.x) == len(c.point.x):
+                break
+            c = stop.value
+    return c
