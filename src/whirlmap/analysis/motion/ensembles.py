@@ -15,10 +15,11 @@ from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.harmonics import periods
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes, unit_sizes
-from whirlmap.integrate.system import System, periods
+from whirlmap.integrate.system import System
 from whirlmap.integrate.turns import choose_unforced_steps
 from whirlmap.kernels.lowering.formulas import HoistedFunction
 from whirlmap.kernels.methods import method as method_named

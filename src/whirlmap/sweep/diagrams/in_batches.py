@@ -16,7 +16,7 @@ from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
 from whirlmap.analysis.simulation.time_series import Series
 from whirlmap.equations.model import Model
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.motion.ensembles import run_attributes
 from whirlmap.errors import OutputError, RangeError, counted
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.running.root_choice import own_choice, using

@@ -15,7 +15,7 @@ from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import parameter_values, run_attributes
 from whirlmap.analysis.steady.settling import POOL
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.ranges import plain_numbers
 from whirlmap.integrate.system import System

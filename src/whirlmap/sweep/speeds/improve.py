@@ -17,7 +17,7 @@ import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError, counted, nearest
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.ranges import Range, read_numbers
 from whirlmap.integrate.system import System

@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.steady.settling import POOL
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
