@@ -38,7 +38,7 @@ from whirlmap.analysis.motion.ensembles import make_ensemble
 from whirlmap.analysis.steady.settling import Settling, settle
 from whirlmap.errors import ModelError
 from whirlmap.integrate.accuracy import LADDER, choose_steps
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.kernels.methods import METHODS
 from whirlmap.results.regime import Regime
 

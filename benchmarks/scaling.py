@@ -20,7 +20,8 @@ import numpy as np
 
 import whirlmap
 from whirlmap.analysis.labels.labelling import measure as label
-from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.integrate.division import cores
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.sweep.maps.regime_map import regime_map

@@ -61,6 +61,11 @@ def nearest(name: str, known: Iterable[str]) -> str:
     return f" Did you mean {same!r}?" if same is not None else ""
 
 
+def counted(number: int, noun: str) -> str:
+    """Write a number of things: ``1 point``, ``2 points``."""
+    return f"{number} {noun}" if number == 1 else f"{number} {noun}s"
+
+
 def closest(name: str, known: Iterable[str]) -> str | None:
     """Find the known name nearest to ``name``: the same in another case, else one that is spelt nearly so."""
     names = list(known)

@@ -109,7 +109,7 @@ def test_without_heyoka_the_others_are_compared_and_the_extra_is_named(little, m
 
 
 def test_an_installed_program_asks_for_a_checkout(monkeypatch, tmp_path):
-    monkeypatch.setattr("whirlmap.cli.commands.bench.CHECKOUT", tmp_path)
+    monkeypatch.setattr("whirlmap.cli.common.checkout.BENCHMARKS", tmp_path)
     done = bench("bench --quick")
     assert done.exit_code == 2
     assert "make bench" in done.stderr and "Traceback" not in done.output

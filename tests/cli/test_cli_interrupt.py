@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 
 import whirlmap
 from whirlmap.cli.main import app
-from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.integrate.ranges import Range
 
 #: The program with progress lines that come often, and Ctrl-C as a terminal gives it.
 PROGRAM = """

@@ -49,7 +49,7 @@ def test_without_a_store_out_has_the_data():
 def test_shares_say_how_far_they_are():
     first = run(f"{MAP} --store m --share 1/2").stdout
     assert "18 points in 2 chunks" in first
-    assert "12 points in 1 chunks" in run(f"{MAP} --store m --share 2/2").stdout
+    assert "12 points in 1 chunk\n" in run(f"{MAP} --store m --share 2/2").stdout
     assert (xr.open_zarr("m")["evaluation"] == 1).all()
 
 

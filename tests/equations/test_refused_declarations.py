@@ -3,6 +3,7 @@
 import re
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 import sympy as sp
@@ -11,8 +12,12 @@ from whirlmap import bifurcation_diagram, load
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.cases.entries import RESERVED
 from whirlmap.equations import Journal, Model, Output, Parameter, State, cos, t, when
+from whirlmap.equations.family import Family
+from whirlmap.equations.groups import Bearing, Groups, Route
 from whirlmap.equations.names import RESULTS
+from whirlmap.equations.quantities import MEASURES
 from whirlmap.errors import ModelError
+from whirlmap.integrate.dimensions import WRITTEN
 from whirlmap.models import FAMILIES
 from whirlmap.sweep.attractors.basins import basins
 from whirlmap.sweep.diagrams.waterfall import waterfall
@@ -192,3 +197,54 @@ def test_roles_of_what_the_model_does_not_have_are_refused(more, said):
 def test_displacements_are_states():
     with pytest.raises(ModelError, match="swing names p, which is no state"):
         Model("named", (x, v), (p, w), {x: v, v: cos(w * t) - p * v - x}, harmonics=(w,), swing=(p,))
+
+
+size, oil = Parameter("size", "m", "size"), Parameter("oil", "Pa*s", "oil")
+STRAY = Parameter("stray", "1", "of no model")
+BEARING = Bearing(size, size, size, oil, oil, 1, "far")
+
+
+def of_groups(**more):
+    """A family with dimensional inputs, declared with this beside them."""
+    outputs = {"far": turning(role="eccentricity", bearing="1")}
+    groups = Groups((size, oil), lambda _: {p: size}, **more)
+    return Family("own", lambda: oscillator(outputs=outputs), groups=groups).model()
+
+
+@pytest.mark.parametrize(
+    ("more", "said"),
+    [
+        ({"units": {"rot": size}}, "units has 'rot', expected force | length | speed | rotation."),
+        ({"units": {"lenght": size}}, "units has 'lenght', expected force | length | speed | rotation. Did"),
+        ({"units": {"length": STRAY}}, "the unit of 'length' of its groups reads 'stray', which is neither"),
+        ({"shared": {"both": ("size", "oli")}}, "shared['both'] names 'oli', which is no input. Did you mean 'oil'?"),
+        ({"sections": {"bearings": ("sise",)}}, "sections['bearings'] names 'sise', which is no input"),
+        ({"operation": ("speed",)}, "operation names 'speed', which is no input"),
+        ({"speed": STRAY}, "speed names 'stray', which is no input"),
+        ({"routes": (Route(size, (STRAY,), float, "a rule"),)}, "the route to size names 'stray'"),
+        ({"quantities": lambda _: {"n": Output(size, "m", "n", role="sped")}}, "has the role 'sped', expected one of"),
+        ({"quantities": lambda _: {"n": Output(size, "m", "n", role="load")}}, "has the role 'load', expected one of"),
+        ({"quantities": lambda _: {"n": Output(size, "m", "n", role="ring", bearing="2")}}, "of bearing '2', expected none"),
+        ({"quantities": lambda _: {"n": Output(STRAY, "m", "n")}}, "the result 'n' of its groups reads 'stray'"),
+        ({"bearings": lambda _: {"1": replace(BEARING, c=STRAY)}}, "has c = 'stray', which is no input"),
+        ({"bearings": lambda _: {"1": replace(BEARING, eccentricity="fa")}}, "the eccentricity 'fa', which is no output"),
+    ],
+)
+def test_groups_of_what_is_not_there_are_refused(more, said):
+    with pytest.raises(ModelError, match=re.escape(said)):
+        of_groups(**more)
+
+
+def test_groups_of_what_is_there_are_taken():
+    results = {"n": Output(size, "m", "n", role="ring", bearing="1")}
+    assert of_groups(
+        units={"length": size * w}, shared={"both": ("size", "oil")}, sections={"bearings": ("size", "both")},
+        operation=("oil",), speed=oil, quantities=lambda _: results, bearings=lambda _: {"1": BEARING},
+    ).name == "named"  # fmt: skip
+
+
+def test_measures_that_there_are_not_are_refused():
+    for declare in (State, Parameter, lambda *words, **more: Output(x, *words[1:], **more)):
+        with pytest.raises(ModelError, match=r"has the measure 'lenght', expected one of .*Did you mean 'length'\?"):
+            declare("far", "1", "how far", measure="lenght")
+    assert set(WRITTEN) == set(MEASURES)

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 import whirlmap
-from whirlmap import Execution, Integration, Labelling, Settling
+from whirlmap import Execution, Integration, Labelling, Settling, Storage
 from whirlmap.errors import RangeError
+from whirlmap.kernels.methods import METHODS as KERNELS
 from whirlmap.options.computed import LABELLING
 from whirlmap.options.execution import EXECUTION
+from whirlmap.options.refused import METHODS
 from whirlmap.options.taking import takes_options
 
 #: Public functions that integrate, and whether they label.
@@ -70,8 +72,34 @@ def test_a_public_function_refuses_a_misspelt_option():
     ("make", "said"),
     [
         (lambda: Integration(steps=24, accuracy=1e-6), "steps per T or an accuracy, not both"),
+        (lambda: Integration(method="euler"), r"there is no method 'euler'"),
+        (lambda: Integration(method="rk5"), r"Did you mean 'rk4'"),
+        (lambda: Integration(steps=0), "steps per T must lie between 1 and 1000000, not 0"),
+        (lambda: Integration(steps=np.array([16, 0])), "steps per T must lie between 1 and 1000000, not 0"),
+        (lambda: Integration(steps=[16, 2.5]), r"steps per T must be a whole number, not 2\.5"),
+        (lambda: Integration(steps="16"), "steps per T must be a whole number, not '16'"),
+        (lambda: Integration(accuracy=-1e-6), "accuracy must lie between 1e-13 and 1, not -1e-06"),
+        (lambda: Integration(accuracy=1.0), r"accuracy must lie between 1e-13 and 1, not 1\.0"),
+        (lambda: Integration(accuracy=float("nan")), "accuracy must lie between 1e-13 and 1, not nan"),
+        (lambda: Integration(accuracy="fine"), "accuracy must be a number, not 'fine'"),
         (lambda: Labelling(lyapunov=8), "lyapunov must be 0, or from 16"),
-        (lambda: Execution(workers=0), "workers must be 1 or more"),
+        (lambda: Labelling(lyapunov=-256), "lyapunov must lie between 0 and 10000000, not -256"),
+        (lambda: Labelling(lyapunov=512.5), r"lyapunov must be a whole number, not 512\.5"),
+        (lambda: Labelling(settling=Integration()), "expected Settling"),
+        (lambda: Execution(workers=0), "workers must lie between 1 and 4096, not 0"),
+        (lambda: Execution(workers=1.5), r"workers must be a whole number, not 1\.5"),
+        (lambda: Execution(progress="bar"), "progress must be True, False or a callable, not 'bar'"),
+        (lambda: Storage(chunk=0), "chunk must lie between 1 and 10000000, not 0"),
+        (lambda: Storage("maps", share=(3, 2)), "share 3/2: expected i/n with i from 1 to n"),
+        (lambda: Storage("maps", share=(0, 2)), "share .* must lie between 1 and 10000000, not 0"),
+        (lambda: Storage("maps", share=3), "share: found 3, expected"),
+        (lambda: Settling(transient=-1), "transient must lie between 0 and 10000000, not -1"),
+        (lambda: Settling(transient=1.5), r"transient must be a whole number, not 1\.5"),
+        (lambda: Settling(first_window=1), "first_window must lie between 2"),
+        (lambda: Settling(most=0), "most must lie between 1"),
+        (lambda: Settling(keep=True), "keep must be a whole number, not True"),
+        (lambda: Settling(tolerance=0.0), "tolerance must lie between 0 and 1"),
+        (lambda: Settling(tolerance="1e-6"), "tolerance must be a number, not '1e-6'"),
         (lambda: Execution(workers=2, cluster="tcp://host:8786"), "a cluster has its own"),
         (lambda: Settling(tolerance=2.0), "tolerance must lie between 0 and 1"),
     ],
@@ -79,6 +107,10 @@ def test_a_public_function_refuses_a_misspelt_option():
 def test_values_that_make_no_sense_are_refused(make, said):
     with pytest.raises(RangeError, match=said):
         make()
+
+
+def test_the_methods_that_options_name_are_those_that_there_are():
+    assert tuple(KERNELS) == METHODS
 
 
 @pytest.mark.parametrize("name", [*LABEL, *INTEGRATE])

@@ -144,8 +144,9 @@ def restarted_times(v):
     x = signal(v)
     at = 50 + 20 * v
     rows = [(f"{(k - at * (k >= at)) * 0.5:.1f}", repr(float(y))) for k, y in enumerate(x)]
+    found = "3 columns" if v % 2 else "1 column"
     return Recorded(
-        table(rows, head="time,a\n"), refused=f"line {at + 2}: the time in 'time' goes back", options={"column": "a"}
+        table(rows, head="time,a\n"), refused=f"line {at + 2}: found {found}", options={"column": "a"}
     )
 
 
@@ -286,9 +287,8 @@ def ragged(v):
     rows = stamped(signal(v))
     at = 20 + 30 * v
     rows[at] = (*rows[at], "7") if v % 2 else rows[at][:1]
-    return Recorded(
-        table(rows, head="time,a\n"), refused=f"line {at + 2}: found {3 if v % 2 else 1} columns", options={"column": "a"}
-    )
+    found = "3 columns" if v % 2 else "1 column"
+    return Recorded(table(rows, head="time,a\n"), refused=f"line {at + 2}: found {found}", options={"column": "a"})
 
 
 def words_in_a_row(v):

@@ -11,7 +11,8 @@ from sympy import sympify
 from whirlmap.equations.groups import Bearing
 from whirlmap.equations.parts import OfMachine
 from whirlmap.integrate.equilibrium import rest_state
-from whirlmap.integrate.system import System, frequencies
+from whirlmap.integrate.harmonics import frequencies
+from whirlmap.integrate.system import System
 
 if TYPE_CHECKING:
     from collections.abc import Iterable

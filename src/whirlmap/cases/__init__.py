@@ -7,8 +7,8 @@ from whirlmap.cases.case import Case as Case
 from whirlmap.cases.case import Given as Given
 from whirlmap.cases.case import names as names
 from whirlmap.cases.case import read as read
-from whirlmap.cases.resolve import Resolved as Resolved
 from whirlmap.cases.resolve import resolve as resolve
+from whirlmap.cases.resolved import Resolved as Resolved
 
 
 def __getattr__(name: str) -> Any:

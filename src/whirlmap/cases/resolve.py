@@ -12,7 +12,7 @@ a lower
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import replace
 from fractions import Fraction
 from typing import Any
 
@@ -21,95 +21,16 @@ from sympy import sympify
 from whirlmap.cases import alternatives
 from whirlmap.cases.case import Case, Layer, spread
 from whirlmap.cases.entries import Given
-from whirlmap.cases.reasons import History, Mark
+from whirlmap.cases.reasons import History
+from whirlmap.cases.resolved import Input, Resolved
 from whirlmap.equations import hints
 from whirlmap.equations.family import Family
-from whirlmap.equations.groups import Bearing, Groups, Route, value_of
+from whirlmap.equations.groups import Route, value_of
 from whirlmap.equations.model import Model
-from whirlmap.equations.parts import OfMachine, Output
+from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, ModelError
-from whirlmap.results.listing import Listed, Listing, Rows
 from whirlmap.units import read
-
-
-@dataclass(frozen=True)
-class Input:
-    """A dimensional input: its value in the declared unit, what was written, and where it comes from."""
-
-    parameter: Parameter
-    value: float
-    written: str
-    note: str
-
-
-@dataclass(frozen=True, repr=False)
-class Resolved(Listed):
-    """A model with a value for each of its parameters, and where each value comes from.
-
-    Attributes
-    ----------
-    case : Case
-    model : Model
-    switches : mapping of str to str
-        Every switch of the model, also those that kept their default.
-    values : mapping of str to float or Fraction
-        In declared order. Fractions for orders of harmonics that are exact.
-    notes : mapping of str to str
-        Where each value comes from.
-    inputs : mapping of str to Input
-        Dimensional inputs, where the case has them.
-    given : mapping of str to float
-        Every input in its declared unit, also those that change no parameter because the symbols that they feed are given.
-    exact : mapping of str to Fraction
-        The same, as written.
-    quantities : mapping of str to (float, Output)
-        Dimensional results worth showing; those whose inputs are not all known are left out.
-    marks : mapping of str to Mark
-        Numbers that have been changed by hand, and reasons that name a number which is another now.
-    changes : mapping of str to value
-        What was changed of the case, as it was given.
-    """
-
-    case: Case
-    model: Model
-    switches: Mapping[str, str]
-    values: Mapping[str, float | Fraction]
-    notes: Mapping[str, str]
-    inputs: Mapping[str, Input]
-    given: Mapping[str, float]
-    exact: Mapping[str, Fraction]
-    quantities: Mapping[str, tuple[float, Output]]
-    marks: Mapping[str, Mark] = field(default_factory=dict)
-    changes: Mapping[str, Any] = field(default_factory=dict)
-
-    @property
-    def groups(self) -> Groups | None:
-        """How the model's parameters follow from inputs, where its family says so."""
-        return self.case.family.groups
-
-    @property
-    def bearings(self) -> Mapping[str, Bearing]:
-        """Bearings as the family declares them, by name."""
-        return self.groups.bearings(self.switches) if self.groups else {}
-
-    @property
-    def speed_input(self) -> str:
-        """Name of the input that is the speed in other words; empty where there is none."""
-        return self.groups.speed.name if self.groups and self.groups.speed else ""
-
-    def results(self, role: OfMachine) -> dict[str, float]:
-        """Dimensional results that have a role, by the bearing of each."""
-        return {output.bearing: value for value, output in self.quantities.values() if output.role == role}
-
-    def listing(self) -> Listing:
-        """Its dimensional inputs, for a terminal and a notebook."""
-        rows = [(name, one.written, one.parameter.meaning, one.note) for name, one in self.inputs.items()]
-        return Listing(
-            f"Resolved case {self.case.name}: model {self.model.name}",
-            [f"values: {', '.join(f'{name} = {float(value):.6g}' for name, value in self.values.items())}"],
-            [Rows("Inputs", ("name", "as given", "meaning", "where it comes from"), rows)],
-        )
 
 
 def resolve(case: Case, changes: Mapping[str, Any] | None = None) -> Resolved:
@@ -325,7 +246,7 @@ class _Work:
         notes: dict[str, str] = {}
         written = set(self.given_inputs)
         made_by = alternatives.follow(self.routes, self.inputs, self.given_inputs, self.held, case.name)
-        for target, (value, made) in made_by.items():
+        for target, (value, made, _) in made_by.items():
             self.inputs[target], self.given_inputs[target] = value, made
         for check in self.groups.checks if self.groups else ():
             if fault := check(self.inputs):
@@ -357,6 +278,7 @@ class _Work:
             exact={name: Fraction(value) for name, value in self.inputs.items()},
             quantities=self._quantities({**self.inputs, **values}),
             marks=self.history.marks(n for n in self.history.given if n not in self.explicit and n not in written),
+            followed={target: how for target, (_, _, how) in made_by.items()},
         )
 
     def _shown_inputs(self) -> dict[str, Input]:

@@ -5,7 +5,8 @@ from typing import Any
 
 from whirlmap.cases.case import Case
 from whirlmap.cases.entries import Given
-from whirlmap.cases.resolve import Resolved, resolve
+from whirlmap.cases.resolve import resolve
+from whirlmap.cases.resolved import Resolved
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError
 from whirlmap.units import convert, example

@@ -15,8 +15,9 @@ from typer.core import TyperCommand, TyperGroup
 
 from whirlmap import __version__
 from whirlmap.cli.common import interrupts
+from whirlmap.cli.common.checkout import has_comparison
 from whirlmap.cli.common.former_options import with_new_spellings
-from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say
+from whirlmap.cli.common.messages import UsageError, complain, given_twice, plain_letters, plain_words, say, taking_values
 from whirlmap.errors import WhirlmapError
 from whirlmap.results.files import WRITTEN
 
@@ -104,7 +105,7 @@ class Command(TyperCommand):
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Parse the arguments."""
-        args = with_new_spellings(self.name or "", args)
+        args = with_new_spellings(self.name or "", args, taking_values(self.params))
         given_twice(self.params, args)
         return super().parse_args(ctx, args)
 
@@ -159,7 +160,7 @@ def _listed() -> None:
 
 
 for name, line in COMMANDS.items():
-    app.command(name, short_help=line)(_listed)
+    app.command(name, short_help=line, hidden=name == "bench" and not has_comparison())(_listed)
 
 
 @cache

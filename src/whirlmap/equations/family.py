@@ -56,7 +56,7 @@ class Family(Listed):
         Raises
         ------
         ModelError
-            Where a switch or a choice is unknown.
+            Where a switch or a choice is unknown, or the groups say something of what the model does not have.
         """
         for name, value in chosen.items():
             if name not in self.switches:
@@ -72,7 +72,10 @@ class Family(Listed):
         settled |= chosen
         key = tuple(sorted(settled.items()))
         if key not in self._made:  # equal switches are the same object, so that kernels are found again
-            self._made[key] = self.declare(**settled)
+            made = self.declare(**settled)
+            if self.groups:
+                self.groups.refuse_unknown(made)
+            self._made[key] = made
         return self._made[key]
 
     def listing(self) -> Listing:

@@ -15,6 +15,8 @@ from sys import float_info
 
 from sympy import Expr, Rational, Symbol, sympify
 
+from whirlmap.equations import group_checks as checks
+from whirlmap.equations.model import Model
 from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter
 
@@ -114,6 +116,11 @@ class Groups:
         Inputs that say how the machine is run; they need not change any parameter.
     checks : tuple of callables
         ``check(inputs) -> str``: what is wrong with a set of inputs; empty where nothing is.
+
+    Raises
+    ------
+    ModelError
+        A measure that there is not, or a name of what is no input.
     """
 
     inputs: tuple[Parameter, ...]
@@ -127,6 +134,35 @@ class Groups:
     speed: Parameter | None = None
     operation: tuple[str, ...] = ()
     checks: tuple[Callable[[Mapping[str, Fraction]], str], ...] = ()
+
+    def __post_init__(self) -> None:
+        """Refuse names that nothing would ever read."""
+        inputs = [q.name for q in self.inputs]
+        checks.refuse_measures(self.units)
+        for name, several in self.shared.items():
+            checks.refuse_no_inputs(inputs, f"shared[{name!r}]", several)
+        for name, inside in self.sections.items():
+            checks.refuse_no_inputs([*inputs, *self.shared], f"sections[{name!r}]", inside)
+        checks.refuse_no_inputs(inputs, "operation", self.operation)
+        checks.refuse_no_inputs(inputs, "speed", [self.speed.name] if self.speed else ())
+        for route in self.routes:
+            checks.refuse_no_inputs(inputs, f"the route to {route.target.name}", {route.target.name, *route.names})
+
+    def refuse_unknown(self, model: Model) -> None:
+        """Refuse what these say of a model that it does not have.
+
+        Raises
+        ------
+        ModelError
+            A symbol that is neither an input nor a parameter; a role or a bearing of what there is not.
+        """
+        inputs, switches = [q.name for q in self.inputs], model.switches
+        known, results = {*inputs, *(p.name for p in model.parameters)}, self.quantities(switches)
+        bearings = self.bearings(switches)
+        checks.refuse_results(model.name, results, bearings)
+        checks.refuse_symbols(model.name, known, "the result", {name: o.expression for name, o in results.items()})
+        checks.refuse_symbols(model.name, known, "the unit of", self.units)
+        checks.refuse_bearings(model.name, inputs, model.outputs, bearings)
 
     def input(self, name: str) -> Parameter | None:
         """Return the input of that name, or None."""

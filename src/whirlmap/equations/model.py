@@ -10,7 +10,7 @@ from whirlmap.equations import declaration
 from whirlmap.equations.parts import Film, Journal, OfBearing, Output, Section, Stop, Switching
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
-from whirlmap.errors import ModelError, nearest
+from whirlmap.errors import ModelError, counted, nearest
 from whirlmap.results.listing import Listed, Listing, Rows, brackets
 
 
@@ -151,7 +151,7 @@ class Model(Listed):
         parameters = [(p.name, p.unit, p.meaning) for p in self.parameters]
         outputs = [(name, o.unit, o.meaning) for name, o in self.outputs.items()]
         return Listing(
-            f"Model {self.name}: {self.dimension} states, {len(self.parameters)} parameters",
+            f"Model {self.name}: {counted(self.dimension, 'state')}, {counted(len(self.parameters), 'parameter')}",
             facts if self.switches else facts[1:],
             [
                 Rows("Equations", ("state", "unit", "meaning", "rate"), equations),

@@ -5,7 +5,7 @@ from typing import Literal, get_args
 
 from sympy import Expr, sympify
 
-from whirlmap.equations.quantities import State
+from whirlmap.equations.quantities import State, refuse_measure
 
 #: What an output of a model is of its bearing, and what a dimensional result of a case is of the machine: see `Output`.
 OfBearing = Literal["eccentricity", "load"]
@@ -37,6 +37,10 @@ class Output:
     measure: str = ""
     role: OfBearing | OfMachine | Literal[""] = ""
     bearing: str = ""
+
+    def __post_init__(self) -> None:
+        """Refuse a measure that there is not."""
+        refuse_measure(self.meaning, self.measure)
 
 
 @dataclass(frozen=True)

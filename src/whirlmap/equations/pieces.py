@@ -15,7 +15,7 @@ from sympy import Expr, Function, Integer, Piecewise, Symbol
 from sympy.core.function import ArgumentIndexError
 from sympy.core.relational import Relational
 
-from whirlmap.errors import ModelError
+from whirlmap.errors import ModelError, counted
 
 Array = NDArray[np.float64]
 
@@ -87,7 +87,8 @@ class Table:
     def __call__(self, parameter: Expr, *coordinates: Expr) -> tuple[Expr, ...]:
         """Write the table's functions into an expression, one for each output."""
         if len(coordinates) != len(self.coordinates):
-            raise ModelError(f"table {self.name!r} takes {len(self.coordinates)} coordinates, not {len(coordinates)}")
+            taken = counted(len(self.coordinates), "coordinate")
+            raise ModelError(f"table {self.name!r} takes {taken}, not {len(coordinates)}")
         place = Symbol(self.name)
         none = (Integer(0),) * len(coordinates)
         return tuple(

@@ -10,8 +10,10 @@ from typing import Any
 
 from sympy import Symbol
 
-from whirlmap.errors import ModelError
+from whirlmap.errors import ModelError, nearest
 
+#: What a dimensionless number may be a number of, so that it can be shown in engineering units.
+MEASURES = ("length", "velocity", "force", "rotation", "time", "rate", "frequency", "growth", "speed")
 #: Beyond any machine; products of a few numbers below it are still floats.
 LARGEST = 1e30
 
@@ -22,6 +24,13 @@ DELAYS = (
     " ordinary differential equations; expected a chain of states that lag one after the other, or a Pade approximation of"
     " the delay"
 )
+
+
+def refuse_measure(name: str, measure: str) -> None:
+    """Refuse a measure that there is not: the quantity would never be shown in engineering units."""
+    if measure and measure not in MEASURES:
+        expected = f"expected one of {' | '.join(MEASURES)}, or none.{nearest(measure, MEASURES)}"
+        raise ModelError(f"{name!r} has the measure {measure!r}, {expected}")
 
 
 class Quantity(Symbol):
@@ -53,6 +62,7 @@ class Quantity(Symbol):
         cls, name: str, unit: str, meaning: str, *, latex: str = "", measure: str = "", **_: Any
     ) -> "Quantity":
         """Create the symbol without SymPy's cache of symbols: equal names in two models must not share units."""
+        refuse_measure(name, measure)
         made = Symbol.__xnew__(cls, name, real=True)
         made.unit, made.meaning, made.latex, made.measure = unit, meaning, latex, measure
         return made

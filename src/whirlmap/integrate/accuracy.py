@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.errors import RangeError
+from whirlmap.errors import counted
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.trials import Trials
 
@@ -62,7 +62,8 @@ class StepVerdict(IntEnum):
 def doubtful(verdicts: NDArray[np.int8], model: Model) -> str:
     """Say how many points do not meet the accuracy, and what to try; empty where all do."""
     counts = {v: int((verdicts == v).sum()) for v in StepVerdict if v != StepVerdict.met}
-    return "; ".join(f"{count} of {verdicts.size} points: {v.advice(model)}" for v, count in counts.items() if count)
+    every = counted(verdicts.size, "point")
+    return "; ".join(f"{count} of {every}: {v.advice(model)}" for v, count in counts.items() if count)
 
 
 @dataclass(frozen=True)
@@ -134,14 +135,7 @@ def choose_steps(
     rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
     steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point
     that has lost its order goes on to `KINKED` steps, or to the accuracy.
-
-    Raises
-    ------
-    RangeError
-        Where the accuracy is not in (0, 1), or below 1e-13, which rounding does not allow.
     """
-    if not 1e-13 <= accuracy < 1:
-        raise RangeError(f"accuracy must lie between 1e-13 and 1, not {accuracy}")
     members = np.arange(ensemble.points) if members is None else members
     n = members.size
     ladder: tuple[int, ...] = LADDER if ensemble.model.forced else RUNGS

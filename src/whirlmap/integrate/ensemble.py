@@ -4,9 +4,7 @@ A lane never sees its neighbours: its numbers depend on its own parameters, star
 in and however many threads run.
 """
 
-import os
 from collections.abc import Callable
-from dataclasses import dataclass
 from fractions import Fraction
 from math import ceil
 from typing import Literal
@@ -15,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, counted
+from whirlmap.integrate.division import SHORT, cores, tasks_of, variants
 from whirlmap.integrate.group import Group, Record
+from whirlmap.integrate.harmonics import common_multiple, periods, strobe
 from whirlmap.integrate.scales import limits, tangent_sizes
-from whirlmap.integrate.system import common_multiple, periods, strobe
+from whirlmap.integrate.segment import Segment, statistics
 from whirlmap.integrate.workers import Workers
 from whirlmap.kernels.methods import RK4, Method
 from whirlmap.kernels.running.lanes import UNKNOWN
@@ -29,15 +29,6 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-def cores() -> int:
-    """Number of cores that this process may use."""
-    return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-#: Calls of a kernel for each worker, and blocks in one call at most. Calls of fewer steps of blocks than `SHORT` are not
-#: divided: they take less than some milliseconds, Python's part of a call 0.1. As little work in all starts no threads.
-TASKS, MOST_BLOCKS, SHORT = 4, 16, 4096
-
 #: Longest common period, in T, over which a trial looks; where it is longer, a trial takes one turn of the slowest harmonic,
 #: but at least `TRIAL` of them.
 LONG_TRIAL, TRIAL = 1000, 128
@@ -47,26 +38,6 @@ OK = np.int8(Status.ok)
 
 #: Arrays over points that a subset carries along.
 _POINT_ARRAYS = ("status", "end_time", "end_stop", "turns", "ahead", "step_error", "step_verdict", "crossings", "grazings")
-
-
-@dataclass(frozen=True)
-class Segment:
-    """What one call of `Ensemble.advance` recorded.
-
-    Attributes
-    ----------
-    saved : array, shape (save, state, point)
-        States at the asked steps; NaN once a point has ended.
-    growth : array, shape (event, vector, point)
-        Logarithmic growth of the tangent vectors in each T.
-    extremes : dict or None
-        ``minimum``, ``maximum``, ``mean``, ``rms`` (about the mean) of every state and output, shape (row, point);
-        NaN for points that have ended.
-    """
-
-    saved: Array
-    growth: Array
-    extremes: dict[str, Array] | None
 
 
 class Ensemble:
@@ -346,7 +317,7 @@ class Ensemble:
         tasks = [
             (group, local)
             for group in self._groups
-            for local in _tasks(
+            for local in tasks_of(
                 np.flatnonzero((place[group.members] >= 0) & running[group.members]), to_do[group.members], self.workers
             )
         ]
@@ -368,35 +339,8 @@ class Ensemble:
         done = self.ahead[members[still]] + to_do[members[still]]
         whole, self.ahead[members[still]] = np.divmod(done, self.point_steps[members[still]])
         self.turns[members[still]] += whole
-        statistics = _statistics(segment.sums, to_do[members], still) if extremes else None
-        return Segment(segment.saved, segment.growth, statistics)
-
-
-def _tasks(local: NDArray[np.intp], to_do: Integers, workers: int) -> list[NDArray[np.intp]]:
-    """Whole blocks for one call of a kernel: enough calls to keep all workers busy to the end, none of them small.
-
-    Points with about as many steps ``to_do`` share a block: it takes as long as the longest of its runs.
-    """
-    local = local[np.argsort(to_do[local], kind="stable")]
-    steps = int(to_do[local].mean()) if local.size else 1
-    blocks = -(-local.size // LANES)
-    each = min(-(-blocks // (TASKS * workers)), MOST_BLOCKS) if workers > 1 else MOST_BLOCKS
-    each = max(each, -(-SHORT // max(steps, 1))) * LANES
-    return [local[i : i + each] for i in range(0, local.size, each)]
-
-
-def variants(model: Model, values: Array) -> list[tuple[Model, NDArray[np.intp]]]:
-    """Split points between a model and its plain form: a point's kernel depends on its own parameters alone."""
-    from whirlmap.integrate.system import _plain
-
-    everything = np.arange(values.shape[1])
-    if not model.plain:
-        return [(model, everything)]
-    (parameter, _), *more = model.plain.items()
-    assert not more, "one plain parameter is all that any model has needed"
-    zero = values[model.parameters.index(parameter)] == 0.0
-    split = [(_plain(model, parameter), everything[zero]), (model, everything[~zero])]
-    return [(m, members) for m, members in split if members.size]
+        told = statistics(segment.sums, to_do[members], still) if extremes else None
+        return Segment(segment.saved, segment.growth, told)
 
 
 def _tangent_start(sizes: Array, count: int, random: bool) -> Array:
@@ -405,20 +349,8 @@ def _tangent_start(sizes: Array, count: int, random: bool) -> Array:
     if count == 0:
         return np.zeros((0, points))
     if count > n:
-        raise RangeError(f"{count} tangent vectors in {n} dimensions")
+        raise RangeError(f"{counted(count, 'tangent vector')} in {counted(n, 'dimension')}")
     if not random:
         return np.repeat(np.eye(n, count).T.reshape(n * count, 1), points, axis=1)
     q = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, count)))[0]
     return np.asarray(q.T[:, :, None] * sizes).reshape(n * count, points)
-
-
-def _statistics(sums: Array, steps: Integers, running: NDArray[np.bool_]) -> dict[str, Array]:
-    """Extremes, mean and rms of what `fold` summed; NaN for points that did not run to the end."""
-    reference, low, high, total, squares = sums
-    mean = total / steps
-    with np.errstate(over="ignore", invalid="ignore"):  # of a motion that runs away
-        variance = np.maximum(squares / steps - mean**2, 0.0)  # rounding alone can make it negative
-    out = {"minimum": low, "maximum": high, "mean": reference + mean, "rms": np.sqrt(variance)}
-    if running.all():
-        return out
-    return {name: np.where(running, values, np.nan) for name, values in out.items()}

@@ -5,11 +5,12 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.equations.model import Model
-from whirlmap.integrate.ensemble import variants
+from whirlmap.integrate.division import variants
 from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.harmonics import periods
 from whirlmap.integrate.rescue import stop_function
 from whirlmap.integrate.scales import largest_of, likeness
-from whirlmap.integrate.system import System, periods
+from whirlmap.integrate.system import System
 
 Array = NDArray[np.float64]
 

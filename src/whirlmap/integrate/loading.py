@@ -14,7 +14,8 @@ from whirlmap.equations.family import Family
 from whirlmap.equations.identity import Known, expression_digest
 from whirlmap.equations.model import Model
 from whirlmap.errors import CaseError, RangeError, nearest
-from whirlmap.integrate.system import System, exact_order
+from whirlmap.integrate.harmonics import exact_order
+from whirlmap.integrate.system import System
 from whirlmap.references import key_of, references
 from whirlmap.results.provenance import Pieces, model_hash
 

@@ -17,7 +17,8 @@ from sympy import sympify
 
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
-from whirlmap.integrate.system import System, common_multiple, frequencies, nearest_order, strobe
+from whirlmap.integrate.harmonics import common_multiple, frequencies, nearest_order, strobe
+from whirlmap.integrate.system import System
 
 Array = NDArray[np.float64]
 

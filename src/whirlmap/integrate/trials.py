@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.integrate.ensemble import Ensemble, Segment
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales
+from whirlmap.integrate.segment import Segment
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]

@@ -1,9 +1,9 @@
 """Dimensional inputs that vary: what the parameters of a model are at each of their values.
 
 A clearance feeds many groups. Each follows from the case with the changed input, as in `whirlmap.load`, to the bit: the
-group's expression, with all other inputs put in once, is evaluated exactly at each value. The ends are settled as whole
-cases, which refuse what cannot be and say which parameters change; where the short way does not give what they have (a
-viscosity by its grade), every value is.
+group's expression, with all other inputs put in once, is compiled and evaluated exactly at each value (`exact_values`). The
+ends are settled as whole cases, which refuse what cannot be and say which parameters change; where the short way does not
+give what they have, every value is settled.
 """
 
 from collections.abc import Callable, Collection, Mapping
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from sympy import Expr, Rational
 
 from whirlmap.cases import Resolved, resolve
-from whirlmap.equations.groups import Groups, value_of
+from whirlmap.equations.exact_values import float_function
+from whirlmap.equations.groups import Groups
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, RangeError, nearest
 from whirlmap.integrate.system import System
@@ -162,39 +163,41 @@ class VariedInputs:
     @cached_property
     def _exact(self) -> Callable[[tuple[float, ...], Collection[str]], dict[str, float]] | None:
         """The parameters at values of the inputs by their groups alone; None where that is not what the case says."""
-        groups, settled = groups_of(self.system), self._resolved
+        groups = groups_of(self.system)
         assert groups is not None
         spread = {name: groups.shared.get(name, (name,)) for name in self.units}
+        one = next(iter(self._corners.values()))
         varied = {q for names in spread.values() for q in names}
-        known = {n: Fraction(v) for n, v in self._known(varied).items()}
-        expressions = groups.expressions(settled.switches)
+        following = {q: how for q, how in one.followed.items() if varied & {*how.reads} - how.held.keys()}
+        varied |= following.keys()
+        inputs = {name: value for name, value in one.exact.items() if name not in varied}
+        known = inputs | {n: Fraction(v) for n, v in one.values.items() if not one.notes[n].startswith("group:")}
+        expressions = groups.expressions(one.switches)
         if not set(self.followers) <= expressions.keys():
             return None
-        partial = {name: _partial(expressions[name], expressions, known, varied) for name in self.followers}
+        partial = {n: float_function(_partial(expressions[n], expressions, known, varied)) for n in self.followers}
 
         def exact(at: tuple[float, ...], names: Collection[str]) -> dict[str, float]:
-            values = {}
+            values = dict(inputs)
             for (name, unit), value in zip(self.units.items(), at, strict=True):
                 for q in spread[name]:
                     declared = groups.input(q)
                     assert declared is not None
-                    values[q] = read(f"{value!r} {unit}".strip(), declared.unit)
+                    values[q] = read(value, declared.unit, given=unit or None)
                     if fault := declared.fault(float(values[q])):
                         raise CaseError(f"{name} = {value:g} {unit} {fault} ({declared.meaning})")
-            return {name: float(value_of(expression, values)) for name, expression in partial.items() if name in names}
+            values |= {q: how.value(values) for q, how in following.items()}
+            for check in groups.checks:
+                if fault := check(values):
+                    raise CaseError(f"{one.case.name}: {fault}")
+            return {name: evaluate(values) for name, evaluate in partial.items() if name in names}
 
         try:
             every = self.followers
-            same = all(exact(at, every) == {n: float(one.values[n]) for n in every} for at, one in self._corners.items())
+            same = all(exact(at, every) == {n: float(end.values[n]) for n in every} for at, end in self._corners.items())
         except (CaseError, KeyError):
             return None
         return exact if same else None
-
-    def _known(self, varied: Collection[str]) -> dict[str, Any]:
-        """Inputs, and parameters that do not follow, by their exact values."""
-        settled = self._resolved
-        inputs = {name: value for name, value in settled.exact.items() if name not in varied}
-        return inputs | {n: v for n, v in settled.values.items() if not settled.notes[n].startswith("group:")}
 
 
 def _partial(

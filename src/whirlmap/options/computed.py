@@ -4,6 +4,7 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from whirlmap.errors import RangeError
+from whirlmap.options.refused import refuse_count, refuse_method, refuse_number, refuse_steps
 
 if TYPE_CHECKING:
     import numpy as np
@@ -51,11 +52,8 @@ class Settling:
     def __post_init__(self) -> None:
         """Refuse counts that make no sense, naming the one."""
         for name, least in (("transient", 0), ("first_window", 2), ("most", 1), ("keep", 1)):
-            value = getattr(self, name)
-            if not least <= value <= 10_000_000:
-                raise RangeError(f"{name} must lie between {least} and 10000000, not {value}")
-        if not 0 < self.tolerance < 1:
-            raise RangeError(f"tolerance must lie between 0 and 1, not {self.tolerance}")
+            refuse_count(name, getattr(self, name), least, 10_000_000)
+        refuse_number("tolerance", self.tolerance, 0, 1)
 
     @property
     def longest(self) -> int:
@@ -75,7 +73,12 @@ class Integration:
         Steps per T. Where absent, each point gets those that the accuracy asks for.
     accuracy : float, optional
         Largest error over one common period, of an unforced model over one typical time, that the steps are chosen for;
-        where absent 1e-6, of an unforced model 1e-9.
+        where absent 1e-6, of an unforced model 1e-9. 1e-13 or more, which is what rounding allows.
+
+    Raises
+    ------
+    RangeError
+        A method that there is not; steps or an accuracy that make no sense, or both.
     """
 
     method: str | None = None
@@ -83,7 +86,13 @@ class Integration:
     accuracy: float | None = None
 
     def __post_init__(self) -> None:
-        """Refuse two answers to one question."""
+        """Refuse what cannot be integrated with, and two answers to one question."""
+        if self.method is not None:
+            refuse_method(self.method)
+        if self.steps is not None:
+            refuse_steps(self.steps)
+        if self.accuracy is not None:
+            refuse_number("accuracy", self.accuracy, 1e-13, 1)
         if self.steps is not None and self.accuracy is not None:
             raise RangeError("give steps per T or an accuracy, not both")
 
@@ -102,6 +111,11 @@ class Labelling:
         256 leave them undecided, 0 measures nothing. Where absent: as long as labels may need (`LONGEST`).
     integration : Integration
         Method, and steps or accuracy.
+
+    Raises
+    ------
+    RangeError
+        Fewer T than give an exponent's error, or parts of another kind.
     """
 
     settling: Settling = field(default_factory=Settling)
@@ -109,8 +123,14 @@ class Labelling:
     integration: Integration = field(default_factory=Integration)
 
     def __post_init__(self) -> None:
-        """Refuse a length of the exponent's run that gives no error."""
-        if self.lyapunov and not BLOCKS <= self.lyapunov <= 10_000_000:
+        """Refuse a length of the exponent's run that gives no error, and parts of another kind."""
+        if not (isinstance(self.settling, Settling) and isinstance(self.integration, Integration)):
+            raise RangeError(
+                f"found {self.settling!r} and {self.integration!r} in labelling, expected Settling(...) and Integration(...)"
+            )
+        if self.lyapunov is not None:
+            refuse_count("lyapunov", self.lyapunov, 0, 10_000_000)
+        if self.lyapunov and self.lyapunov < BLOCKS:
             raise RangeError(f"lyapunov must be 0, or from {BLOCKS} to 10000000 T, not {self.lyapunov}")
 
     def longest(self, strobe: int) -> int:

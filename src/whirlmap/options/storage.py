@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from whirlmap.errors import RangeError
+from whirlmap.options.refused import refuse_count
 
 
 @dataclass(frozen=True)
@@ -22,6 +23,11 @@ class Storage:
         Work on share i of n of the chunks only, i from 1: the jobs of an array each take one, on one store.
     chunk : int, optional
         Points of a chunk; where absent such that one takes about 3 seconds.
+
+    Raises
+    ------
+    RangeError
+        A share or a chunk that makes no sense, or options that contradict each other.
     """
 
     store: str | Path | None = None
@@ -32,10 +38,16 @@ class Storage:
 
     def __post_init__(self) -> None:
         """Refuse what contradicts itself."""
-        if self.share is not None and not 1 <= self.share[0] <= self.share[1]:
-            raise RangeError(f"share {self.share[0]}/{self.share[1]}: expected i/n with i from 1 to n")
-        if self.chunk is not None and not 1 <= self.chunk <= 10_000_000:
-            raise RangeError(f"chunk must lie between 1 and 10000000 points, not {self.chunk}")
+        if self.share is not None:
+            if not isinstance(self.share, tuple | list) or len(self.share) != 2:
+                raise RangeError(f"share: found {self.share!r}, expected (i, n) with i from 1 to n")
+            i, n = self.share
+            for number in (i, n):
+                refuse_count("share (i, n)", number, 1, 10_000_000)
+            if i > n:
+                raise RangeError(f"share {i}/{n}: expected i/n with i from 1 to n")
+        if self.chunk is not None:
+            refuse_count("chunk", self.chunk, 1, 10_000_000)
         if self.share is not None and (self.store is None or (self.force and not self.resume)):
             raise RangeError("a share works on a store that others share: give the store, and no force")
         if self.store is None and self.resume:

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.errors import InputError
+from whirlmap.errors import InputError, counted
 from whirlmap.recordings.clock import DAY, Clock
 from whirlmap.recordings.table import Array
 
@@ -70,7 +70,7 @@ def even_grid(clock: Clock, t: Array, start: float, written: float, place: Calla
     """
     name, n = clock.name, t.size
     if n < 3:
-        raise InputError(f"{name}: found {n} times, expected more, ascending by equal steps")
+        raise InputError(f"{name}: found {counted(n, 'time')}, expected more, ascending by equal steps")
     steps = np.diff(t)
     if (steps < 0).any():
         k = int(np.argmax(steps < 0))
@@ -161,7 +161,7 @@ def _gaps(
         said = (
             f"{place(int(gaps[0]) + 1)}: the time in {name!r} steps by {whole[gaps[0]] * step:.6g} s instead of "
             f"{step:.6g} s"
-            f" ({gaps.size} gaps, {missing} samples are missing)"
+            f" ({counted(gaps.size, 'gap')}, {counted(missing, 'missing sample')})"
         )
         if longest <= LONGEST_GAP and missing <= MOST_FILLED * (index[-1] + 1):
             notices.append(f"{said}: filled by cubic interpolation")

@@ -4,7 +4,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
-from whirlmap.errors import InputError
+from whirlmap.errors import InputError, counted
 from whirlmap.recordings.column_names import is_time, is_unit
 from whirlmap.recordings.decimal_comma import counts
 from whirlmap.recordings.declared_rate import declared_rate
@@ -152,8 +152,9 @@ def _names(
         return []
     comma = "; a decimal comma between commas?" if run.separator == "," else ""
     raise InputError(
-        f"{source}, line {at + 1}: found {len(fields)} names, {', '.join(fields)}, above rows of {count} fields, such as"
-        f" {lines[run.first].strip()[:60]!r}; expected as many names as fields{comma} (--skip {at + 1} leaves the names out)"
+        f"{source}, line {at + 1}: found {counted(len(fields), 'name')}, {', '.join(fields)}, above rows of"
+        f" {counted(count, 'field')}, such as {lines[run.first].strip()[:60]!r}"
+        f"; expected as many names as fields{comma} (--skip {at + 1} leaves the names out)"
     )
 
 

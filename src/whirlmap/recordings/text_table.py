@@ -15,7 +15,7 @@ from typing import IO
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.errors import InputError
+from whirlmap.errors import InputError, counted
 from whirlmap.recordings.fields import ABSENT, CLOCK, DATE, EMPTY, NUMBER, TEXT, kind_of, nanoseconds, number_of
 from whirlmap.recordings.table import Absent, Array, Block, Column
 from whirlmap.recordings.text_layout import NAMED, SOUGHT, find_layout
@@ -190,7 +190,7 @@ class TextTable:
                     )
                     continue
                 raise InputError(
-                    f"{self.source}, line {k}: found {len(fields)} columns, {text.strip()[:60]!r}, expected"
+                    f"{self.source}, line {k}: found {counted(len(fields), 'column')}, {text.strip()[:60]!r}, expected"
                     f" {layout.fields} as above; correct the line, or give --separator or --skip"
                 )
             rows.append(fields)

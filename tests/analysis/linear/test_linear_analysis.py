@@ -5,7 +5,7 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.linear.linearisation import NotLinearError
-from whirlmap.errors import CaseError, RangeError
+from whirlmap.errors import RangeError
 from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared
 
 
@@ -70,5 +70,5 @@ def test_the_declared_equilibrium_of_a_damper_is_one():
 
 
 def test_unknown_parameter_is_refused():
-    with pytest.raises(CaseError, match="no parameter 'speed'"):
-        whirlmap.stability_threshold(rotor(0.3, 2.6), "speed", (2.0, 3.0))
+    with pytest.raises(RangeError, match="no parameter 'sped'"):
+        whirlmap.stability_threshold(rotor(0.3, 2.6), "sped", (2.0, 3.0))

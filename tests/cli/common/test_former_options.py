@@ -2,8 +2,14 @@
 
 import pytest
 
-from whirlmap.cli.common.former_options import FORMER, with_new_spellings
+from whirlmap.cli.common import former_options
+from whirlmap.cli.common.former_options import FORMER, SHARED
+from whirlmap.cli.common.messages import given_twice, taking_values
 from whirlmap.cli.main import loaded
+
+
+def with_new_spellings(command, words):
+    return former_options.with_new_spellings(command, words, taking_values(loaded(command).params))
 
 
 def test_a_former_spelling_is_replaced_and_warned_of_once(capsys):
@@ -21,4 +27,31 @@ def test_other_commands_keep_their_options(capsys):
 @pytest.mark.parametrize("command", FORMER)
 def test_the_new_spellings_exist_and_the_former_ones_are_not_shown(command):
     known = {name for p in loaded(command).params for name in p.opts}
-    assert known.issuperset(FORMER[command].values()) and not known & set(FORMER[command])
+    former = {name for name in FORMER[command] if (command, name) not in SHARED}
+    assert known.issuperset(FORMER[command].values()) and not known & former
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        ("diagnose", ["duffing", "--title", "--points", "--set", "--points=3"]),
+        ("diagnose", ["duffing", "--title=--points"]),
+        ("speeds", ["rig", "--title", "--tolerance", "--quiet"]),
+        ("identify", ["--out", "--refine"]),
+    ],
+)
+def test_a_value_that_looks_like_a_former_option_is_a_value(command, words, capsys):
+    assert with_new_spellings(command, words) == words and not capsys.readouterr().err
+
+
+def test_a_value_that_looks_like_an_option_is_not_given_twice():
+    given_twice(loaded("diagnose").params, ["duffing", "--set", "--title", "--title", "a", "--title", "a"])
+
+
+def test_the_tolerance_of_returns_is_that_of_other_commands(capsys):
+    words = ["rig", "--tolerance", "1e-6", "--tolerance=1e-5", "--quiet"]
+    assert with_new_spellings("speeds", words) == words and not capsys.readouterr().err
+    both = with_new_spellings("speeds", ["rig", "--tolerance", "c=5%", "--tolerance", "1e-5"])
+    assert both == ["rig", "--input-tolerance", "c=5%", "--tolerance", "1e-5"]
+    labelling = loaded("bifurcation"), loaded("speeds"), loaded("improve"), loaded("attractors"), loaded("basins")
+    assert all("--tolerance" in taking_values(command.params) for command in labelling)

@@ -101,7 +101,8 @@ def test_a_choice_is_used_in_its_thread_alone(monkeypatch):
 def test_threads_of_an_ensemble_have_the_choice_of_who_asks_them(monkeypatch):
     """They compile kernels themselves where a step must be mended."""
     seen = []
-    monkeypatch.setattr(ensembles, "SHORT", 0)
+    for place in ("ensemble", "division"):
+        monkeypatch.setattr(f"whirlmap.integrate.{place}.SHORT", 0)
     monkeypatch.setattr(ensembles.Group, "advance", lambda *_, **__: seen.append(chosen()))
     with using(RootChoice("divisions", "estimates")):
         points, _ = make_ensemble(whirlmap.load("duffing"), {"gamma": np.linspace(0.2, 0.3, 64)}, steps=24, workers=2)

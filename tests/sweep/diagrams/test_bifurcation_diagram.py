@@ -6,9 +6,9 @@ import pytest
 import whirlmap
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import InputError, RangeError
+from whirlmap.integrate.ranges import Range
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
-from whirlmap.sweep.parameters.ranges import Range
 
 GAMMA = np.array([0.20, 0.28, 0.29, 0.37, 0.50, 0.65])
 

@@ -5,11 +5,11 @@ import pytest
 
 import whirlmap
 from whirlmap.errors import InputError, RangeError
+from whirlmap.integrate.ranges import Range
 from whirlmap.plot.figures.diagnosis_figure import diagram_figure
 from whirlmap.plot.figures.regime_map import regime_map_figure
 from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
 from whirlmap.sweep.parameters.axis import Axis, read_axis
-from whirlmap.sweep.parameters.ranges import Range
 
 SHORT = {"settling": whirlmap.Settling(transient=20, most=4, keep=8), "lyapunov": 0, "steps": 32}
 

@@ -5,8 +5,8 @@ import pytest
 
 import whirlmap
 from whirlmap.errors import InputError, RangeError
+from whirlmap.integrate.ranges import Range
 from whirlmap.sweep.parameters.engineering import drawn_machines, limit_of, speeds_of
-from whirlmap.sweep.parameters.ranges import Range
 
 RIG = "machines/jeffcott-rig"
 

@@ -81,3 +81,17 @@ def test_draws_beyond_a_parameters_limits_are_refused(tmp_path):
     with pytest.raises(RangeError, match=r"omega = -.* must be above 0"):
         tolerance_sweep(whirlmap.load("duffing"), {"omega": "normal:60%"}, 1000, store=tmp_path / "m")
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize("given", [0.1, 10, None, ("uniform", 0.9, 1.1)])
+def test_a_tolerance_that_is_no_text_says_how_one_is_written(given):
+    with pytest.raises(RangeError, match=r"found the tolerance .*, expected a text: uniform:LOW:HIGH"):
+        whirlmap.tolerance_sweep(whirlmap.load("duffing"), {"gamma": given}, 4)
+
+
+def test_dimensional_inputs_name_what_they_feed():
+    rig = whirlmap.load("machines/jeffcott-rig")
+    with pytest.raises(RangeError, match=r"found the dimensional input 'c'.*it feeds s, Gamma"):
+        whirlmap.tolerance_sweep(rig, {"c": "uniform:5%"}, 4)
+    with pytest.raises(RangeError, match="has no parameter 'gama'"):
+        whirlmap.tolerance_sweep(whirlmap.load("duffing"), {"gama": "uniform:5%"}, 4)

@@ -8,10 +8,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.unknowns import Linear, Unknowns
-from whirlmap.integrate.ensemble import variants
+from whirlmap.integrate.division import variants
 from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.harmonics import periods
 from whirlmap.integrate.scales import FLOOR, largest_of, likeness
-from whirlmap.integrate.system import System, periods
+from whirlmap.integrate.system import System
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]

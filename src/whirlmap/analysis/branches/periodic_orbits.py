@@ -23,7 +23,8 @@ from whirlmap.analysis.motion.ensembles import cyclic_states
 from whirlmap.analysis.motion.section_crossing import surface_of
 from whirlmap.analysis.periodic_orbits.newton import wrapped
 from whirlmap.analysis.variational.periodic_schur import eigenvalues_of_products
-from whirlmap.integrate.ensemble import Ensemble, variants
+from whirlmap.integrate.division import variants
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System

@@ -30,8 +30,9 @@ from whirlmap.analysis.steady.returns import Returns, first_drift
 from whirlmap.analysis.variational.exponents_with_section import TangentRun, exponents_to_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.harmonics import common_multiple_attribute
 from whirlmap.integrate.rescue import end_named
-from whirlmap.integrate.system import System, common_multiple_attribute
+from whirlmap.integrate.system import System
 from whirlmap.options.computed import BLOCKS, LABELLING, Integration, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.options.taking import LabellingParts, takes_options

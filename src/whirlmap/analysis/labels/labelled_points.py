@@ -26,7 +26,8 @@ from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble
 from whirlmap.analysis.motion.record_length import MANY, record_periods
 from whirlmap.analysis.periodic_orbits.newton import close_orbits
 from whirlmap.analysis.steady.returns import RECORDED, Returns, record, section_and_extremes, settle_and_record
-from whirlmap.analysis.steady.settling import Settled, Settling
+from whirlmap.analysis.steady.settled import Settled
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.steady.settling_accurately import settle_accurately
 from whirlmap.analysis.trends.trend_labels import Trends, label_trends
 from whirlmap.integrate.ensemble import Ensemble

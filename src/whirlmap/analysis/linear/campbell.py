@@ -12,6 +12,7 @@ from whirlmap.analysis.linear.mode_shapes import Shapes, shapes_of, whirl_of
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
+from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.system import System
 from whirlmap.kernels.lowering.formulas import Formula, numpy_function
 from whirlmap.results.provenance import provenance
@@ -27,9 +28,9 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     system : System
         Of a model that starts at its static equilibrium.
     name : str
-        Parameter to vary, as a rule the speed s.
+        Parameter to vary, as a rule the speed s; or the dimensional input that is the speed.
     values : array_like, shape (point,)
-        Finite, ascending, at least two.
+        Finite, ascending, at least two; texts with a unit, or the text of a range, ``"500 rpm:6000 rpm:50"``.
 
     Returns
     -------
@@ -48,6 +49,8 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     ------
     RangeError
         Where the values do not ascend, or no equilibrium is declared, or none is found at any value.
+    InputError
+        A unit that the parameter does not have, or a speed without one.
 
     Notes
     -----
@@ -60,7 +63,7 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     ----------
     [childs1993] damped critical speeds.
     """
-    points = np.atleast_1d(np.asarray(values, dtype=float))
+    name, points = in_own_units(system, name, values)
     if points.ndim != 1 or points.size < 2 or not np.isfinite(points).all() or np.any(np.diff(points) <= 0):
         raise RangeError(f"values of {name!r} must be finite and ascend, and be two or more")
     for end in (points[0], points[-1]):

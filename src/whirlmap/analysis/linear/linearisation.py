@@ -9,7 +9,7 @@ from sympy import sympify
 from whirlmap.analysis.motion.ensembles import first_sizes
 from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import variants
+from whirlmap.integrate.division import variants
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.system import System

@@ -5,7 +5,8 @@ from typing import Any
 import numpy as np
 
 from whirlmap.analysis.linear.linearisation import linearised
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, counted
+from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.system import System
 
 #: Values of the parameter that one round evaluates together.
@@ -16,7 +17,9 @@ class NoThresholdError(RangeError):
     """A bracket in which no stability is lost. It is an answer, and no wrong input."""
 
 
-def stability_threshold(system: System, name: str, bracket: tuple[float, float], *, tolerance: float = 1e-9) -> float:
+def stability_threshold(
+    system: System, name: str, bracket: tuple[float | str, float | str], *, tolerance: float = 1e-9
+) -> float:
     """Lowest value in a bracket at which the largest real part of the eigenvalues turns from negative to positive.
 
     Each round linearises `VALUES` values of the bracket in one batch and keeps the first interval whose ends differ
@@ -27,9 +30,9 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     system : System
         Of a model that starts at its static equilibrium.
     name : str
-        Parameter to vary; the others are held.
-    bracket : tuple of float
-        Lowest and highest value.
+        Parameter to vary; the others are held. Or the dimensional input that is the speed.
+    bracket : tuple of float or str
+        Lowest and highest value; both may have a unit, ``("500 rpm", "6000 rpm")``.
     tolerance : float
         Width of the last bracket, relative to its value.
 
@@ -42,6 +45,8 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     ------
     RangeError
         Where the bracket is not ascending, or an equilibrium in it is not found.
+    InputError
+        A unit that the parameter does not have, or a speed without one.
     NoThresholdError
         Where the bracket shows no loss of stability.
 
@@ -50,7 +55,10 @@ def stability_threshold(system: System, name: str, bracket: tuple[float, float],
     Eigenvalues are those of `linear_analysis` at each value. The threshold is that of small motions: beyond a subcritical
     Hopf bifurcation large ones live on below it, which only runs or `attractors` show.
     """
-    low, high = (float(end) for end in bracket)
+    name, ends = in_own_units(system, name, bracket, "bracket")
+    if ends.shape != (2,):
+        raise RangeError(f"bracket: found {counted(ends.size, 'value')}, expected two, (low, high)")
+    low, high = ends.tolist()
     if not (np.isfinite([low, high]).all() and low < high and 1e-14 <= tolerance < 1):
         raise RangeError("the bracket must be (low, high) with low < high, and the tolerance at least 1e-14 and below 1")
     for end in (low, high):

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.integrate.ensemble import Ensemble, variants
+from whirlmap.integrate.division import variants
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.kernels.lowering.surfaces import sided
 

@@ -15,10 +15,11 @@ from whirlmap.integrate.accuracy import LADDER, choose_steps, doubtful
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.harmonics import periods
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.orders import order_groups
 from whirlmap.integrate.scales import GROWTH, largest_of, likeness, start_sizes, unit_sizes
-from whirlmap.integrate.system import System, periods
+from whirlmap.integrate.system import System
 from whirlmap.integrate.turns import choose_unforced_steps
 from whirlmap.kernels.lowering.formulas import HoistedFunction
 from whirlmap.kernels.methods import method as method_named
@@ -128,8 +129,6 @@ def make_ensemble(
         Whether each default start was had (see `start_states`).
     """
     forced, steps, accuracy = system.model.forced, integration.steps, integration.accuracy
-    if steps is not None and not 1 <= np.min(steps) <= np.max(steps) <= 1_000_000:
-        raise RangeError(f"steps per T must lie between 1 and 1000000, not {steps}")
     values = parameter_values(system, vary or {})
     orders = _shared_orders(system, values, vary or {})
     if starts is None:

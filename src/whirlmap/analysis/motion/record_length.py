@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from sympy import sympify
 
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.system import System, common_multiple, frequencies, strobe
+from whirlmap.integrate.harmonics import common_multiple, frequencies, strobe
+from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 
 #: Turns of the slowest clock, and least T, of a time series whose length is not given; numbers that it holds at most.

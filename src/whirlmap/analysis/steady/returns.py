@@ -16,7 +16,8 @@ from numpy.typing import NDArray
 from whirlmap.analysis.motion.record_extremes import empty_extremes, extremes_of_record
 from whirlmap.analysis.motion.record_length import record_periods
 from whirlmap.analysis.steady.periodicity import period_in_T
-from whirlmap.analysis.steady.settling import Settled, Settling
+from whirlmap.analysis.steady.settled import Settled
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.steady.settling_accurately import settle_accurately
 from whirlmap.analysis.trends.film_thinning import narrowest_gap, thinning_power, turning
 from whirlmap.analysis.trends.goes_on import drift_goes_on

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.motion.endings import confirm_ends, confirm_growth, restarted
+from whirlmap.analysis.steady.settled import Settled
 from whirlmap.analysis.steady.settled_steps import CHECKED, LOST, steps_of_settled, wider_tolerance
-from whirlmap.analysis.steady.settling import Settled, Settling, settle
+from whirlmap.analysis.steady.settling import Settling, settle
 from whirlmap.analysis.steady.settling_unforced import settle_unforced, trends_beyond
 from whirlmap.analysis.steady.settling_without_returns import settle_without_returns
 from whirlmap.integrate.accuracy import StepVerdict, choose_steps

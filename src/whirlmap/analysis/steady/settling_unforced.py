@@ -13,8 +13,9 @@ from whirlmap.analysis.motion.endings import restarted
 from whirlmap.analysis.motion.section_crossing import run_with_crossings
 from whirlmap.analysis.steady.crossing_returns import settled_returns
 from whirlmap.analysis.steady.periodicity import period_of
+from whirlmap.analysis.steady.settled import Settled
 from whirlmap.analysis.steady.settled_steps import wider_tolerance
-from whirlmap.analysis.steady.settling import Settled, Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.steady.turn_times import SOUGHT, TURNS, learn_turns
 from whirlmap.analysis.trends.trend import trend
 from whirlmap.integrate.ensemble import Ensemble

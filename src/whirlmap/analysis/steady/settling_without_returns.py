@@ -9,8 +9,9 @@ from collections.abc import Callable
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.steady.settled import Settled
 from whirlmap.analysis.steady.settled_steps import wider_tolerance
-from whirlmap.analysis.steady.settling import Settled, Settling
+from whirlmap.analysis.steady.settling import Settling
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 

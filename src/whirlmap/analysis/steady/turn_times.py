@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.motion.section_crossing import run_with_crossings, turns_of
-from whirlmap.analysis.steady.settling import Settled
+from whirlmap.analysis.steady.settled import Settled
 from whirlmap.integrate.accuracy import LADDER, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
+from whirlmap.integrate.harmonics import periods as periods_of
 from whirlmap.integrate.scales import FLOOR, scales
-from whirlmap.integrate.system import periods as periods_of
 from whirlmap.integrate.turns import with_turns
 
 Array = NDArray[np.float64]

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.variational.monodromy import largest_multipliers
-from whirlmap.integrate.ensemble import Ensemble, variants
+from whirlmap.integrate.division import variants
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import equilibrium
 from whirlmap.integrate.evaluation import Evaluator
 

@@ -12,15 +12,16 @@ from whirlmap.cli.common.assignments import ranges
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
+from whirlmap.errors import counted
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.own_units import in_states
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_points
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.attractors.attractors import attractors as find
 from whirlmap.sweep.diagrams.in_batches import expected_periods
-from whirlmap.sweep.parameters.own_units import in_states
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -128,7 +129,7 @@ def say_attractors(facts: dict[str, Any]) -> None:
     shown = facts.get("dimensional", facts)["attractors"]
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
-    typer.echo(f"{facts['case']}: {facts['starts']} starts, {len(found)} attractor{'s' if len(found) != 1 else ''}")
+    typer.echo(f"{facts['case']}: {counted(facts['starts'], 'start')}, {counted(len(found), 'attractor')}")
     rows = []
     for a, numbers in zip(found, shown, strict=True):
         label = f"periodic, {a['period']}T" if a["regime"] == "periodic" else a["regime"]

@@ -10,13 +10,13 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.own_units import in_states
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_points
 from whirlmap.sweep.attractors.basins import basins as find
 from whirlmap.sweep.diagrams.in_batches import expected_periods
-from whirlmap.sweep.parameters.own_units import in_states
-from whirlmap.sweep.parameters.ranges import Range
 
 
 def basins(

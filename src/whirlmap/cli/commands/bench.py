@@ -5,12 +5,10 @@ from importlib import import_module
 from pathlib import Path
 from types import ModuleType
 
+from whirlmap.cli.common.checkout import BENCHMARKS, has_comparison
 from whirlmap.cli.common.outputs import Looks
 from whirlmap.errors import InputError
 from whirlmap.results.files import check_writable
-
-#: Where the comparison is in a checkout.
-CHECKOUT = Path(__file__).parents[4] / "benchmarks"
 
 
 def bench(
@@ -26,9 +24,9 @@ def bench(
 
 def _short() -> ModuleType:
     """What compares, out of the checkout that this file lies in."""
-    if not (CHECKOUT / "contest").is_dir():
+    if not has_comparison():
         raise InputError("bench: the comparison is not installed with whirlmap, expected a checkout of its repository: run"
                          " `make bench` there")  # fmt: skip
-    if str(CHECKOUT) not in sys.path:
-        sys.path.insert(0, str(CHECKOUT))
+    if str(BENCHMARKS) not in sys.path:
+        sys.path.insert(0, str(BENCHMARKS))
     return import_module("contest.short")

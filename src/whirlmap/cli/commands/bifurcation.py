@@ -15,9 +15,11 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.states_shown import swing_of
 from whirlmap.cli.common.strains import say_assumptions
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError, counted, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.own_units import in_parameters, refuse_twice
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_memory
@@ -26,8 +28,6 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.hysteresis import intervals
 from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
 from whirlmap.sweep.parameters.axis import Axis, is_input
-from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
-from whirlmap.sweep.parameters.ranges import Range
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -140,14 +140,14 @@ def _sweep(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
 
 def _print(facts: dict[str, Any], state: str) -> None:
     name, values = report.with_unit(facts["varied"], facts["units"]["values"]), facts["values"]
-    typer.echo(f"{facts['case']}: {name} from {values[0]:.6g} to {values[-1]:.6g}, {len(values)} points")
+    typer.echo(f"{facts['case']}: {name} from {values[0]:.6g} to {values[-1]:.6g}, {counted(len(values), 'point')}")
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     for sweep in facts["sweeps"]:
         labels = list(map(_label, sweep["regime"], sweep["period"], sweep["status"]))
-        counted = ", ".join(f"{count} {label}" for label, count in Counter(labels).most_common(8))
+        regimes = ", ".join(f"{count} {label}" for label, count in Counter(labels).most_common(8))
         where = f"sweep {sweep['direction']}" if sweep["direction"] else "points"
-        typer.echo(f"{where}: {counted}")
+        typer.echo(f"{where}: {regimes}")
         rows = [
             (f"{values[a]:.6g}", f"{values[b]:.6g}", b - a + 1, labels[a], _largest(sweep, a, b), _swing(sweep, state, a, b))
             for a, b in _stretches(labels)

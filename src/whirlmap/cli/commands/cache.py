@@ -3,6 +3,7 @@
 import typer
 
 from whirlmap.cli.common import report
+from whirlmap.errors import counted
 from whirlmap.kernels import cache as kernels
 from whirlmap.kernels.running.machine import processor
 from whirlmap.kernels.running.root_choice import own_choice, reason
@@ -28,4 +29,4 @@ def cache(
 
 
 def _many(compiled: int, lowered: int) -> str:
-    return f"{compiled} kernels and {lowered} lowered expressions"
+    return f"{counted(compiled, 'kernel')} and {counted(lowered, 'lowered expression')}"

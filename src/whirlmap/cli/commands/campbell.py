@@ -18,8 +18,8 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
-from whirlmap.sweep.parameters.own_units import in_parameters, refuse_twice
-from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.integrate.own_units import in_parameters, refuse_twice
+from whirlmap.integrate.ranges import Range
 
 if TYPE_CHECKING:
     import xarray as xr

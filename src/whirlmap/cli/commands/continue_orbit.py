@@ -21,6 +21,8 @@ from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import InputError, RangeError, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
+from whirlmap.integrate.own_units import in_state, refuse_twice
+from whirlmap.integrate.ranges import Range, number_and_unit
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
@@ -28,8 +30,6 @@ from whirlmap.sweep.branches.branch_dataset import events_of, word
 from whirlmap.sweep.branches.continue_orbit import continue_orbit as follow
 from whirlmap.sweep.branches.event_curve import KINDS, event_curve
 from whirlmap.sweep.parameters.axis import is_input
-from whirlmap.sweep.parameters.own_units import in_state, refuse_twice
-from whirlmap.sweep.parameters.ranges import Range, number_and_unit
 
 if TYPE_CHECKING:
     import xarray as xr

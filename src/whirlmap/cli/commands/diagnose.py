@@ -18,8 +18,8 @@ from whirlmap.cli.common.series_texts import options_given
 from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.harmonics import LONGEST
 from whirlmap.integrate.in_units import shown_in
-from whirlmap.integrate.system import LONGEST
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 

@@ -10,7 +10,7 @@ import typer
 from whirlmap.cli.common import report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.progress import Progress, clock
-from whirlmap.errors import RangeError
+from whirlmap.errors import RangeError, counted
 from whirlmap.options.execution import Execution
 from whirlmap.results.files import check_writable
 from whirlmap.studies.gear_psfd.search.answer import answer, edition_share, exclusions, regimes, shares
@@ -118,9 +118,10 @@ def _compute(
         block = plan(sets)[0][1]
         first = sum(cost.of(v, min(block, left[v])) for v in unfinished) / share[1]
         slow = max(unfinished, key=lambda v: cost.of(v, 1))
-        more = f", and {generations} generations of {POPULATION} sets for each edition" if generations else ""
+        more = f", and {counted(generations, 'generation')} of {POPULATION} sets for each edition" if generations else ""
         say(
-            f"cost: {settings.points} points for each set; {clock(first)} for one more block of {len(unfinished)} variants,"
+            f"cost: {settings.points} points for each set; {clock(first)} for one more block of"
+            f" {counted(len(unfinished), 'variant')},"
             f" at most {clock(most)} for {sets} sets of each{more}; slowest: {slow.name},"
             f" {settings.points / cost.of(slow, 1):.0f} points/s"
         )

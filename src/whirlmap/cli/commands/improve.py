@@ -18,15 +18,15 @@ from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.speed_report import sizes_of
 from whirlmap.cli.common.strains import say_strains
 from whirlmap.equations import hints
-from whirlmap.errors import InputError, RangeError
+from whirlmap.errors import InputError, RangeError, counted
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.loading import load
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_points
 from whirlmap.sweep.diagrams.in_batches import expected_periods
 from whirlmap.sweep.parameters.engineering import limit_of, speeds_of
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.speeds.improve import improve as find
 from whirlmap.units import such_as
 
@@ -159,7 +159,8 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
 def _print(facts: dict[str, Any]) -> None:
     names, um, designs = facts["varied"], facts["limit_um"], facts["designs"]
     limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
-    typer.echo(f"{facts['case']}: {len(designs)} designs at {len(facts['s'])} speeds, peak to peak at most {limit}")
+    tried = counted(len(designs), "design")
+    typer.echo(f"{facts['case']}: {tried} at {counted(len(facts['s']), 'speed')}, peak to peak at most {limit}")
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     heads = [n if facts["units"][n] == "1" else f"{n} [{facts['units'][n]}]" for n in names]
@@ -170,7 +171,7 @@ def _print(facts: dict[str, Any]) -> None:
         place = "-" if not d["safe_share"] else f"{low:.0f} .. {high:.0f}" if "rpm" in d else f"{low:.4f} .. {high:.4f}"
         width = f"{d['rpm_width']:.0f}" if "rpm" in d else f"{d['window_width']:.4f}"
         worst = d.get("worst_amplitude_um", d["worst_amplitude"])
-        swing = f"{d['ended']} runs end early" if d["ended"] else f"{worst:.4g}"
+        swing = f"{counted(d['ended'], 'run')} ended early" if d["ended"] else f"{worst:.4g}"
         judged = "up and down" if d["followed"] else "cold"
         notes = [w for w, key in (("widest window", "widest"), ("lowest amplitude", "calmest")) if facts[key] == i]
         share = f"{100 * d['safe_share']:.0f} %"

@@ -17,7 +17,7 @@ from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.strains import say_assumptions
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.equilibrium import rest_state
-from whirlmap.sweep.parameters.own_units import in_parameters
+from whirlmap.integrate.own_units import in_parameters
 
 if TYPE_CHECKING:
     from whirlmap.analysis.linear.film_coefficients import FilmCoefficients

@@ -20,18 +20,18 @@ from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.states_shown import swing_of
 from whirlmap.cli.common.store_status import say_status
 from whirlmap.cli.common.strains import say_assumptions
-from whirlmap.errors import InputError, RangeError, nearest
+from whirlmap.errors import InputError, RangeError, counted, nearest
 from whirlmap.integrate.accuracy import StepVerdict
 from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.own_units import refuse_input, refuse_twice
+from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.options.storage import Storage
 from whirlmap.results.memory import refuse_points
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.maps.run_sweep import run_sweep
-from whirlmap.sweep.parameters.own_units import refuse_input, refuse_twice
 from whirlmap.sweep.parameters.random_draws import Tolerance
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.parameters.space import space_of
 from whirlmap.sweep.store.zarr_store import Store
 
@@ -84,7 +84,7 @@ def map(  # noqa: A001 (the command's name)
             if store is None and (kept := watch.kept(place)) is not None:
                 files = destination.write(kept, lambda done: pictures.regime_map(units, done, quantity))
             if json and watch.last is not None:
-                now = f"interrupted after {watch.last.points_done} of {watch.last.points_total} points"
+                now = f"interrupted after {watch.last.points_done} of {counted(watch.last.points_total, 'point')}"
                 report.print_json({
                     "case": system.case, "model": system.model.name, "varied": list(space.varied),
                     **watch.facts(space.points, refine), "store": store, "files": files, "incomplete": now,
@@ -108,14 +108,14 @@ def map(  # noqa: A001 (the command's name)
         _print(facts)
         report.print_written(files)
     if watch.last is not None and watch.last.failed:
-        say(f"{watch.last.failed} chunks failed; --status says why, and --resume tries them again")
+        say(f"{counted(watch.last.failed, 'chunk')} failed; --status says why, and --resume tries again")
         raise typer.Exit(1)
 
 
 def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:
     """Say how many points do not meet the accuracy, and what to try."""
     doubtful = {v: n for v, n in sorted(verdicts.items()) if v != StepVerdict.met}
-    return "; ".join(f"{n} points: {StepVerdict(v).advice(model)}" for v, n in doubtful.items())
+    return "; ".join(f"{counted(n, 'point')}: {StepVerdict(v).advice(model)}" for v, n in doubtful.items())
 
 
 class _Watch:
@@ -133,7 +133,7 @@ class _Watch:
         self.told = len(now.messages)
         self.last = now
         done, total = now.points_done, now.points_total
-        self.bar.expect(total - done + now.points, f"{done} of {total} points: {_shares(now.regimes)}")
+        self.bar.expect(total - done + now.points, f"{done} of {counted(total, 'point')}: {_shares(now.regimes)}")
         self.bar(now.points - self.bar.done)
 
     def kept(self, place: Path | None) -> "xr.Dataset | None":
@@ -142,13 +142,13 @@ class _Watch:
             return None
         now = self.last
         return Store(place).open().load().assign_attrs(
-            incomplete=f"interrupted after {now.points_done} of {now.points_total} points"
+            incomplete=f"interrupted after {now.points_done} of {counted(now.points_total, 'point')}"
         )  # fmt: skip
     def interrupted(self, store: Path | None, files: Sequence[Path]) -> str:
         """Say what is kept and how to go on."""
         if self.last is None or not (store or self.last.done):
             return "interrupted: nothing was finished, so nothing was kept"
-        done = f"interrupted: {self.last.done} of {self.last.total} chunks are done and"
+        done = f"interrupted: {self.last.done} of {counted(self.last.total, 'chunk')} done and"
         if store is None:
             names = " ".join(str(file) for file in files)
             where = f"were kept in {names}" if files else "lost, for neither --out nor --store was given"
@@ -229,11 +229,12 @@ def _quantity(system: "System", plot: str | None) -> str:
 
 
 def _print(facts: dict[str, Any]) -> None:
-    typer.echo(f"{facts['case']}: {' and '.join(facts['varied'])}, {facts['points']} points in {facts['chunks']} chunks")
+    points = counted(facts["points"], "point")
+    typer.echo(f"{facts['case']}: {' and '.join(facts['varied'])}, {points} in {counted(facts['chunks'], 'chunk')}")
     if "computed" in facts:
         whole = facts["uniform_grid"]
         typer.echo(
-            f"computed {facts['computed']} points; a uniform grid of this resolution takes {whole},"
+            f"computed {counted(facts['computed'], 'point')}; a uniform grid of this resolution takes {whole},"
             f" {whole / max(facts['computed'], 1):.3g} times as many"
         )
     report.show(report.regimes_table(facts["regimes"]))

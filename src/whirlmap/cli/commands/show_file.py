@@ -7,6 +7,7 @@ import typer
 from whirlmap.cli.common import report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.series_texts import mark
+from whirlmap.errors import counted
 from whirlmap.recordings.description import describe_file
 
 
@@ -18,7 +19,7 @@ def show_file(file: Path, *, time: str | None, separator: str | None, decimal: s
     if json:
         report.print_json(facts)
         return
-    typer.echo(f"{facts['file']}: {facts['form']}, {facts['rows']} rows")
+    typer.echo(f"{facts['file']}: {facts['form']}, {counted(facts['rows'], 'row')}")
     told = f"times in {facts['time']}" if facts["time"] else "no times"
     typer.echo(
         f"{told}; " + (f"{facts['rate']:.7g} samples per second" if facts["rate"] else "rate unknown: --rate says it")

@@ -11,7 +11,7 @@ from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim, write_all
 from whirlmap.cli.common.progress import Progress
-from whirlmap.errors import InputError
+from whirlmap.errors import InputError, counted
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
 from whirlmap.options.computed import Integration
@@ -113,7 +113,7 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
 def _print(facts: dict[str, Any]) -> None:
     begin, end = facts["time"]
     unit = report.unit_behind(facts["units"]["time"])
-    typer.echo(f"{facts['case']}: {facts['samples']} samples from time {begin:.6g} to {end:.6g}{unit}")
+    typer.echo(f"{facts['case']}: {counted(facts['samples'], 'sample')} from time {begin:.6g} to {end:.6g}{unit}")
     common = facts["common_period"]
     repeats = f"{common:.7g}{unit}" if common is not None else "-"
     typer.echo(f"period T = {facts['period']:.7g}{unit}, common period = {repeats}")

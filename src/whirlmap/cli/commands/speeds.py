@@ -24,12 +24,12 @@ from whirlmap.sweep.speeds.safe_speeds import safe_speeds
 
 def speeds(
     *, case: str, limit: str | None, span: str | None, points: int, quantity: str | None, follow: bool,
-    tolerance: list[str] | None, draws: int, seed: int, changes: list[str] | None, start: list[str] | None,
+    input_tolerance: list[str] | None, draws: int, seed: int, changes: list[str] | None, start: list[str] | None,
     labelling: Labelling, execution: Execution, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
     title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.speeds` says."""
-    tolerances = tolerances_of(tolerance)
+    tolerances = tolerances_of(input_tolerance)
     destination = claim(out, "speeds", force=force, size=size, dpi=dpi, title=title)
     system = open_system(case, changes, start)
 

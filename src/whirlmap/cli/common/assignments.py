@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from whirlmap.errors import InputError, RangeError
-from whirlmap.sweep.parameters.ranges import Range
+from whirlmap.integrate.ranges import Range
 
 #: What the text of an option looks like, where it is not that of --set.
 EXAMPLES = {

@@ -124,6 +124,11 @@ def _first_sentence(parameter: Any) -> str:
     return (getattr(parameter, "help", None) or "it must be given").partition(". ")[0].rstrip(".")
 
 
+def taking_values(parameters: Sequence[Any]) -> set[str]:
+    """Spellings of the options that take a value."""
+    return {name for p in parameters if not getattr(p, "is_flag", False) for name in p.opts if name.startswith("-")}
+
+
 def given_twice(parameters: Sequence[Any], args: Sequence[str]) -> None:
     """Refuse an option that takes one value but is given two different ones.
 
@@ -132,21 +137,18 @@ def given_twice(parameters: Sequence[Any], args: Sequence[str]) -> None:
     RangeError
         Naming the option and both values.
     """
-    single = {
-        name
-        for p in parameters
-        for name in p.opts
-        if name.startswith("-") and not getattr(p, "is_flag", False) and not getattr(p, "multiple", False)
-    }
+    valued = taking_values(parameters)
+    single = {name for p in parameters if not getattr(p, "multiple", False) for name in p.opts if name in valued}
     found: dict[str, str] = {}
     rest = iter(args)
     for word in rest:
         if word == "--":
             return
         name, equals, value = word.partition("=")
+        if name in valued and not equals:
+            value = next(rest, "")  # whatever it looks like
         if name not in single:
             continue
-        value = value if equals else next(rest, "")
         if found.setdefault(name, value) != value:
             raise RangeError(f"{name} is given twice: found {found[name]!r} and {value!r}, expected one of them")
 

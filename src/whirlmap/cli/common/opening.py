@@ -6,8 +6,8 @@ from typing import Any
 from whirlmap.cli.common.assignments import assignments
 from whirlmap.errors import CaseError, InputError
 from whirlmap.integrate.loading import load
+from whirlmap.integrate.own_units import in_state
 from whirlmap.integrate.system import System
-from whirlmap.sweep.parameters.own_units import in_state
 from whirlmap.units import split
 
 

@@ -6,6 +6,7 @@ import typer
 
 from whirlmap.cli.common import report
 from whirlmap.cli.common.progress import clock
+from whirlmap.errors import counted
 from whirlmap.sweep.store.store_status import store_standing
 
 
@@ -19,12 +20,13 @@ def say_status(folder: Path, *, json: bool) -> None:
     whole = s["chunks_done"] == s["chunks"] and not damaged
     state = "complete" if whole else "running" if s["running"] else "damaged" if damaged else "not running"
     typer.echo(f"{s['store']}: {state}")
-    typer.echo(f"{s['chunks_done']} of {s['chunks']} chunks, {s['points_done']} of {s['points']} points")
+    chunks = counted(s["chunks"], "chunk")
+    typer.echo(f"{s['chunks_done']} of {chunks}, {s['points_done']} of {counted(s['points'], 'point')}")
     if s["lost"]:
         typer.echo(f"lost: {', '.join(s['lost'])}; the same command with --resume puts them back")
     if s["chunks_damaged"]:
         numbers = ", ".join([*(str(n) for n in s["damaged"][:6]), *(["..."] if len(s["damaged"]) > 6 else [])])
-        typer.echo(f"{s['chunks_damaged']} damaged chunks ({numbers}): --resume computes them again")
+        typer.echo(f"{counted(s['chunks_damaged'], 'damaged chunk')} ({numbers}): --resume computes again")
     if 0 < s["points_computed"] < s["points_done"]:
         typer.echo(f"computed {s['points_computed']} of them, the others are inferred")
     if s["seconds_since"] is not None:

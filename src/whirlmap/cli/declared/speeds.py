@@ -44,7 +44,7 @@ Quantity = Annotated[
 ]  # fmt: skip
 
 
-@options.computing(*(name for name in options.LABELS if name != "tolerance"))
+@options.computing(*options.LABELS)
 def speeds(
     case: options.CaseName,
     limit: Limit = None,
@@ -60,7 +60,7 @@ def speeds(
             help="Whether to run up and down as well, which shows coexisting motions, for about three times the work.",
         ),
     ] = True,
-    tolerance: Annotated[
+    input_tolerance: Annotated[
         list[str] | None,
         typer.Option(
             "--input-tolerance", metavar="NAME=PERCENT", rich_help_panel=SPEEDS,

@@ -1,10 +1,10 @@
 """Explicit Runge-Kutta methods, each a file of coefficients with its reference."""
 
-from whirlmap.errors import RangeError, nearest
 from whirlmap.kernels.methods.dop853 import DOP853
 from whirlmap.kernels.methods.method import Method
 from whirlmap.kernels.methods.rk4 import RK4
 from whirlmap.kernels.methods.tsit5 import TSIT5
+from whirlmap.options.refused import refuse_method
 
 METHODS = {method.name: method for method in (RK4, TSIT5, DOP853)}
 
@@ -13,6 +13,5 @@ __all__ = ["DOP853", "METHODS", "RK4", "TSIT5", "Method", "method"]
 
 def method(name: str) -> Method:
     """Return the method of that name, or raise `RangeError` with the nearest one."""
-    if name not in METHODS:
-        raise RangeError(f"there is no method {name!r}.{nearest(name, METHODS)}\n  methods: {', '.join(METHODS)}")
+    refuse_method(name)
     return METHODS[name]

@@ -9,6 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
+from whirlmap.errors import counted
 from whirlmap.plot.common.style import (
     BLUE,
     GREEN,
@@ -128,7 +129,8 @@ def draw_series_spectrum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.annotate(line["name"], (line["frequency"], height), xytext=(0, 3), textcoords="offset points",
                         fontsize=text_size(6.0), ha="center", color=VERMILION)  # fmt: skip
     share = 100 * (1 - spectrum["broadband_fraction"])
-    ax.set(xlabel=f"frequency [1/{ds.attrs['unit']}]", ylabel="power", title=f"{spectrum['lines']} lines hold {share:.3g} %")
+    lines = f"{counted(spectrum['lines'], 'line')} hold{'s' if spectrum['lines'] == 1 else ''}"
+    ax.set(xlabel=f"frequency [1/{ds.attrs['unit']}]", ylabel="power", title=f"{lines} {share:.3g} %")
     ax.set_ylim(floor, 10 * top)
     return ax
 

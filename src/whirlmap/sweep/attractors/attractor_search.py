@@ -20,7 +20,8 @@ from whirlmap.analysis.periodic_orbits.arrivals import arrivals
 from whirlmap.analysis.periodic_orbits.closed_orbit import FAR, ClosedOrbit, closed_orbits, flows_into, nearest_return
 from whirlmap.analysis.steady.returns import settle_and_record
 from whirlmap.analysis.steady.settling import POOL
-from whirlmap.integrate.ensemble import Ensemble, cores
+from whirlmap.integrate.division import cores
+from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import Labelling

@@ -17,6 +17,7 @@ from whirlmap.analysis.variational.exponents_with_section import run_with_sectio
 from whirlmap.analysis.variational.lyapunov import mean_and_error
 from whirlmap.errors import RangeError
 from whirlmap.integrate.accuracy import LADDER, StepVerdict, doubtful
+from whirlmap.integrate.ranges import plain_numbers
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Integration, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -27,7 +28,7 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.attractors.attractor_search import Search
 from whirlmap.sweep.attractors.attractors_so_far import found_so_far
 from whirlmap.sweep.attractors.known_attractors import Found
-from whirlmap.sweep.attractors.start_states import default_box, draw_starts, repeated
+from whirlmap.sweep.attractors.start_states import Ends, default_box, draw_starts, repeated
 from whirlmap.sweep.interruptible import Work, in_parts
 from whirlmap.sweep.points.point_variables import points_dataset
 
@@ -48,7 +49,7 @@ def attractors(
     system: System,
     *,
     starts: int | ArrayLike = 256,
-    box: Mapping[str, tuple[float, float]] | None = None,
+    box: Mapping[str, Ends] | None = None,
     seed: int = 0,
     labelling: Labelling = LABELLING,
     execution: Execution = EXECUTION,
@@ -63,8 +64,8 @@ def attractors(
     starts : int or array, shape (state, start)
         How many start states are drawn at random from the box, or the start states themselves, all at phase zero.
     box : mapping of state to (low, high), optional
-        Where starts are drawn, uniformly; the other states keep the system's start values. Without any box all states
-        are drawn from `default_box`.
+        Where starts are drawn, uniformly; the ends may have a unit, ``("-20 um", "20 um")``. The other states keep the
+        system's start values. Without any box all states are drawn from `default_box`.
     seed : int
         Of the drawing.
     labelling : Labelling, optional
@@ -87,6 +88,8 @@ def attractors(
     ------
     RangeError
         Where a state is unknown, a box is empty, or starts have another shape.
+    InputError
+        A unit that a state does not have.
 
     Notes
     -----
@@ -126,7 +129,7 @@ def attractors(
     else:
         if box is not None:
             raise RangeError("box: found one, expected none where the start states themselves are given")
-        x = np.array(starts, dtype=float)
+        x = plain_numbers("starts", starts)
         if x.ndim != 2 or x.shape[0] != system.model.dimension or not x.shape[1] or not np.isfinite(x).all():
             raise RangeError(
                 f"starts have shape {x.shape}, expected {system.model.dimension} states ({' '.join(system.states)}) by"

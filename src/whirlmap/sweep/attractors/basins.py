@@ -7,7 +7,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError, counted, nearest
+from whirlmap.integrate.own_units import state_values
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -35,7 +36,7 @@ def basins(
     system : System
         Its values and start states count.
     grid : mapping of state to array
-        Two states and their values, ascending.
+        Two states and their values, ascending; texts with a unit, ``["-20 um", "20 um"]``, or the text of a range.
     labelling : Labelling, optional
         How points are measured; or its parts as keywords, ``settling``, ``lyapunov``, ``method``, ``steps``, ``accuracy``.
     execution : Execution, optional
@@ -54,6 +55,8 @@ def basins(
     ------
     RangeError
         Unless the grid has two states of the model, each with two or more values that ascend.
+    InputError
+        A unit that a state does not have.
 
     Notes
     -----
@@ -61,14 +64,16 @@ def basins(
     boundary is known to one cell, and a fractal one is not resolved by any grid.
     """
     if len(grid) != 2:
-        raise RangeError(f"grid: found {len(grid)} states ({' '.join(grid) or 'none'}), expected two, as in x and v")
-    axes = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in grid.items()}
-    for name, values in axes.items():
+        found = f"{counted(len(grid), 'state')} ({' '.join(grid) or 'none'})"
+        raise RangeError(f"grid: found {found}, expected two, as in x and v")
+    axes = {}
+    for name, given in grid.items():
         if name not in system.states:
             raise RangeError(
                 f"grid: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
                 f"\n  states: {' '.join(system.states)}"
             )
+        axes[name] = values = state_values(system, name, given, "grid")
         if values.ndim != 1 or values.size < 2 or not np.isfinite(values).all() or np.any(np.diff(values) <= 0):
             raise RangeError(f"grid of {name!r}: expected two or more finite values that ascend")
     (first, a), (second, b) = axes.items()

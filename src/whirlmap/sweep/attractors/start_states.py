@@ -9,13 +9,16 @@ from sympy import sympify
 
 from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import cyclic_states
-from whirlmap.errors import RangeError, nearest
+from whirlmap.errors import RangeError, counted, nearest
 from whirlmap.integrate.equilibrium import start_states
+from whirlmap.integrate.own_units import state_values
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import EXECUTION, Execution
 
 Array = NDArray[np.float64]
+#: Lowest and highest value of a state, with or without a unit.
+Ends = tuple[float | str, float | str]
 
 #: How far the default box reaches beyond the motion from the default start: its range times this, about its middle.
 WIDER = 2.0
@@ -51,25 +54,31 @@ def start_values(system: System) -> Array:
     return np.asarray(x[:, 0])
 
 
-def draw_starts(system: System, count: int, box: Mapping[str, tuple[float, float]], seed: int) -> Array:
+def draw_starts(system: System, count: int, box: Mapping[str, Ends], seed: int) -> Array:
     """Start states drawn uniformly from a box, shape (state, start)."""
     if not 1 <= count <= 10_000_000:
         raise RangeError(f"starts must lie between 1 and 10000000, not {count}")
     if not box:
         raise RangeError("box: found no state, expected at least one, as in x=-2:2")
-    for name, (low, high) in box.items():
+    ends: dict[str, tuple[float, float]] = {}
+    for name, given in box.items():
         if name not in system.states:
             raise RangeError(
                 f"box: {system.model.name} has no state {name!r}.{nearest(name, system.states)}"
                 f"\n  states: {' '.join(system.states)}"
             )
+        values = state_values(system, name, given, "box")
+        if values.shape != (2,):
+            raise RangeError(f"box of {name!r}: found {counted(values.size, 'value')}, expected two, (low, high)")
+        low, high = values.tolist()
+        ends[name] = low, high
         if not (np.isfinite([low, high]).all() and low <= high):
             raise RangeError(f"box of {name!r}: found {low:g} to {high:g}, expected finite numbers that ascend")
     x = np.repeat(start_values(system)[:, None], count, axis=1)
     random = np.random.default_rng(seed)
     for name in system.states:  # in the order of the states, whatever the order of the box
-        if name in box:
-            x[system.states.index(name)] = random.uniform(*box[name], count)
+        if name in ends:
+            x[system.states.index(name)] = random.uniform(*ends[name], count)
     return x
 
 

@@ -15,6 +15,7 @@ from whirlmap.analysis.branches.switching import APART, doubled
 from whirlmap.analysis.branches.tracing import EDGE, Limits, Trace, apart_in_halves, stepping, trace
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
+from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -26,7 +27,6 @@ from whirlmap.sweep.branches.branch_dataset import dataset
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
 from whirlmap.sweep.branches.seeds import SAME, Beginning, Seed, finished
 from whirlmap.sweep.interruptible import Work, in_parts
-from whirlmap.sweep.parameters.ranges import Range
 
 Array = NDArray[np.float64]
 Direction = Literal["up", "down", "both"]

@@ -12,11 +12,11 @@ from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import InputError, RangeError
 from whirlmap.integrate.orders import orders_vary
+from whirlmap.integrate.own_units import size_of
+from whirlmap.integrate.ranges import Range, number_and_unit
 from whirlmap.integrate.system import System
 from whirlmap.integrate.varied_inputs import VariedInputs, input_of
 from whirlmap.sweep.parameters.axis import is_input, read_axis
-from whirlmap.sweep.parameters.own_units import size_of
-from whirlmap.sweep.parameters.ranges import Range, number_and_unit
 from whirlmap.units import read
 
 Array = NDArray[np.float64]

@@ -18,7 +18,7 @@ from whirlmap.analysis.motion.ensembles import cyclic_states
 from whirlmap.analysis.periodic_orbits.newton import wrapped
 from whirlmap.analysis.simulation.poincare_section import section
 from whirlmap.errors import RangeError, nearest
-from whirlmap.integrate.system import LONGEST as LONGEST_COMMON
+from whirlmap.integrate.harmonics import LONGEST as LONGEST_COMMON
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution

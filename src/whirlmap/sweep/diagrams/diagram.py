@@ -13,6 +13,7 @@ from whirlmap.analysis.labels.measured import Measured, joined
 from whirlmap.analysis.motion.ensembles import run_attributes
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -21,7 +22,6 @@ from whirlmap.results.schema import names_coordinate, with_attributes
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
 from whirlmap.sweep.parameters.axis import Axis
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.points.extremes import extreme_coordinates, extreme_variables
 from whirlmap.sweep.points.point_variables import (
     common_multiple_variable,

@@ -6,8 +6,9 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.motion.ensembles import cyclic_states
+from whirlmap.integrate.harmonics import strobe_of
 from whirlmap.integrate.scales import scales
-from whirlmap.integrate.system import System, strobe_of
+from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 from whirlmap.results.schema import variable
 from whirlmap.results.status import Status

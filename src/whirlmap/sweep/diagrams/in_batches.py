@@ -16,8 +16,9 @@ from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
 from whirlmap.analysis.simulation.time_series import Series
 from whirlmap.equations.model import Model
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.orders import order_groups, orders_vary
+from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import INTEGRATION, LABELLING, Integration, Labelling, Settling
@@ -30,7 +31,6 @@ from whirlmap.sweep.diagrams.diagram import Follow, bifurcation_diagram, kept_st
 from whirlmap.sweep.diagrams.hysteresis import with_hysteresis
 from whirlmap.sweep.interruptible import Work, batches
 from whirlmap.sweep.parameters.axis import Axis
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.sweep.points.point_variables import doubts
 
 Array = NDArray[np.float64]

@@ -12,6 +12,7 @@ from whirlmap.analysis.motion.ensembles import make_ensemble, run_attributes
 from whirlmap.analysis.motion.record_length import recorded, settled_periods, spectrum_periods, turns_per_T
 from whirlmap.analysis.spectra.spectrum import power_spectrum
 from whirlmap.errors import RangeError, nearest
+from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import INTEGRATION, Integration
 from whirlmap.options.execution import EXECUTION, Execution
@@ -43,9 +44,9 @@ def waterfall(
     system : System
         Its values and start states count.
     parameter : str
-        Name of the varied parameter.
+        Name of the varied parameter, or of the dimensional input that is the speed.
     values : array_like, shape (point,)
-        Ascending.
+        Ascending; texts with a unit, or the text of a range, ``"500 rpm:6000 rpm:50"``.
     state : str
         The one whose spectrum is taken.
     transient : int, optional
@@ -71,16 +72,18 @@ def waterfall(
     ------
     RangeError
         An unknown parameter or state, values that do not ascend, an unknown method, or a count that makes no sense.
+    InputError
+        A unit that the parameter does not have, or a speed without one.
 
     Notes
     -----
     Every point runs from its cold start through the transient, then records; the spectra are those of `power_spectrum`.
     Nothing asks whether a motion has settled or is periodic: labels come from `bifurcation_diagram`.
     """
-    points = np.atleast_1d(np.asarray(values, dtype=float))
+    parameter, points = in_own_units(system, parameter, values)
     if state not in system.states:
         raise RangeError(f"{system.model.name} has no state {state!r}.{nearest(state, system.states)}")
-    if np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
+    if points.ndim != 1 or np.any(np.diff(points) <= 0) or not np.isfinite(points).all():
         raise RangeError(f"values of {parameter!r} must be finite and ascend")
     ensemble, _ = make_ensemble(system, {parameter: points}, integration=integration, execution=execution)
     progress = execution.progress

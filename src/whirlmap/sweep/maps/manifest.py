@@ -111,6 +111,12 @@ def refuse_other(folder: Path, found: Mapping[str, Any], wanted: Mapping[str, An
     if differ:
         lines = "".join(f"\n  {name}: the store has {_short(a)}, this run {_short(b)}" for name, a, b in differ[:8])
         more = f"\n  and {len(differ) - 8} more" if len(differ) > 8 else ""
+        if not {name for name, *_ in differ} - {"whirlmap_version", "kernel"}:
+            raise OutputError(
+                f"{folder}: was made by another version of whirlmap or of its libraries, whose numbers need not be the same"
+                " to the bit. It opens and is drawn as ever, but cannot be continued; --force replaces it, or choose another"
+                f" name{lines}"
+            )
         raise OutputError(f"{folder}: holds another sweep; --force replaces it, or choose another name{lines}{more}")
 
 

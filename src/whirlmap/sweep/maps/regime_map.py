@@ -3,11 +3,11 @@
 from collections.abc import Mapping
 from typing import Any, Unpack
 
-import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike
 
 from whirlmap.errors import RangeError
+from whirlmap.integrate.own_units import refuse_input, refuse_unknown
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Labelling
 from whirlmap.options.execution import EXECUTION, Execution
@@ -117,7 +117,8 @@ def tolerance_sweep(
     Raises
     ------
     RangeError
-        No tolerance, one that cannot be read, or names and values that are not the model's.
+        No tolerance, one that cannot be read, or names and values that are not the model's: dimensional inputs are drawn by
+        ``whirlmap speeds --input-tolerance``.
     OutputError
         As `regime_map`.
 
@@ -126,10 +127,11 @@ def tolerance_sweep(
     Draws are independent and come from a counter-based generator (Philox), so that draw 17 is the same in every run and
     every share. Shares over the draws have the error of a sample: 1000 draws know a share of 5 % to 0.7 %.
     """
-    found = {
-        name: t if isinstance(t, Tolerance) else Tolerance.parse(t, float(system.values.get(name, np.nan)))
-        for name, t in tolerances.items()
-    }
+    found = {}
+    for name, given in tolerances.items():
+        refuse_input(system, name, "tolerances")
+        refuse_unknown(system, name, "tolerances")
+        found[name] = given if isinstance(given, Tolerance) else Tolerance.parse(given, float(system.values[name]))
     if not found:
         raise RangeError("found no tolerance, expected at least one, as in {'s': 'normal:3%'}")
     told, space = counting(on_chunk, execution.progress), space_of(system, vary or {}, found, draws, seed)

@@ -14,8 +14,8 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.motion.ensembles import run_attributes
-from whirlmap.errors import OutputError, RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.errors import OutputError, RangeError, counted
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.system import System
 from whirlmap.kernels.running.root_choice import own_choice, using
@@ -31,7 +31,16 @@ from whirlmap.sweep.points.point_variables import kept_states, points_dataset, s
 from whirlmap.sweep.store.creating import create
 from whirlmap.sweep.store.fingerprint import kernel_hash
 from whirlmap.sweep.store.restoring import lost_parts, put_back
-from whirlmap.sweep.store.store_folder import EVALUATION, clear_trials, exists, half_made, passing, remove, restore_manifest
+from whirlmap.sweep.store.store_folder import (
+    EVALUATION,
+    at_work,
+    clear_trials,
+    exists,
+    half_made,
+    passing,
+    remove,
+    restore_manifest,
+)
 from whirlmap.sweep.store.zarr_store import Evaluation
 
 #: Points of the pilot that the chunks' size follows from, and the seconds that a chunk should take.
@@ -215,11 +224,12 @@ def _work(job: Job, share: tuple[int, int] | None, computing: Any, on_chunk: OnC
     progress = ChunkReport(len(numbers), sum(map(store.chunks.points, numbers)) if share else job.space.points)
     progress.messages += notes
     if swept := store.sweep_away(set(numbers) if share else None):  # other shares may be writing
-        progress.messages.append(f"{swept} half-written files of an interrupted run were deleted")
+        progress.messages.append(f"{counted(swept, 'half-written file')} of an interrupted run deleted")
     if standing.damaged.size:
-        progress.messages.append(f"{standing.damaged.size} damaged chunks are computed again: {_some(standing.damaged)}")
+        damaged = counted(standing.damaged.size, "damaged chunk")
+        progress.messages.append(f"{damaged} computed again: {_some(standing.damaged)}")
     if standing.failed.size:
-        progress.messages.append(f"{standing.failed.size} chunks that failed are tried again: {_some(standing.failed)}")
+        progress.messages.append(f"{counted(standing.failed.size, 'failed chunk')} tried again: {_some(standing.failed)}")
     progress.done = standing.done.size
     progress.points_done = sum(map(store.chunks.points, standing.done.tolist()))
     progress.regimes.update(store.tally(standing.done.tolist(), "regime"))
@@ -232,13 +242,14 @@ def _work(job: Job, share: tuple[int, int] | None, computing: Any, on_chunk: OnC
         on_chunk(progress)
     left = spread(np.setdiff1d(np.array(numbers, dtype=np.int64), standing.done)).tolist()
     outcomes = in_threads(job, left, computing) if threads else in_dask(job, left, computing)
-    try:
-        for outcome in outcomes:
-            _take(job, outcome, progress)
-            if on_chunk:
-                on_chunk(progress)
-    finally:
-        outcomes.close()  # type: ignore[attr-defined]  # a generator: it waits for the chunks that are being computed
+    with at_work(job.folder):
+        try:
+            for outcome in outcomes:
+                _take(job, outcome, progress)
+                if on_chunk:
+                    on_chunk(progress)
+        finally:
+            outcomes.close()  # type: ignore[attr-defined]  # a generator: it waits for the chunks that are being computed
 
 
 def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -253,7 +264,7 @@ def spread(numbers: NDArray[np.int64]) -> NDArray[np.int64]:
 def _take(job: Job, outcome: Outcome, progress: ChunkReport) -> None:
     if outcome.stop:
         raise OutputError(
-            f"{outcome.fault}\n  {progress.done} of {progress.total} chunks are done and kept;"
+            f"{outcome.fault}\n  {progress.done} of {counted(progress.total, 'chunk')} done and kept;"
             " --resume (resume=True) continues once this is repaired"
         )
     points = job.store.chunks.points(outcome.number)

@@ -10,11 +10,11 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import RangeError
 from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.own_units import as_parameter, in_parameters, refuse_unknown, size_of, speed_input
+from whirlmap.integrate.ranges import Range, read_numbers
 from whirlmap.integrate.system import System
 from whirlmap.integrate.varied_inputs import VariedInputs, input_of
 from whirlmap.results.schema import variable
-from whirlmap.sweep.parameters.own_units import as_parameter, in_parameters, refuse_unknown, size_of, speed_input
-from whirlmap.sweep.parameters.ranges import Range, numbers_and_unit
 
 Array = NDArray[np.float64]
 
@@ -49,18 +49,14 @@ def read_axis(
     InputError, RangeError
         A unit that the quantity does not have, or none where one is needed; values that do not ascend.
     """
-    if isinstance(values, str):
+    if isinstance(values, str) and ":" in values:
         values = Range.parse(f"{name}={values}", option)
     if isinstance(values, Range):
         if not is_input(system, name, beside=beside):
             found = in_parameters(system, values, option)
             return found.name, found.values, ""
         return name, values.values, values.unit
-    try:
-        numbers, unit = np.atleast_1d(np.asarray(values, dtype=float)), ""
-    except ValueError:
-        texts, unit = numbers_and_unit(name, [str(value) for value in np.atleast_1d(np.asarray(values))])
-        numbers = np.array(texts)
+    numbers, unit = read_numbers(name, values)
     if numbers.ndim != 1 or numbers.size < 1 or np.any(np.diff(numbers) <= 0) or not np.isfinite(numbers).all():
         raise RangeError(f"values of {name!r} must be finite and ascend")
     if is_input(system, name, beside=beside) or not unit:

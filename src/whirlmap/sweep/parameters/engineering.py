@@ -9,8 +9,8 @@ import numpy as np
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.loading import changed
+from whirlmap.integrate.own_units import MOST_CLEARANCES, MOST_S
 from whirlmap.integrate.system import System
-from whirlmap.sweep.parameters.own_units import MOST_CLEARANCES, MOST_S
 from whirlmap.units import read
 
 
@@ -68,6 +68,23 @@ def limit_of(system: System, text: str | None, option: str = "limit") -> float:
             ' "20 um"'
         )
     return plain
+
+
+def number_of_limit(system: System, limit: float | str) -> float:
+    """A limit of vibration in the model's length: a number as it is, a text as of `limit_of`.
+
+    Raises
+    ------
+    InputError
+        What is no number; as `limit_of`.
+    """
+    if isinstance(limit, str):
+        return limit_of(system, limit)
+    try:
+        return float(limit)
+    except (TypeError, ValueError):
+        expected = 'a number of the model\'s lengths, or a text with a unit, such as "20 um"'
+        raise InputError(f"limit: found {limit!r}, expected {expected}") from None
 
 
 def speeds_of(system: System, text: str | None, option: str = "range") -> tuple[float, float]:

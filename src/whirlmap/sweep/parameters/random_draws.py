@@ -46,6 +46,8 @@ class Tolerance:
     def parse(cls, text: str, nominal: float) -> "Tolerance":
         """Read ``uniform:LOW:HIGH``, ``normal:MEAN:SPREAD``, or ``uniform:10%`` and ``normal:3%`` about a nominal value."""
         form = "uniform:LOW:HIGH, normal:MEAN:SPREAD, or uniform:10% and normal:3% of the case's value"
+        if not isinstance(text, str):
+            raise RangeError(f"found the tolerance {text!r}, expected a text: {form}")
         kind, *rest = text.strip().split(":")
         try:
             if len(rest) == 1 and rest[0].endswith("%"):

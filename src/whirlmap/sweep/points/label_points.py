@@ -15,7 +15,9 @@ from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import parameter_values, run_attributes
 from whirlmap.analysis.steady.settling import POOL
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
+from whirlmap.integrate.own_units import in_own_units
+from whirlmap.integrate.ranges import plain_numbers
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import LABELLING, Labelling
@@ -48,7 +50,8 @@ def label_points(
     system : System
         Its values and start states count.
     values : mapping of str to array, shape (point,)
-        The parameters that differ between points, in any order; all columns of the same length.
+        The parameters that differ between points, in any order; all columns of the same length. Texts may have a unit,
+        ``{"speed": ["500 rpm", "600 rpm"]}``; a column may be a range, ``"500 rpm:6000 rpm:50"``.
     starts : array, shape (state, point), optional
         Start states, at phase zero; the model's default start where absent.
     ends : bool
@@ -74,6 +77,8 @@ def label_points(
     ------
     RangeError
         Where a name or a value is not the model's, lengths differ, or there is no point.
+    InputError
+        A unit that a parameter does not have, or a speed without one.
 
     Notes
     -----
@@ -88,22 +93,28 @@ def label_points(
     ----------
     [benettin1980] exponents; [das2017] and [sander2020] averages and rotation numbers; [gomez2010] locked motion.
     """
-    columns = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in values.items()}
+    columns: dict[str, Array] = {}
+    for written, given in values.items():
+        name, column = in_own_units(system, written, given)
+        if name in columns:
+            raise RangeError(f"values: {name} is given twice: expected each parameter once")
+        columns[name] = column
     if not columns:
         raise RangeError("values: found no parameter, expected at least one, as in {'s': [0.5, 1.0]}")
     for name, column in columns.items():
         if column.ndim != 1 or not column.size or not np.isfinite(column).all():
             raise RangeError(f"values of {name!r} must be a list of one or more finite numbers")
     points = parameter_values(system, columns).shape[1]
-    if starts is not None and np.shape(starts) != (system.model.dimension, points):
-        raise RangeError(f"starts have shape {np.shape(starts)}, expected {(system.model.dimension, points)}")
+    x = None if starts is None else plain_numbers("starts", starts)
+    if x is not None and x.shape != (system.model.dimension, points):
+        raise RangeError(f"starts have shape {x.shape}, expected {(system.model.dimension, points)}")
     size = POOLS * POOL * LANES * (execution.workers or cores())
     parts = []
     for first in range(0, points, size):
         batch = slice(first, first + size)
         measured, ensemble = measure(
             system, {name: column[batch] for name, column in columns.items()}, labelling, execution,
-            starts=None if starts is None else np.asarray(starts, dtype=float)[:, batch],
+            starts=None if x is None else x[:, batch],
         )  # fmt: skip
         part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
         if ends:

@@ -12,8 +12,9 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.accuracy import doubtful
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.harmonics import common_multiple_attribute
 from whirlmap.integrate.orders import orders_vary
-from whirlmap.integrate.system import System, common_multiple_attribute
+from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable
 from whirlmap.sweep.points.extremes import extreme_coordinates, extreme_variables
 

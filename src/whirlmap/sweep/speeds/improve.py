@@ -16,8 +16,10 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.errors import RangeError, counted, nearest
+from whirlmap.integrate.division import cores
+from whirlmap.integrate.own_units import in_own_units
+from whirlmap.integrate.ranges import Range, read_numbers
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import LABELLING, Labelling
@@ -26,6 +28,7 @@ from whirlmap.options.taking import LabellingParts
 from whirlmap.results.schema import variable
 from whirlmap.sweep.diagrams.in_batches import BATCH
 from whirlmap.sweep.interruptible import Work, batches, in_parts
+from whirlmap.sweep.parameters.engineering import number_of_limit
 from whirlmap.sweep.speeds.designs import judge_machines
 from whirlmap.sweep.speeds.safe_speeds import refuse_speeds
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, clearance, shaft_speed, speed_of
@@ -42,7 +45,7 @@ def improve(
     make: Callable[..., System],
     vary: Mapping[str, ArrayLike],
     speeds: ArrayLike,
-    limit: float,
+    limit: float | str,
     *,
     units: Mapping[str, str] | None = None,
     refine: bool = True,
@@ -60,13 +63,15 @@ def improve(
         ``make(**changes) -> System``, as ``functools.partial(whirlmap.load, "gear-psfd/machine")``; without changes the
         machine as it is, whose ``s`` and length count.
     vary : mapping of str to array
-        Values, ascending, of one or two parameters or dimensional inputs.
+        Values, ascending, of one or two parameters or dimensional inputs; texts with a unit, ``["60 um", "80 um"]``, or the
+        text of a range, ``"60um:120um:5"``.
     speeds : array_like, shape (s,)
-        Values of ``s`` of the machine as it is; every design runs at the same speed of the first shaft [rad/s].
-    limit : float
-        Largest peak-to-peak displacement that is allowed, in clearances of the machine as it is.
+        Values of ``s`` of the machine as it is, as of `safe_speeds`; every design runs at the same speed of the first shaft
+        [rad/s].
+    limit : float or str
+        Largest peak-to-peak displacement that is allowed, in clearances of the machine as it is, or with its unit.
     units : mapping of str to str, optional
-        Units of the dimensional inputs among them.
+        Units of the dimensional inputs whose values are plain numbers.
     refine : bool
         Whether values around the best are tried as well.
     follow : bool
@@ -92,7 +97,9 @@ def improve(
     ------
     RangeError
         None or more than two parameters; values that do not ascend; speeds that do not ascend or are not positive; a limit
-        that is not positive; the speed or a number of teeth as a parameter.
+        that is not positive; the speed or a number of teeth as a parameter; a unit of what is not varied, or a second one.
+    InputError
+        A unit where the case has no dimensions, or none where it needs one.
 
     Notes
     -----
@@ -101,13 +108,14 @@ def improve(
     sought in the best designs alone, so that the others may look better than they are, never worse. ``improve.parts`` gives
     the `Work` in batches of designs: who stops keeps those that are finished.
     """
-    at = np.atleast_1d(np.asarray(speeds, dtype=float))
-    axes = {name: np.atleast_1d(np.asarray(v, dtype=float)) for name, v in vary.items()}
     system = make()
+    axes, units = _axes(vary, units or {})
     _refuse_axes(axes, system)
+    _, at = in_own_units(system, speed_of(system), speeds, "speeds")
+    limit = number_of_limit(system, limit)
     refuse_speeds(at, limit)
     judge = Judge(system, quantity, labelling, execution)
-    trial = _Trial(make, tuple(axes), units or {}, at, limit, judge)
+    trial = _Trial(make, tuple(axes), units, at, limit, judge)
     most = max(BATCH * LANES * (execution.workers or cores()) // at.size, 1)
     designs: list[xr.Dataset] = []  # each with one design
     stage = "the values given"
@@ -144,15 +152,32 @@ def improve(
         ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
         if stage:
             work.total = max(work.total, work.done + 1)
-            ds.attrs["incomplete"] = f"interrupted in {stage}, after {work.done} designs"
+            ds.attrs["incomplete"] = f"interrupted in {stage}, after {counted(work.done, 'design')}"
         return ds
 
     return Work(int(np.prod([v.size for v in axes.values()])) + follow, parts, gather)
 
 
+def _axes(vary: Mapping[str, ArrayLike], units: Mapping[str, str]) -> tuple[dict[str, Array], dict[str, str]]:
+    """Values of each design parameter, and the units of those that have one."""
+    for name in units:
+        if name not in vary:
+            raise RangeError(f"units: found {name!r}, which is not varied.{nearest(name, vary)} Varied: {' '.join(vary)}")
+    axes, found = {}, dict(units)
+    for name, values in vary.items():
+        if isinstance(values, str) and ":" in values:
+            parsed = Range.parse(f"{name}={values}", "vary")
+            axes[name], unit = parsed.values, parsed.unit
+        else:
+            axes[name], unit = read_numbers(name, values)
+        if unit and found.setdefault(name, unit) != unit:
+            raise RangeError(f"{name}: found the unit {unit!r} in its values and {found[name]!r} in units, expected one")
+    return axes, found
+
+
 def _refuse_axes(axes: Mapping[str, Array], system: System) -> None:
     if not 1 <= len(axes) <= 2:
-        raise RangeError(f"found {len(axes)} design parameters, expected one or two")
+        raise RangeError(f"found {counted(len(axes), 'design parameter')}, expected one or two")
     for name, values in axes.items():
         if name in (speed_of(system), system.machine and system.machine.speed_input):
             raise RangeError(f"{name!r} is the speed, which every design runs through: it is no design parameter")

@@ -16,7 +16,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.steady.settling import POOL
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
+from whirlmap.integrate.own_units import in_own_units
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.options.computed import LABELLING, Labelling
@@ -26,6 +27,7 @@ from whirlmap.progress import tell
 from whirlmap.results.schema import variable
 from whirlmap.sweep.diagrams.in_batches import FIRST
 from whirlmap.sweep.interruptible import Work, batches, in_parts
+from whirlmap.sweep.parameters.engineering import number_of_limit
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed, speed_of
@@ -44,7 +46,7 @@ KEPT = (
 def safe_speeds(
     system: System,
     speeds: ArrayLike,
-    limit: float,
+    limit: float | str,
     *,
     quantity: str | None = None,
     follow: bool = True,
@@ -59,9 +61,11 @@ def safe_speeds(
     system : System
         Its values and start states count.
     speeds : array_like, shape (s,)
-        Values of the model's speed parameter, ``s`` of the stock machines, positive and ascending, two or more.
-    limit : float
-        Largest peak-to-peak displacement that is allowed, in the model's length (clearances, for the machines).
+        Values of the model's speed parameter, ``s`` of the stock machines, positive and ascending, two or more; texts
+        with a unit, or the text of a range, ``"500 rpm:6000 rpm:50"``.
+    limit : float or str
+        Largest peak-to-peak displacement that is allowed, in the model's length (clearances, for the machines), or with its
+        unit, ``"20 um"``.
     quantity : str, optional
         State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
     follow : bool
@@ -88,6 +92,8 @@ def safe_speeds(
     ------
     RangeError
         The model declares no speed; speeds that do not ascend or are not positive; a limit that is not positive.
+    InputError
+        A unit where the case has no dimensions, or none where it needs one.
 
     Notes
     -----
@@ -100,8 +106,9 @@ def safe_speeds(
     and run-down; the edges of the windows. It counts the speeds, and one for each of the other two. Who stops keeps what
     is finished.
     """
-    at = np.atleast_1d(np.asarray(speeds, dtype=float))
     speed = speed_of(system)
+    _, at = in_own_units(system, speed, speeds, "speeds")
+    limit = number_of_limit(system, limit)
     refuse_speeds(at, limit)
     judge, progress = Judge(system, quantity, labelling, execution), execution.progress
     block, limits = LANES * (execution.workers or cores()), np.full(at.size, float(limit))
@@ -181,7 +188,7 @@ def _dataset(
 
 def refuse_speeds(at: Array, limit: float) -> None:
     """Refuse speeds and limits that say nothing."""
-    if at.size < 2 or not np.isfinite(at).all() or at[0] <= 0 or np.any(np.diff(at) <= 0):
+    if at.ndim != 1 or at.size < 2 or not np.isfinite(at).all() or at[0] <= 0 or np.any(np.diff(at) <= 0):
         raise RangeError("speeds must be positive and ascend, and be two or more")
     if not 0 < limit < np.inf:
         raise RangeError(f"the limit must be a positive length, not {limit:g}")

@@ -7,6 +7,8 @@ consolidates all others. A store that has lost the one gets it back from the oth
 import json
 import re
 import shutil
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import Any
 from uuid import uuid4
@@ -21,7 +23,9 @@ EVALUATION = "evaluation"
 #: Description of a group or an array; that of the whole store holds a copy of all others.
 DESCRIPTION = "zarr.json"
 #: Files of a store: descriptions and chunks of the group, its arrays, and those of ``chunks``; also half-written ones.
-PART = re.compile(r"(?:\w+/){0,2}(?:zarr\.json|c(?:/\d+)*)(?:\.\w+\.partial)?")
+PART = re.compile(r"(?:\w+/){0,2}(?:zarr\.json|at_work|c(?:/\d+)*)(?:\.\w+\.partial)?")
+#: File that a process keeps in the group ``chunks`` while it computes.
+AT_WORK = "at_work"
 
 
 def exists(folder: Path) -> bool:
@@ -100,6 +104,26 @@ def restore_manifest(folder: Path) -> bool:
 def passing(path: Path) -> Path:
     """Name of what is not finished, as Zarr names it: `remains` and `clear_trials` know it where a process was killed."""
     return path.with_name(f"{path.name}.{uuid4().hex}.partial")
+
+
+@contextmanager
+def at_work(folder: Path) -> Iterator[None]:
+    """Keep a file in a store that says that a process computes; one that is killed leaves it to the next run."""
+    place = passing(folder / CHUNKS / AT_WORK)
+    try:
+        place.touch()
+    except OSError as error:
+        raise OutputError(f"{folder}: cannot be written ({reason(error)})") from error
+    try:
+        yield
+    finally:
+        with suppress(OSError):  # of a disk that is gone: what is raised already says so
+            place.unlink(missing_ok=True)
+
+
+def workers_at(folder: Path) -> list[Path]:
+    """Files of the processes that compute, and of those that were killed while they did."""
+    return list((folder / CHUNKS).glob(f"{AT_WORK}.*.partial"))
 
 
 def remains(folder: Path) -> bool:

@@ -9,10 +9,11 @@ import numpy as np
 
 from whirlmap.results.regime import Regime
 from whirlmap.sweep.store.restoring import WHOLE, lost_parts
-from whirlmap.sweep.store.store_folder import CHUNKS, EVALUATION
+from whirlmap.sweep.store.store_folder import CHUNKS, EVALUATION, workers_at
 from whirlmap.sweep.store.zarr_store import Evaluation, Standing, Store
 
-#: Seconds before the last commit over which the rate is taken, and after it while a store counts as running.
+#: Seconds before the last commit over which the rate is taken, and after it while a store counts as running where a process
+#: has not said that it ended: one that is killed cannot.
 WINDOW, QUIET = 600.0, 120.0
 
 
@@ -46,6 +47,7 @@ def store_standing(folder: str | Path) -> dict[str, Any]:
     points_done = sum(map(store.chunks.points, done))
     times = _commits(store, done)
     since = time.time() - times[-1][0] if times else None
+    working = since is not None and since < QUIET and bool(workers_at(store.folder))
     recent = [(at, n) for at, n in times if at >= times[-1][0] - WINDOW]
     span = recent[-1][0] - recent[0][0] if recent else 0.0
     rate = sum(n for _, n in recent[1:]) / span if span > 0 else None
@@ -56,7 +58,7 @@ def store_standing(folder: str | Path) -> dict[str, Any]:
         "regimes": {Regime(k).label: n for k, n in regimes.most_common()},
         "reasons": reasons, "rate": rate,
         "seconds_left": (points - points_done) / rate if rate and points > points_done else None,
-        "seconds_since": since, "running": since is not None and since < QUIET and len(done) < store.chunks.count,
+        "seconds_since": since, "running": working and len(done) < store.chunks.count,
     }  # fmt: skip
 
 

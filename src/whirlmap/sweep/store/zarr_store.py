@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from whirlmap.results.provenance import PASSING
 from whirlmap.results.status import Status
 from whirlmap.sweep.parameters.space import Chunks
-from whirlmap.sweep.store.store_folder import CHUNKS, EVALUATION, read_manifest
+from whirlmap.sweep.store.store_folder import AT_WORK, CHUNKS, EVALUATION, read_manifest
 
 #: Bytes kept of the reason for which a chunk failed.
 REASON = 1000
@@ -188,7 +188,7 @@ class Store:
         for path in self.folder.rglob("*.partial"):
             if numbers is None or self._chunk_of(path) in numbers:
                 path.unlink(missing_ok=True)
-                count += 1
+                count += not path.name.startswith(AT_WORK)
         return count
 
     def _chunk_of(self, path: Path) -> int:

@@ -15,7 +15,7 @@ from whirlmap.analysis.indicators.correlation_dimension import correlation_dimen
 from whirlmap.analysis.signals.embedding import delay_embedding, false_neighbours, mutual_information
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import CaseError, RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.integrate.loading import load
 from whirlmap.integrate.system import System
 from whirlmap.integrate.workers import Workers

@@ -7,7 +7,7 @@ from typing import Any
 import xarray as xr
 
 from whirlmap.errors import RangeError
-from whirlmap.integrate.ensemble import cores
+from whirlmap.integrate.division import cores
 from whirlmap.results.files import write
 from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI
 from whirlmap.studies.gear_psfd.reproduction.edition_data import (

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import xarray as xr
 
+from whirlmap.errors import counted
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
 from whirlmap.studies.gear_psfd.claims.claims import (
@@ -101,7 +102,7 @@ def _orbits(e: EditionData) -> Orbits:
 def counts(d: Labelled, psi: int, where: Mask) -> str:
     """How many points of each kind a window holds, in words."""
     parts = [f"{int(n)} {name}" for name, m in d.kinds.items() if (n := (m[0, psi] & where).sum())]
-    return f"of {int(where.sum())} speeds: " + (", ".join(parts) or "none")
+    return f"of {counted(int(where.sum()), 'speed')}: " + (", ".join(parts) or "none")
 
 
 def _share(d: Labelled, psi: int, kind: str, where: Mask) -> float:
@@ -117,8 +118,8 @@ def _amplitude_grows(_e: EditionData, d: Labelled, _claim: Claim) -> str:
     running = int(np.isfinite(d.amplitude[0, 0]).sum())
     rank = float(rank_correlation(d)[0])
     if np.isnan(rank):
-        return f"{running} speeds run to their end, and no rank correlation can be had of them"
-    return f"rank correlation of the peak-to-peak of y_p with s: {rank:+.2f} over {running} speeds"
+        return f"{counted(running, 'speed')} run to the end, of which no rank correlation can be had"
+    return f"rank correlation of the peak-to-peak of y_p with s: {rank:+.2f} over {counted(running, 'speed')}"
 
 
 def _window(psi: float, low: float, high: float) -> Callable[[EditionData, Labelled, Claim], str]:
@@ -190,7 +191,7 @@ def _spectrum(e: EditionData, d: Labelled, _claim: Claim) -> str:
     def tell(e: EditionData, psi: float, k: int) -> str:
         if np.isnan(d.orbits.lines[0, k]):
             return f"no spectrum ({_label(e, psi)})"
-        return f"{int(d.orbits.lines[0, k])} lines, {d.orbits.broadband[0, k]:.1%} of the power beside them"
+        return f"{counted(int(d.orbits.lines[0, k]), 'line')}, {d.orbits.broadband[0, k]:.1%} of the power beside them"
 
     return "y_p: " + _each_psi(tell)(e)
 

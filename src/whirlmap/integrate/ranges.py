@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.errors import CaseError, RangeError
 from whirlmap.units import split
@@ -105,3 +105,33 @@ def numbers_and_unit(name: str, texts: Sequence[str]) -> tuple[list[float], str]
     if len(units) > 1:
         raise RangeError(f"values of {name!r}: found the units {', '.join(sorted(units))}, expected one")
     return [number for number, _ in read], units.pop()
+
+
+def read_numbers(name: str, values: ArrayLike) -> tuple[NDArray[np.float64], str]:
+    """Read one or many numbers, or texts of numbers that have one unit: their values as an array, and the unit.
+
+    Raises
+    ------
+    RangeError
+        As `numbers_and_unit`.
+    """
+    try:
+        return np.atleast_1d(np.asarray(values, dtype=float)), ""
+    except (TypeError, ValueError):
+        texts = np.atleast_1d(np.asarray(values, dtype=object))  # lists of different lengths stay what they are
+        numbers, unit = numbers_and_unit(name, [str(text) for text in texts.ravel()])
+        return np.array(numbers).reshape(texts.shape), unit
+
+
+def plain_numbers(name: str, values: ArrayLike) -> NDArray[np.float64]:
+    """Read numbers of what has no unit, one or many.
+
+    Raises
+    ------
+    RangeError
+        What is no number; a number with a unit.
+    """
+    numbers, unit = read_numbers(name, values)
+    if unit:
+        raise RangeError(f"values of {name!r}: found the unit {unit!r}, expected numbers without one")
+    return numbers

@@ -3,11 +3,14 @@
 import math
 from dataclasses import replace
 
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
 from whirlmap.equations.quantities import Quantity
 from whirlmap.errors import CaseError, InputError, RangeError, nearest
 from whirlmap.integrate.dimensions import WRITTEN, Dimensions
+from whirlmap.integrate.ranges import Range, read_numbers
 from whirlmap.integrate.system import System
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.units import factor
 
 #: Plain values of s beyond this, of a machine whose s is a speed, were meant in rpm: no rotor runs at twenty times the speed
@@ -37,6 +40,59 @@ def in_parameters(system: System, found: Range, option: str = "--vary") -> Range
         return found
     size = size_of(system, system.model.parameter(name), found.unit, option)
     return replace(found, name=name, start=found.start * size, stop=found.stop * size, unit="")
+
+
+def in_own_units(
+    system: System, name: str, values: "ArrayLike | Range", option: str = "values"
+) -> tuple[str, NDArray[np.float64]]:
+    """Values of a parameter in the model's own numbers: its name, which of a speed is that of the parameter, and an array.
+
+    Parameters
+    ----------
+    values : array_like, Range or str
+        Numbers in the parameter's unit; texts with a unit, ``["500 rpm", "600 rpm"]``; a `Range`, or the text of one.
+    option : str
+        What messages call it.
+
+    Raises
+    ------
+    InputError
+        A unit that the parameter does not have, or none where one is needed.
+    RangeError
+        What is no number; with a unit, or as a range, a name that is no parameter and no speed.
+    """
+    if isinstance(values, str) and ":" in values:
+        values = Range.parse(f"{name}={values}", option)
+    if isinstance(values, Range):
+        found = in_parameters(system, values, option)
+        return found.name, found.values
+    numbers, unit = read_numbers(name, values)
+    own = as_parameter(system, name)
+    if own in system.parameters and not unit:
+        if own != name:
+            raise InputError(f'{option}: found {name} without a unit, expected speeds with their unit, such as "500 rpm"')
+        return name, numbers
+    refuse_input(system, own, option)
+    refuse_unknown(system, own, option)
+    return own, numbers * size_of(system, system.model.parameter(own), unit, option)
+
+
+def state_values(system: System, name: str, values: "ArrayLike | Range", option: str) -> NDArray[np.float64]:
+    """Values of a state in the model's own numbers; they may have a unit, and be a `Range` or the text of one.
+
+    Raises
+    ------
+    InputError
+        As `in_state`.
+    RangeError
+        What is no number.
+    """
+    if isinstance(values, str) and ":" in values:
+        values = Range.parse(f"{name}={values}", option)
+    if isinstance(values, Range):
+        return in_states(system, values, option).values
+    numbers, unit = read_numbers(name, values)
+    return numbers * in_state(system, name, 1.0, unit, option) if unit else numbers
 
 
 def in_states(system: System, found: Range, option: str) -> Range:
