@@ -122,7 +122,8 @@ def test_above_an_unbalance_there_is_no_jump_down():
     assert len(found(ds, "fold")[0]) <= 1
     radius = np.hypot(ds["section"].values[:, 0, 0], ds["section"].values[:, 0, 1])
     s, k = ds["s"].values, 2 * 0.05 * ds["s"].values
-    left, right = radius * (1 - s**2) + k * radius**2 / (1 - radius**2) ** 2, np.pi * k * radius / (4 * (1 - radius**2) ** 1.5)
+    left = radius * (1 - s**2) + k * radius**2 / (1 - radius**2) ** 2
+    right = np.pi * k * radius / (4 * (1 - radius**2) ** 1.5)
     np.testing.assert_allclose(left**2 + right**2, 0.09 * s**4, rtol=VALUE)
 
 
