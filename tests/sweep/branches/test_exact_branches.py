@@ -51,7 +51,7 @@ def dead_zone():
     ],
 )
 def test_events_of_the_dead_zone(dead_zone, F, kind, value, state):
-    """Grazing orbits, folds of the orbit with contact loss, and its first doubling; multipliers multiply to exp(-2 zeta T)."""
+    """Grazing orbits, folds with loss of contact, and the first doubling; multipliers multiply to exp(-2 zeta T)."""
     values, states, multipliers = found(dead_zone[F], kind)
     k = int(np.abs(values - value).argmin())
     assert values[k] == pytest.approx(value, rel=VALUE)
