@@ -11,7 +11,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from whirlmap.plot.common.diagnosis_parts import clock_name, journal_of, marked_shaft, parts_of
-from whirlmap.plot.common.style import WIDE, new_figure, styled, text_size, write_reason
+from whirlmap.plot.common.style import VERMILION, WIDE, new_figure, styled, text_size, write_reason
+from whirlmap.plot.panels.branches import draw_branches
 from whirlmap.plot.panels.convergence import draw_convergence
 from whirlmap.plot.panels.diagram import draw_diagram
 from whirlmap.plot.panels.dimension import draw_correlation_sum, draw_local_slope
@@ -51,6 +52,7 @@ def diagram_figure(
     names: Mapping[str, str] | None = None,
     title: str = "",
     log: bool | None = None,
+    branches: xr.Dataset | None = None,
 ) -> Figure:
     """Bifurcation diagrams of several states over one regime strip per column.
 
@@ -70,6 +72,8 @@ def diagram_figure(
         Over the whole figure; nothing where empty.
     log : bool, optional
         Logarithmic parameter axis; where absent, if the values are spaced by a constant factor.
+    branches : xr.Dataset, optional
+        Of `continue_orbit` over the same parameter, drawn over the points: solid where stable, dashed where not.
 
     Returns
     -------
@@ -94,6 +98,8 @@ def diagram_figure(
             ax = fig.add_subplot(grid[row, column], sharex=top)
             top = top or ax
             draw_diagram(ds, state, ax=ax, log=log)
+            if branches is not None:
+                draw_branches(branches, state, measure="section", ax=ax, colour=VERMILION, legend=row == column == 0)
             ax.set_title((names or {}).get(state, ""))
             _bare(ax)
         strip = fig.add_subplot(grid[rows, column], sharex=top)
