@@ -44,8 +44,8 @@ WAYS = ("up", "down", "both")
 
 def bifurcation(
     *, case: str, vary: str, follow: str | None, branches: bool, changes: list[str] | None, start: list[str] | None,
-    labelling: Labelling, execution: Execution, plot: str | None, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
-    title: str | None, force: bool, json: bool, quiet: bool,
+    labelling: Labelling, execution: Execution, plot: str | None, dimensionless: bool, out: Path | None, size: str | None,
+    dpi: int | None, title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.bifurcation` says."""
     swept = Range.parse(vary)

@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from whirlmap.plot.common.diagnosis_parts import clock_name, journal_of, marked_shaft, parts_of
 from whirlmap.plot.common.style import VERMILION, WIDE, new_figure, styled, text_size, write_reason
@@ -100,6 +101,7 @@ def diagram_figure(
             draw_diagram(ds, state, ax=ax, log=log)
             if branches is not None:
                 draw_branches(branches, state, measure="section", ax=ax, colour=VERMILION, legend=row == column == 0)
+                _show_all(ax, branches["section"].sel(state=state).values)
             ax.set_title((names or {}).get(state, ""))
             _bare(ax)
         strip = fig.add_subplot(grid[rows, column], sharex=top)
@@ -112,6 +114,13 @@ def diagram_figure(
     if title:
         fig.suptitle(title)
     return fig
+
+
+def _show_all(ax: Axes, values: NDArray[np.float64]) -> None:
+    """Let an axis reach as far as these values, with the margin that it has."""
+    low, high = ax.get_ylim()
+    margin = 0.03 * (np.nanmax(values) - np.nanmin(values))
+    ax.set_ylim(min(low, np.nanmin(values) - margin), max(high, np.nanmax(values) + margin))
 
 
 def paper_diagram_figure(
