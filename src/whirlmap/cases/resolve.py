@@ -19,7 +19,7 @@ from typing import Any
 from sympy import sympify
 
 from whirlmap.cases import alternatives
-from whirlmap.cases.case import Case, Layer, spread
+from whirlmap.cases.case import Case, Layer, spread, with_parts
 from whirlmap.cases.entries import Given
 from whirlmap.cases.reasons import History, Mark
 from whirlmap.equations import hints
@@ -126,7 +126,8 @@ def resolve(case: Case, changes: Mapping[str, Any] | None = None) -> Resolved:
         For anything that is wrong with a name, a unit or a value; see `read`.
     """
     asked_for = dict(changes or {})
-    changes, family = dict(asked_for), case.family
+    case, changes = with_parts(case, asked_for)
+    family = case.family
     picked = {name: changes.pop(name) for name in list(changes) if name in family.switches}
     model = _model(family, case.switches, picked)
     switches = dict(model.switches) or {**case.switches, **picked}
