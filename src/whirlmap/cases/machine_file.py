@@ -47,13 +47,13 @@ OPERATING: tuple[Field, ...] = (
 )
 OIL: tuple[Field, ...] = (
     Text("name", "name of the lubricant"),
-    Number("mu", "Pa*s", "viscosity", limits=ABOVE),
+    Number("mu", "Pa*s", "viscosity of the lubricant", limits=ABOVE),
     Number("VG", "1", "ISO VG grade", limits=ABOVE),
     Number("VI", "1", "viscosity index"),
     Number("nu_40", "m^2/s", "kinematic viscosity at 40 degC", limits=ABOVE),
     Number("nu_100", "m^2/s", "kinematic viscosity at 100 degC", limits=ABOVE),
     Number("T_oil", "degC", "temperature of the film", limits={"above": -KELVIN}),
-    Number("rho", "kg/m^3", "density at its temperature", limits=ABOVE),
+    Number("rho", "kg/m^3", "density of the lubricant at its temperature", limits=ABOVE),
 )
 #: Tables of parts, and their fields.
 KINDS: Mapping[str, Sequence[Field]] = {
@@ -105,7 +105,7 @@ class MachineCase:
         raw, left, others = dict(self.raw), dict(changes), False
         for name, value in changes.items():
             if name in self.layer or (found := _place(raw, name)) is None:
-                self._refuse_derived(name)
+                self._refuse(name)
                 continue
             kind, index, key = found
             raw[kind] = _with(raw[kind], index, key, value.written if isinstance(value, Given) else value)
@@ -113,8 +113,15 @@ class MachineCase:
             others = True
         return (read_machine(raw, self.sources) if others else self), left
 
-    def _refuse_derived(self, name: str) -> None:
-        given = self.layer.get(name)
+    def _refuse(self, name: str) -> None:
+        """Refuse a dotted name of no part, and a change of what follows."""
+        given, groups = self.layer.get(name), self.family.groups
+        assert groups is not None
+        known = [*(q.name for q in groups.inputs), *groups.shared]
+        if "." in name and name not in known:
+            raise CaseError(f"found {name!r}, which names nothing of this machine, expected kind.part.key, such as"
+                            f" {known[-1]}."
+                            f"{nearest(name, known)}")  # fmt: skip
         if given is not None and given.note.startswith("follows"):
             raise CaseError(f"{name} follows from the elements and disks of its shaft, expected a change of those, such as"
                             f" {name.rpartition('.')[0]}.elements.1.d")  # fmt: skip
@@ -284,7 +291,7 @@ def _derived(one: rotor.Rotor) -> list[tuple[str, Given]]:
     made = []
     for key, value in values.items():
         quantity = rotor.quantity(one.name, key)
-        made.append((quantity.name, Given(quantity.name, value, quantity.unit, rule)))
+        made.append((quantity.name, Given(quantity.name, float(f"{value:.12g}"), quantity.unit, rule)))
     return made
 
 
@@ -296,5 +303,3 @@ def _family(machine: Machine, oils: tuple[tuple[str, tuple[Parameter, Parameter]
         declare=lambda: assemble(machine),
         groups=groups_of(machine, dict(oils)),
     )
-
-

@@ -14,7 +14,7 @@ from whirlmap.machines.assembly import Machine
 from whirlmap.machines.beams import MATERIALS, Element, Material
 from whirlmap.machines.fields import Choice, Field
 from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
-from whirlmap.machines.shafts import JOURNAL, ROTOR, Disk, Shaft
+from whirlmap.machines.shafts import JOURNAL, ROTOR, Disk, Shaft, reduced_numbers
 from whirlmap.machines.train import Link, Train, train
 from whirlmap.units import read
 
@@ -203,8 +203,9 @@ class Tables:
         couplings = tuple(self._coupling(table) for table in self.of("coupling"))
         self._refuse_free_rotation(couplings)
         fastest = self._fastest(turning)
+        unbalances = tuple(self._unbalance(table) for table in self.of("unbalance"))
         rotors = tuple(
-            self._rotor(table, bearings, meshes, couplings, fastest) for table in self.of("shaft")
+            self._rotor(table, bearings, meshes, unbalances, couplings, fastest) for table in self.of("shaft")
         )  # fmt: skip
         supports = tuple(
             support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in bearings if b.support == t.name))
@@ -217,15 +218,6 @@ class Tables:
                 raise table.fault("", "found several bearings on this support, one of which stands for two alike;"
                                       " expected each of"
                                       " the two to have a support of its own")  # fmt: skip
-        unbalances = tuple(
-            unbalance.Unbalance(
-                t.name, self.shaft(t), self.station(t, self.shaft(t), t.values.get("at")), frozenset(t.numbers)
-            )
-            for t in self.of("unbalance")
-        )
-        for t in self.of("unbalance"):
-            if not {"U", "e", "G"} & set(t.numbers):
-                raise t.fault("", 'found none of U, e and G, expected one, as in U = "30 g*mm"')
         return Machine(self.reference, rotors, bearings, supports, meshes, unbalances, couplings, turning)
 
     def _fastest(self, turning: Train) -> float:
@@ -332,6 +324,13 @@ class Tables:
                         return self.base(table.name, way)
         return Integer(0)
 
+    def _unbalance(self, table: PartTable) -> unbalance.Unbalance:
+        if not {"U", "e", "G"} & set(table.numbers):
+            raise table.fault("", 'found none of U, e and G, expected one, as in U = "30 g*mm"')
+        shaft = self.shaft(table)
+        station = self.station(table, shaft, table.values.get("at"))
+        return unbalance.Unbalance(table.name, shaft, station, frozenset(table.numbers))
+
     def _coupling(self, table: PartTable) -> coupling.Coupling:
         shaft = self.shaft(table)
         if not self.torsion:
@@ -354,7 +353,7 @@ class Tables:
 
     def _rotor(
         self, table: PartTable, bearings: Sequence[journal.JournalBearing], meshes: Sequence[teeth.Teeth],
-        couplings: Sequence[coupling.Coupling], fastest: float,
+        unbalances: Sequence[unbalance.Unbalance], couplings: Sequence[coupling.Coupling], fastest: float,
     ) -> rotor.Rotor:  # fmt: skip
         name = table.name
         mine = [b for b in bearings if b.shaft == name]
@@ -375,15 +374,20 @@ class Tables:
                 Disk(one.name, self.station(one, name, one.values["at"]), own["m"], own.get("I_d", 0.0), own.get("I_p", 0.0))
             )
         wheels = [w for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
+        pressed = {w.station for w in wheels} | {u.station for u in unbalances if u.shaft == name}
         turning = self.torsion and self.reference_base(name) != 0
         twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()
         if turning and not self.elements[name]:
             table.needs(("J",), 'torsion = "free"', rotor.FIELDS)
         modes = table.whole("modes", 0, 0) if "modes" in table.values else None
         shaft = Shaft(
-            name, tuple(self.elements[name]), tuple(disks), modes, fastest, tuple(sorted({w.station for w in wheels})),
+            name, tuple(self.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
             tuple(sorted(twisted)), tuple(b.station for b in mine),
         )  # fmt: skip
+        try:
+            reduced_numbers(shaft)
+        except CaseError as error:
+            raise table.fault("modes" if modes is not None else "elements", str(error)) from None
         shown = [(d.name, d.station) for d in disks]
         shown += [(f"{m.name}_{name}", w.station) for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
         return rotor.Rotor(

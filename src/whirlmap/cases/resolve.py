@@ -224,7 +224,8 @@ class _Work:
         if not serving or any(self.routes.get(r.target.name) is r for r in serving):
             return False
         others = [{**self.switches, k: choice} for k, choices in self.family.switches.items() for choice in choices]
-        return not any(name in reads for switches in others for reads in self.groups.reads(switches).values())
+        every = [reads for switches in (self.switches, *others) for reads in self.groups.reads(switches).values()]
+        return not any(name in reads for reads in every)
 
     def _fed(
         self, name: str, explicit: frozenset[str] = frozenset(), switches: Mapping[str, str] | None = None

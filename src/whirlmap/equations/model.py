@@ -75,7 +75,7 @@ class Model(Listed):
     journals : mapping of str to Journal
         Journals by their bearing, for orbits in their clearance.
     unbalances : mapping of str to Parameter
-        Eccentricities of centres of mass over the clearance, by the rotor's name.
+        Eccentricities of centres of mass over the clearance, by the rotor's name; ``"rotor, plane"`` where it has several.
     assumptions : str
         Which assumptions `whirlmap.assumptions` judges beside those of bearings.
     sources : tuple of str

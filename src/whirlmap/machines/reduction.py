@@ -5,9 +5,10 @@ The shaft is free in space. With modes Phi (rigid and the lowest elastic ones) a
     u = Phi q + G_r f,     Phi^T M Phi q'' + Phi^T K Phi q = Phi^T f,
 
 where G_r is the static flexibility of the omitted modes: that of the free shaft under forces balanced by its own inertia
-(inertia relief) less that of the kept modes. Massless degrees of freedom are condensed statically first. Where a mesh acts,
-the residual response to its force is taken into the modes (an attachment mode), so that nothing is omitted there and meshes
-of one shaft do not couple algebraically. Sources: MacNeal 1971, Rubin 1975, Craig and Kurdila 2006, chapter 17.
+(inertia relief) less that of the kept modes. Massless degrees of freedom are condensed statically first. Where a mesh or
+an unbalance acts, the residual response to its force is taken into the modes (an attachment mode), so that nothing is
+omitted there, meshes of one shaft do not couple algebraically, and forces on journals are forms of states alone. Sources:
+MacNeal 1971, Rubin 1975, Craig and Kurdila 2006, chapter 17.
 """
 
 from collections.abc import Sequence
@@ -191,7 +192,7 @@ def _attachment(whole: Spectrum, columns: Matrix) -> tuple[Vector, Matrix]:
     columns = columns * size
     M, K = columns.T @ whole.M @ columns, columns.T @ whole.K @ columns
     if np.linalg.eigvalsh(M)[0] <= NONE * np.abs(M).max():
-        raise CaseError("found a mesh at a station without mass, expected mass where teeth act")
+        raise CaseError("found a force at a station without mass, expected mass where teeth or unbalances act")
     L = np.linalg.cholesky(M)
     inner = np.linalg.solve(L, np.linalg.solve(L, K).T).T
     values, vectors = np.linalg.eigh((inner + inner.T) / 2)

@@ -16,8 +16,11 @@ from whirlmap.machines.reduction import Modes, Spectrum, reduce, spectrum
 
 Matrix = NDArray[np.float64]
 
-#: Elastic modes in a plane that are kept at least, and how many times the highest shaft speed the others may lie above.
-LEAST, RANGE = 4, 6.0
+#: Elastic and attachment modes in a plane that are kept at least; elastic modes below RANGE times the highest shaft speed are
+#: all kept.
+LEAST, RANGE = 3, 6.0
+#: Residual flexibility over the shaft's own below which a journal would be as fast as rounding allows.
+FLEXIBLE = 1e-9
 #: Stations of a lumped rotor.
 ROTOR, JOURNAL = 0, 1
 
@@ -48,7 +51,7 @@ class Shaft:
     fastest : float
         Highest speed of this machine's shafts [rad/s], for that choice.
     attached, twisted : tuple of int
-        Stations at which teeth act, and those at which teeth or couplings act on the rotation.
+        Stations at which teeth or unbalances act across the axis, and those at which teeth or couplings act on the rotation.
     """
 
     name: str
@@ -158,20 +161,33 @@ class Shaft:
     @cached_property
     def spectrum(self) -> Spectrum:
         """All modes of the free shaft in one plane."""
-        try:
-            return spectrum(self.matrices[0], self.matrices[2], self.rigid)
-        except CaseError as error:
-            raise CaseError(f"shaft {self.name}: {error}") from None
+        return spectrum(self.matrices[0], self.matrices[2], self.rigid)
 
     @cached_property
     def reduced(self) -> Modes:
-        """The modes that are kept, and the residual flexibility."""
+        """The modes that are kept, and the residual flexibility.
+
+        Where the number is not given, fewer are kept of a shaft with so few elements that nothing would be left at its
+        bearings.
+        """
         kept = self.modes
-        if kept is None:
-            kept = max(LEAST, int(np.sum(self.spectrum.frequency <= RANGE * self.fastest)) - self.spectrum.rigid)
-        return reduce(
-            self.spectrum, kept, [self.freedom(s) for s in self.attached], [self.freedom(s) for s in range(self.stations)]
-        )
+        if kept is not None:
+            return self._keeping(kept)
+        within = int(np.sum(self.spectrum.frequency <= RANGE * self.fastest)) - self.spectrum.rigid
+        kept = max(LEAST - len(self.attached), within, 1)
+        while kept > 0 and not self.flexible(self._keeping(kept)):
+            kept -= 1
+        return self._keeping(kept)
+
+    def _keeping(self, elastic: int) -> Modes:
+        pressed, all_of_them = ([self.freedom(i) for i in some] for some in (self.attached, range(self.stations)))
+        return reduce(self.spectrum, elastic, pressed, all_of_them)
+
+    def flexible(self, modes: Modes) -> bool:
+        """Whether the omitted modes leave a flexibility between the kept ones and every journal."""
+        rows = [self.freedom(station) for station in self.bearings]
+        left = modes.residual[np.ix_(rows, rows)]
+        return not rows or bool(np.linalg.eigvalsh(left)[0] > FLEXIBLE * np.abs(self.spectrum.flexibility).max())
 
     @cached_property
     def twisting(self) -> Modes:
@@ -197,10 +213,10 @@ def reduced_numbers(shaft: Shaft) -> "Reduced":
     at = [shaft.freedom(station) for station in range(shaft.stations)]
     bearings = [shaft.freedom(station) for station in shaft.bearings]
     flexible = modes.residual[np.ix_(bearings, bearings)] * k
-    if flexible.size and not np.linalg.eigvalsh(flexible)[0] > 1e-9 * np.abs(flexible).max():
+    if not shaft.flexible(modes):
         raise CaseError(
-            f"shaft {shaft.name}: its bearings leave no flexibility between the kept modes and the journals, expected fewer"
-            " modes, or more elements between two bearings"
+            f"found {modes.count - modes.rigid} elastic modes, which leave no flexibility between them and the journals of"
+            f" shaft {shaft.name}; expected fewer modes, or more elements"
         )
     gyroscopic = modes.shapes.T @ G @ modes.shapes / m
     gyroscopic[np.abs(gyroscopic) <= 1e-13 * np.abs(gyroscopic).max(initial=0.0)] = 0.0
@@ -213,7 +229,6 @@ def reduced_numbers(shaft: Shaft) -> "Reduced":
         stiffness=modes.mass * modes.frequency**2 / k,
         gyroscopic=gyroscopic,
         residual=np.asarray(np.linalg.inv(flexible), dtype=float) if flexible.size else flexible,
-        across=modes.residual[np.ix_(bearings, at)] * k,
         weight=weight,
     )
 
@@ -232,8 +247,6 @@ class Reduced:
         Over the shaft's mass.
     residual : array, shape (bearing, bearing)
         Stiffness between modes and journals, the inverse of the residual flexibility.
-    across : array, shape (bearing, station)
-        Residual flexibility between bearings and stations.
     weight : array, shape (mode,)
         Part of the weight that acts on a mode.
     """
@@ -243,7 +256,6 @@ class Reduced:
     stiffness: NDArray[np.float64]
     gyroscopic: Matrix
     residual: Matrix
-    across: Matrix
     weight: NDArray[np.float64]
 
 

@@ -231,4 +231,3 @@ class JournalBearing:
             made.switchings = {f"rub_{name}": Switching(touch, f"journal {name} rubs its bearing")}
             made.sources.append("chu1998")
         return made
-

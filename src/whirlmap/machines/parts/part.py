@@ -49,8 +49,6 @@ class Coupled:
         Position of each journal in space.
     forces : mapping of str to list of (station, (Expr, Expr))
         On each shaft, over K_0 c_0.
-    rotating : mapping of str to list of (station, (Expr, Expr))
-        Forces of unbalance on each shaft, over K_0 c_0: beside the modes they bend the residual flexibility.
     moments : mapping of str to list of (station, Expr)
         On the rotation of each shaft, over K_0 c_0 and its base radius, along the rotation.
     loads : mapping of str to (Expr, Expr)
@@ -61,7 +59,6 @@ class Coupled:
     positions: dict[str, Vector] = field(default_factory=lambda: {"": ZERO})
     journals: dict[str, Vector] = field(default_factory=dict)
     forces: dict[str, list[tuple[int, Vector]]] = field(default_factory=dict)
-    rotating: dict[str, list[tuple[int, Vector]]] = field(default_factory=dict)
     moments: dict[str, list[tuple[int, Expr]]] = field(default_factory=dict)
     loads: dict[str, Vector] = field(default_factory=dict)
 

@@ -27,9 +27,9 @@ FIELDS: tuple[Field, ...] = (
     Number("nu", "1", "Poisson's ratio", fixed=True, limits={"at_least": 0, "below": 0.5}),
     Number("rho", "kg/m^3", "density", fixed=True, limits=ABOVE),
     Other("elements", "beam elements from the first end: L, d, d_i, and n equal pieces"),
-    Number("m", "kg", "mass of a lumped rotor", limits=ABOVE),
-    Number("K", "N/m", "stiffness of the shaft of a lumped rotor", limits=ABOVE),
-    Number("J", "kg*m^2", "polar inertia of a lumped rotor", limits=ABOVE),
+    Number("m", "kg", "mass, with disks", limits=ABOVE),
+    Number("K", "N/m", "stiffness m omega^2 of the lowest bending mode on rigid bearings", limits=ABOVE),
+    Number("J", "kg*m^2", "polar inertia, with disks", limits=ABOVE),
     Number("C", "N*s/m", "external damping, spread like the mass", limits=AT_LEAST),
     Number("zeta", "1", "damping ratio of the elastic modes", limits=AT_LEAST),
     Other("modes", "elastic modes to keep in a plane"),
@@ -231,7 +231,6 @@ class Rotor:
     def press(self, coupled: Coupled) -> None:
         """Forces on its journals: residual stiffness times displacement of the modes less that of the journal."""
         numbers, stations = self.numbers, self.shaft.bearings
-        reach = numbers.residual @ numbers.across  # what a force at a station does to the journals
         for axis in (0, 1):
             away = [
                 self.displacement(station)[axis] - coupled.journals[bearing][axis]
@@ -239,8 +238,6 @@ class Rotor:
             ]
             for row, (bearing, alike) in enumerate(zip(self.bearings, self.alike, strict=True)):
                 load = self.kappa * linear_form(list(numbers.residual[row]), away)
-                for station, force in coupled.rotating.get(self.name, []):
-                    load += number(reach[row, station]) * force[axis]
                 before = coupled.loads.get(bearing, ZERO)
                 one = load / alike
                 coupled.loads[bearing] = (one, before[1]) if axis == 0 else (before[0], one)
@@ -264,7 +261,7 @@ class Rotor:
         for bearing, alike in zip(self.bearings, self.alike, strict=True):
             weight = n.shapes[station_of[bearing], k] * alike / n.mass[k]
             total -= number(weight) / (self.nu * s**2) * coupled.loads[bearing][plane]
-        for station, force in (*coupled.forces.get(self.name, []), *coupled.rotating.get(self.name, [])):
+        for station, force in coupled.forces.get(self.name, []):
             total += number(n.shapes[station, k] / n.mass[k]) / (self.nu * s**2) * force[plane]
         spin = linear_form(list(n.gyroscopic[k] / n.mass[k]), list(self.rates_of(other)))
         total -= sense * self.r * spin

@@ -68,7 +68,7 @@ class Unbalance:
         r = speed_over_clock(self.shaft)
         angle = r * t + (self.chi if "phase" in self.given else 0)
         size = mass_ratio(self.shaft) * self.b * r**2 * s**2
-        coupled.rotating.setdefault(self.shaft, []).append((self.station, (size * cos(angle), size * sin(angle))))
+        coupled.forces.setdefault(self.shaft, []).append((self.station, (size * cos(angle), size * sin(angle))))
 
     def rates(self, coupled: Coupled) -> dict[State, Expr]:  # noqa: ARG002 (the same for all parts)
         """None."""
@@ -76,4 +76,4 @@ class Unbalance:
 
     def declare(self, coupled: Coupled) -> Declared:  # noqa: ARG002 (the same for all parts)
         """Its size, which is to be small against a clearance."""
-        return Declared(unbalances={self.shaft: self.b})
+        return Declared(unbalances={f"{self.shaft}, {self.name}": self.b})
