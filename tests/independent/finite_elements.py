@@ -54,6 +54,7 @@ class Gearbox:
     mesh: Mesh | None
     speed: float
     mu: float
+    couplings: tuple[tuple[int, int, float, float], ...] | None = None  # shaft, station, k_t, c_t; None: no torsion
 
     @property
     def speeds(self) -> list[float]:
@@ -115,6 +116,10 @@ class Matrices:
                 if b.pedestal:
                     self.pedestals[i, b] = n
                     n += 2
+        self.angles = []  # first coordinate of each shaft's rotation, counter-clockwise
+        for rotor in box.rotors if box.couplings else ():
+            self.angles.append(n)
+            n += len(rotor.pieces) + 1
         self.M, self.C, self.K, self.n = np.zeros((n, n)), np.zeros((n, n)), np.zeros((n, n)), n
         for i, rotor in enumerate(box.rotors):
             spin = box.speeds[i]
@@ -150,10 +155,32 @@ class Matrices:
             for i, sign in ((0, 1), (1, -1)):
                 j = self.at(i, m.stations[i])
                 self.across[[j, j + 2]] = sign * np.array([cos(phi), sin(phi)])
+            if self.angles:  # moments about the centres, of a force at the pitch point
+                n_x, n_y = cos(phi), sin(phi)
+                for i, place in ((0, m.module * m.z[0] / 2), (1, -m.module * m.z[1] / 2)):
+                    p_x, p_y = place * cos(m.beta), place * sin(m.beta)
+                    self.across[self.angles[i] + m.stations[i]] = (1, -1)[i] * (p_x * n_y - p_y * n_x)
             self.load = abs(m.torque) / (m.module * m.z[0] / 2 * cos(m.alpha))
             self.K += m.K * np.outer(self.across, self.across)
             self.C += m.C * np.outer(self.across, self.across)
+        self._turning()
         self.inverse = np.linalg.inv(self.M)
+
+    def _turning(self) -> None:
+        """Inertia and stiffness of the rotation of stations about the uniform one, and couplings to the ground."""
+        for first, rotor in zip(self.angles, self.box.rotors, strict=False):
+            for k, (L, d, d_i) in enumerate(rotor.pieces):
+                polar, two = pi * (d**4 - d_i**4) / 32, [first + k, first + k + 1]
+                for x, weight in zip(GAUSS, WEIGHT, strict=True):
+                    shape = np.array([(1 - x) / 2, (1 + x) / 2])
+                    self.M[np.ix_(two, two)] += RHO * polar * L / 2 * weight * np.outer(shape, shape)
+                self.K[np.ix_(two, two)] += G * polar / L * np.array([[1, -1], [-1, 1]])
+            for station, _, _, I_p in rotor.disks:
+                self.M[first + station, first + station] += I_p
+        for shaft, station, k_t, c_t in self.box.couplings or ():
+            j = self.angles[shaft] + station
+            self.K[j, j] += k_t
+            self.C[j, j] += c_t
 
     def at(self, rotor: int, station: int) -> int:
         """First coordinate of a station."""
@@ -181,8 +208,13 @@ class Matrices:
         return f
 
     def steady(self) -> np.ndarray:
-        """Forces that stand still: weight and transmitted tooth load."""
-        return self.weight - (self.load * self.across if self.box.mesh else 0)
+        """Forces that stand still: weight, transmitted tooth load, and the torques that balance it."""
+        if not self.box.mesh:
+            return self.weight
+        load = -self.load * self.across
+        for first, rotor in zip(self.angles, self.box.rotors, strict=False):
+            load[first : first + len(rotor.pieces) + 1] = 0.0
+        return self.weight + load
 
     def forcing(self, t: float) -> np.ndarray:
         """Unbalances and transmission error."""

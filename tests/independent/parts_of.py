@@ -7,6 +7,7 @@ def machine_file(box, *, modes=None, operation=""):
     text = [f"""model = "machine"
 [operation]
 reference = "pinion"
+torsion = "{"free" if box.couplings else "none"}"
 speed = "{box.speed!r} rad/s"
 g = "9.81 m/s^2"
 {operation}
@@ -53,6 +54,14 @@ shaft = "{name}"
 at = {station}
 U = "{U!r} kg*m"
 phase = "{phase!r} rad"
+""")
+    for shaft, station, k_t, c_t in box.couplings or ():
+        text.append(f"""[[coupling]]
+name = "coupling_{names[shaft]}"
+shaft = "{names[shaft]}"
+at = {station}
+k_t = "{k_t!r} N*m/rad"
+c_t = "{c_t!r} N*m*s/rad"
 """)
     if box.mesh:
         m = box.mesh

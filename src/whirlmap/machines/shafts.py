@@ -16,8 +16,8 @@ from whirlmap.machines.reduction import Modes, Spectrum, reduce, spectrum
 
 Matrix = NDArray[np.float64]
 
-#: Elastic and attachment modes in a plane that are kept at least; elastic modes below RANGE times the highest shaft speed are
-#: all kept.
+#: Elastic and attachment modes in a plane that are kept at least; elastic modes below RANGE times the highest shaft speed
+#: are all kept.
 LEAST, RANGE = 3, 6.0
 #: Residual flexibility over the shaft's own below which a journal would be as fast as rounding allows.
 FLEXIBLE = 1e-9
