@@ -1,4 +1,4 @@
-"""What any machine from parts must keep: no direction is special without gravity, a mirror image moves alike, energy balances."""
+"""What any machine from parts must keep: without gravity no direction is special, a mirror image moves alike, energy."""
 
 import numpy as np
 import pytest
@@ -139,14 +139,16 @@ class Energies:
             for axis in "xy":
                 q = np.array([state[k.name] for k in rotor.coordinates(axis)])
                 rate = np.array([state[k.name] for k in rotor.rates_of(axis)])
-                total += v[f"nu_{name}"] * s2 * (n.mass * rate**2).sum() / 2 + v[f"kappa_{name}"] * (n.stiffness * q**2).sum() / 2
+                total += v[f"nu_{name}"] * s2 * (n.mass * rate**2).sum() / 2
+                total += v[f"kappa_{name}"] * (n.stiffness * q**2).sum() / 2
             total += v[f"nu_{name}"] * v["f"] * (n.weight * [state[k.name] for k in rotor.coordinates("y")]).sum()
             load, away = self.loads(state, rotor)
             total += (load * away).sum() / 2
             if rotor.base is not None:
                 modes, J = rotor.shaft.twisting, rotor.shaft.inertia
                 q, rate = (np.array([state[k.name] for k in some]) for some in (rotor.arcs, rotor.arc_rates))
-                total += v[f"iota_{name}"] * (modes.mass / J * (s2 * rate**2 + modes.frequency**2 / v["omega_0_2"] * q**2)).sum() / 2
+                squares = s2 * rate**2 + modes.frequency**2 / v["omega_0_2"] * q**2
+                total += v[f"iota_{name}"] * (modes.mass / J * squares).sum() / 2
         for one in self.machine.supports:
             nu = v[f"nu_{one.name}"]
             for axis in "xy":
@@ -156,7 +158,8 @@ class Energies:
             total += nu * v["f"] * state[f"y_{one.name}"]
         for one in self.machine.couplings:
             rotor = next(r for r in self.machine.rotors if r.name == one.shaft)
-            total += v[f"kappa_t_{one.name}"] * (rotor.shaft.twisting.shapes[one.station] @ [state[k.name] for k in rotor.arcs]) ** 2 / 2
+            arc = rotor.shaft.twisting.shapes[one.station] @ [state[k.name] for k in rotor.arcs]
+            total += v[f"kappa_t_{one.name}"] * arc**2 / 2
         delta, _ = self.pressed(state)
         total += v["Lambda_teeth"] * delta**2 / 2
         return total + self.transmitted(state)

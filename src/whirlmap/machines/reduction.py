@@ -181,6 +181,7 @@ def reduce(whole: Spectrum, elastic: int, attachments: Sequence[int], displaceme
         values, vectors = _attachment(whole, columns)
         shapes, frequency = np.hstack([shapes, vectors]), np.concatenate([frequency, values])
         residual = _without_rounding(residual - (vectors / values**2) @ vectors.T, whole.flexibility)
+        residual[list(attachments)] = residual[:, list(attachments)] = 0.0  # but for rounding they are
         attached = values.size
     size = np.array([_largest(shape[list(displacements)]) for shape in shapes.T])
     return Modes(shapes / size, 1 / size**2, frequency, residual, whole.rigid, attached)
