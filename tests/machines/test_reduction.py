@@ -29,7 +29,7 @@ SHAFTS = st.integers(5, 9).flatmap(
 @settings(max_examples=40, deadline=None)
 @given(shape=SHAFTS, modes=st.integers(0, 3), at=st.integers(1, 4))
 def test_static_deflection_on_springs_is_exact(shape, modes, at):
-    """Weight-like forces at a station with teeth, springs at two bearings: modes and residual flexibility give what K gives."""
+    """A force at a station with teeth, springs at two bearings: modes and residual flexibility give what K gives."""
     shaft = rotor(*shape, modes, attached=(at,))
     M, _, K = shaft.matrices
     rows, place = [shaft.freedom(b) for b in shaft.bearings], shaft.freedom(at)

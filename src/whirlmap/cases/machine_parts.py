@@ -198,7 +198,8 @@ class Tables:
             name = rest.split(":")[0].split(" ")[0]
             at = next(one for one in self.of(kind) if one.name == name)
             raise at.fault("", str(error).partition(": ")[2]) from None
-        bearings = tuple(self._bearing(table) for table in self.of("bearing"))
+        found = [self._bearing(table) for table in self.of("bearing")]
+        bearings = tuple(sorted(found, key=lambda b: b.shaft != self.reference))  # the one that lengths are over comes first
         meshes = tuple(self._mesh(table, turning) for table in self.of("mesh"))
         couplings = tuple(self._coupling(table) for table in self.of("coupling"))
         self._refuse_free_rotation(couplings)

@@ -6,8 +6,8 @@ both planes have the same matrices, and the gyroscopic moments couple them::
     M x'' + Omega G y' + K x = f_x
     M y'' - Omega G x' + K y = f_y
 
-with Omega positive from x to y. Sources: Przemieniecki 1968, Nelson 1980, as in Friswell et al. 2010, chapter 5; shear
-coefficients of Cowper 1966.
+with Omega positive from x to y. Sources: Nelson 1980 [nelson1980], as in Friswell et al. 2010, chapter 5; shear coefficients
+of Cowper 1966 [cowper1966].
 """
 
 from dataclasses import dataclass

@@ -8,7 +8,7 @@ where G_r is the static flexibility of the omitted modes: that of the free shaft
 (inertia relief) less that of the kept modes. Massless degrees of freedom are condensed statically first. Where a mesh or
 an unbalance acts, the residual response to its force is taken into the modes (an attachment mode), so that nothing is
 omitted there, meshes of one shaft do not couple algebraically, and forces on journals are forms of states alone. Sources:
-MacNeal 1971, Rubin 1975, Craig and Kurdila 2006, chapter 17.
+MacNeal 1971 [macneal1971], Rubin 1975 [rubin1975].
 """
 
 from collections.abc import Sequence

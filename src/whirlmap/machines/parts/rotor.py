@@ -296,6 +296,7 @@ class Rotor:
         pairs = list(zip(self.coordinates("x"), self.coordinates("y"), strict=True))
         names = [long for _, long in self._kinds]
         made = Declared(harmonics=[self.r], clocks={self.name: self.r})
+        made.sources = [] if self.shaft.lumped else ["macneal1971", "rubin1975", "nelson1980", "cowper1966"]
         made.bodies = {
             self.name if name == "translation" else f"{self.name} {name}": pair
             for name, pair in zip(names, pairs, strict=True)
