@@ -233,7 +233,11 @@ def _tables(kind: str, listed: Any, sources: Sequence[Source]) -> list[PartTable
 
 def _teeth(table: PartTable) -> dict[str, Any]:
     """Numbers of teeth of both wheels, from the two in z."""
-    z = table.values.get("z")
+    z: Any = table.values.get("z")
+    noted: dict[str, Any] = {}
+    if isinstance(z, Mapping):
+        noted = {key: z[key] for key in ("source", "assumed") if key in z}
+        z = z.get("value")
     if z is None and "z_driver" in table.values:
         return {}
     if (
@@ -245,7 +249,7 @@ def _teeth(table: PartTable) -> dict[str, Any]:
                                                         " the driven wheel,"
                           " as in z = [31, 93]")  # fmt: skip
     given = {k: table.values[k] for k in ("z_driver", "z_driven") if k in table.values}
-    return {"z_driver": z[0], "z_driven": z[1], **given}
+    return {"z_driver": {"value": z[0], **noted}, "z_driven": {"value": z[1], **noted}, **given}
 
 
 def _refuse_alike(by_kind: Mapping[str, list[PartTable]]) -> None:

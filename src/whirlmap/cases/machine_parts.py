@@ -386,6 +386,7 @@ class Tables:
             tuple(sorted(twisted)), tuple(b.station for b in mine),
         )  # fmt: skip
         try:
+            shaft = shaft.settled()
             reduced_numbers(shaft)
         except CaseError as error:
             raise table.fault("modes" if modes is not None else "elements", str(error)) from None

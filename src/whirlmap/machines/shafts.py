@@ -4,7 +4,7 @@ Stations are the ends of the elements, numbered from 0. A lumped rotor has two: 
 ``journal`` without mass, joined by the stiffness K of the shaft; it moves across its axis and does not tilt.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, replace
 from functools import cached_property, lru_cache
 
 import numpy as np
@@ -46,8 +46,8 @@ class Shaft:
     elements : tuple of Element
         Empty for a lumped rotor, whose mass, stiffness and inertia are inputs; here it has mass, stiffness and inertia 1.
     disks : tuple of Disk
-    modes : int or None
-        Elastic modes to keep in a plane; None leaves that to the highest speed.
+    modes, twists : int or None
+        Elastic modes to keep in a plane, and of the rotation; None leaves that to the highest speed.
     fastest : float
         Highest speed of this machine's shafts [rad/s], for that choice.
     attached, twisted : tuple of int
@@ -61,7 +61,8 @@ class Shaft:
     fastest: float = 0.0
     attached: tuple[int, ...] = ()
     twisted: tuple[int, ...] = ()
-    bearings: tuple[int, ...] = field(default=())
+    bearings: tuple[int, ...] = ()
+    twists: int | None = None
 
     @property
     def lumped(self) -> bool:
@@ -197,8 +198,14 @@ class Shaft:
             one = np.ones((1, 1))
             return Modes(one, np.ones(1), np.zeros(1), np.zeros((1, 1)), 1)
         whole = spectrum(J, K, np.ones((self.stations, 1)))
-        kept = int(np.sum(whole.frequency <= RANGE * self.fastest)) - 1
-        return reduce(whole, kept, self.twisted, range(self.stations))
+        within = int(np.sum(whole.frequency <= RANGE * self.fastest)) - 1
+        return reduce(whole, within if self.twists is None else self.twists, self.twisted, range(self.stations))
+
+    def settled(self) -> "Shaft":
+        """The same with the numbers of modes that the highest speed asks for: one shape, whatever the speed is said to be."""
+        twists = self.twisting.count - self.twisting.rigid - self.twisting.attached
+        kept = self.reduced.count - self.reduced.rigid - self.reduced.attached
+        return replace(self, modes=kept, twists=twists, fastest=0.0)
 
     def turning_station(self, station: int) -> int:
         """Row of a station in the matrices of the rotation."""
