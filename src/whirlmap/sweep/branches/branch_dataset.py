@@ -11,7 +11,7 @@ from whirlmap.analysis.branches.events import OUTSIDE, Event
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable
 from whirlmap.sweep.branches.branch import ENDS, KINDS, Branch, arclengths
-from whirlmap.sweep.branches.free_parameters import Varied
+from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
 from whirlmap.sweep.branches.measured_branches import Measuring
 from whirlmap.sweep.points.extremes import EXTREMES, extreme_coordinates, extreme_variables
 
@@ -49,6 +49,7 @@ def dataset(
     )
     extremes = {name: np.stack([row.extremes[name] for row in rows[:count]], axis=1) for name in EXTREMES}
     section = [row.section for row in rows[:count]]
+    columns = FreeParameters(system, tuple(varied)).following(np.stack([p.point.free for p in points], axis=1))
     of = np.repeat(np.arange(1, len(branches) + 1), [len(b.points()) for b in branches])
     first = np.searchsorted(of, np.arange(1, len(branches) + 1))
     unstable = (log > OUTSIDE).sum(axis=1)
@@ -69,7 +70,7 @@ def dataset(
         "multiplier_error": variable(
             ("point", "multiplier"), error[:count], "1", "change of log_modulus with the last doubling of segments"
         ),
-        **extreme_variables("point", system, extremes),
+        **extreme_variables("point", system, extremes, columns),
         "steps": variable("point", [row.steps for row in rows[:count]], "1", "steps per T, or per return"),
         "segments": variable("point", [len(p.point.x) for p in points], "1", "segments of the orbit"),
         "step_error": variable("point", [r.step_error for r in rows[:count]], "1", "what twice the steps change, in sizes"),
