@@ -91,6 +91,11 @@ class Progress:
         with self._lock:
             self.total, self.note = max(total, self.done), note
 
+    def open_ended(self, note: str) -> None:
+        """Say that from now on nobody knows how much is left; ``note`` says how far the work is in its own words."""
+        with self._lock:
+            self.total, self.forecast, self.note = None, None, note
+
     def settled(self, points: int, opened: int, longest: float) -> None:
         """Say that points have settled (`Forecast.settle`)."""
         self._tell(lambda forecast: forecast.settle(points, opened, longest))

@@ -27,6 +27,8 @@ def found(chaos, diagram, diagnosed, rotor):
         "basins": whirlmap.basins(system, {"x": [-1.0, 0.0, 1.0], "v": [-0.5, 0.5]}, **steps),
         "campbell": whirlmap.campbell(whirlmap.load(RIG), "s", np.linspace(0.5, 2.0, 11)),
         "speeds": whirlmap.safe_speeds(whirlmap.load(RIG), np.linspace(0.5, 1.5, 6), 0.6, follow=False),
+        "branch": whirlmap.continue_orbit(system, "gamma", (0.2, 0.3)),
+        "curves": whirlmap.event_curve(system, {"gamma": (0.2, 0.3), "omega": (1.15, 1.25)}, "period-doubling"),
         "waterfall": whirlmap.waterfall(system, "gamma", [0.2, 0.3, 0.4], "x", periods=16),
         "improve": whirlmap.improve(
             partial(whirlmap.load, RIG), {"c": [80, 120]}, [0.5, 1.0, 1.5], 0.6, units={"c": "um"}, refine=False
@@ -58,6 +60,10 @@ AXES = {
     "draw_shares": ("map", ["gamma"], {}, [SHARE]),
     "regime_map_figure": ("map", ["x"], {}, [(AMPLITUDE, r"forcing frequency, $\omega$ [–]"), SHARE, SHARE[::-1]]),
     "regime_line_figure": ("line", ["x"], {}, [("", "peak to peak of $x$"), (AMPLITUDE, "")]),
+    "draw_branches": ("branch", ["x"], {}, [(AMPLITUDE, f"{X}, peak to peak")]),
+    "branches_figure": ("branch", [["x", "v"]], {}, [("", f"{X}, peak to peak"), (AMPLITUDE, f"{V}, peak to peak")]),
+    "draw_event_curves": ("curves", [], {}, [(AMPLITUDE, r"forcing frequency, $\omega$ [–]")]),
+    "event_curves_figure": ("curves", [], {}, [(AMPLITUDE, r"forcing frequency, $\omega$ [–]")]),
     "draw_basins": ("basins", [], {}, [(f"displacement, {X}", f"velocity, {V}")]),
     "draw_starts": ("attractors", ["x", "v"], {}, [(X, V)]),
     "attractors_figure": ("attractors", ["x", "v"], {}, [(X, V)]),
@@ -162,3 +168,24 @@ def test_numbers_of_speeds_and_designs(found):
     width, worst, _ = drawn(found, "improve_figure").axes
     assert holds(width, ds["c"], ds["window_width"] * float(ds["rpm"][-1] / ds["s"][-1]))
     assert holds(worst, ds["c"], 100 * ds["worst_amplitude"])
+
+
+def test_branches_are_solid_where_stable_and_dashed_where_not(found):
+    ds = found["branch"]
+    ax = plot.draw_branches(ds, "x")
+    lines = {line.get_gid(): line for line in ax.lines if str(line.get_gid()).startswith("branch")}
+    stable = ds["stable"].values == 1
+    assert 0 < stable.sum() < stable.size
+    heights = ds["peak_to_peak"].sel(quantity="x").values
+    for name, here, style in (("branch-1-stable", stable, "-"), ("branch-1-unstable", ~stable, "--")):
+        np.testing.assert_array_equal(lines[name].get_xdata(), ds["gamma"].values)
+        np.testing.assert_array_equal(lines[name].get_ydata()[here], heights[here])
+        assert lines[name].get_linestyle() == style
+    (mark,) = [line for line in ax.lines if line.get_gid() == "event-period_doubling"]
+    np.testing.assert_array_equal(mark.get_xdata(), ds["event_gamma"].values)
+
+
+def test_curves_of_events_lie_where_their_parameters_are(found):
+    ds = found["curves"]
+    (line,) = [line for line in plot.draw_event_curves(ds).lines if line.get_gid() == "curve-1"]
+    np.testing.assert_array_equal(line.get_xydata(), np.stack([ds["gamma"].values, ds["omega"].values], axis=1))

@@ -18,7 +18,7 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.states_shown import swing_of
 from whirlmap.cli.common.strains import say_assumptions
-from whirlmap.errors import InputError, RangeError, nearest
+from whirlmap.errors import InputError, RangeError, counted, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
 from whirlmap.integrate.own_units import in_state, refuse_twice
@@ -78,7 +78,7 @@ def continue_orbit(
                 system, name, ends, seeds=known, coexisting=coexisting, starts=starts, direction=direction,  # type: ignore[arg-type]
                 doublings=doublings, resume=before, **shared,
             )  # fmt: skip
-        work.run(lambda done, _: setattr(progress, "note", f"{done} points"))  # how long a branch is nobody knows
+        work.run(lambda done, _: progress.open_ended(counted(done, "point")))  # how long a branch is nobody knows
     if work.dataset is None:
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)

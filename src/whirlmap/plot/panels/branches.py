@@ -110,6 +110,7 @@ def draw_event_curves(ds: xr.Dataset, *, ax: Axes | None = None, colour: str | N
     names = str(ds.attrs["varied"]).split()
     if len(names) != 2:
         raise RangeError(f"a curve of events has two free parameters; this Dataset varies {' '.join(names)}")
+    fresh = ax is None
     ax = axes_or_new(ax, height=3.2)
     kind = str(ds.attrs["event"])
     ink = colour or MARKS[kind.replace("-", "_")][1]
@@ -127,6 +128,9 @@ def draw_event_curves(ds: xr.Dataset, *, ax: Axes | None = None, colour: str | N
             x[here], y[here], ls="", marker=mark, mfc="white", mec=edge, ms=6, zorder=6, label=label,
             gid=f"event-{words[int(code)]}",
         )  # fmt: skip
+    if fresh:
+        ax.set_xlabel(axis_label(ds, names[0], meaning=True))
+        ax.set_ylabel(axis_label(ds, names[1], meaning=True))
     return ax
 
 
