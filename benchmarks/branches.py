@@ -1,8 +1,8 @@
 """A branch of the 20-state gear pair with all its multipliers, against Newton's method over SciPy's ``solve_ivp``.
 
-Both find the same periodic orbits to 1e-10. SciPy integrates state and tangent vectors together, with the compiled rates and Jacobian of
-whirlmap, for each Newton iteration at each of a few speeds; whirlmap follows the whole branch. Printed: seconds for each point, and
-their ratio.
+Both find the same periodic orbits to 1e-10. SciPy integrates state and tangent vectors together, with the compiled rates and
+Jacobian of whirlmap, for each Newton iteration at each of a few speeds; whirlmap follows the whole branch. Printed: seconds
+for each point, and their ratio.
 
     python benchmarks/branches.py [POINTS]
 """
