@@ -247,7 +247,7 @@ def test_duffings_multipliers():
     system = whirlmap.load("duffing", **values, start={"x": 2.0, "v": 0.0})
     ds = whirlmap.diagnose(system)
     n = int(ds["period_T"])
-    orbit = duffing.at(**values).described(whirlmap.section(system, transient=600, periods=n)["section"].values[0, 0], n)
+    orbit = duffing.at(**values).described(whirlmap.section(system, transient=600, points=n)["section"].values[0, 0], n)
     agree((ds["lyapunov"].values, ds["lyapunov_error"].values), orbit.exponents, period=np.pi, error_below=5e-2, floor=1e-6)
     found = whirlmap.floquet_multipliers(system, orbit.z, n * np.pi)
     value = found["real"].values + 1j * found["imaginary"].values

@@ -68,7 +68,7 @@ def test_the_gear_pairs_twenty_multipliers():
     system = whirlmap.load("gear-psfd/reference", s=3.27, psi=1e-4)
     x = whirlmap.simulate(system, transient=1600, periods=8)["x"].values[-1]
     ds = floquet_multipliers(system, x, system.common_period)
-    exponents = whirlmap.lyapunov_spectrum(system, transient=60, periods=32, starts=2)["lyapunov"].values
+    exponents = whirlmap.lyapunov_spectrum(system, transient=60, common_periods=32, starts=2)["lyapunov"].values
     rates = ds["log_modulus"].values / system.common_period
     assert int(ds.stable) == 1
     np.testing.assert_allclose(rates[:2], exponents[:2], rtol=2e-3)

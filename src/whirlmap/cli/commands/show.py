@@ -11,8 +11,8 @@ from sympy import sympify
 
 from whirlmap.analysis.linear.linearisation import standing
 from whirlmap.assumptions.oil_heat import oil_heat, why_none
-from whirlmap.assumptions.strain import Facts
-from whirlmap.assumptions.strained import judged, repeated
+from whirlmap.assumptions.violation import Facts
+from whirlmap.assumptions.violations import judged, repeated
 from whirlmap.cli.common import report
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.series_texts import options_given
