@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from whirlmap.sweep.attractors.attractors import attractors as attractors
     from whirlmap.sweep.attractors.basins import basins as basins
     from whirlmap.sweep.branches.continue_orbit import continue_orbit as continue_orbit
+    from whirlmap.sweep.branches.event_curve import event_curve as event_curve
     from whirlmap.sweep.diagrams.diagram import bifurcation_diagram as bifurcation_diagram
     from whirlmap.sweep.diagrams.waterfall import waterfall as waterfall
     from whirlmap.sweep.maps.regime_map import regime_map as regime_map
@@ -81,6 +82,7 @@ _HOMES = {
     "regime_map": "whirlmap.sweep.maps.regime_map",
     "tolerance_sweep": "whirlmap.sweep.maps.regime_map",
     "waterfall": "whirlmap.sweep.diagrams.waterfall",
+    "event_curve": "whirlmap.sweep.branches.event_curve",
     "continue_orbit": "whirlmap.sweep.branches.continue_orbit",
 }
 

@@ -24,6 +24,7 @@ from whirlmap.plot.figures.basins import basins_figure as basins_figure
 from whirlmap.plot.figures.basins import draw_basins as draw_basins
 from whirlmap.plot.figures.basins import draw_starts as draw_starts
 from whirlmap.plot.figures.branches import branches_figure as branches_figure
+from whirlmap.plot.figures.branches import event_curves_figure as event_curves_figure
 from whirlmap.plot.figures.campbell import campbell_figure as campbell_figure
 from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure as diagnosis_figure
 from whirlmap.plot.figures.diagnosis_figure import diagram_figure as diagram_figure
@@ -37,6 +38,7 @@ from whirlmap.plot.figures.regime_map import regime_map_figure as regime_map_fig
 from whirlmap.plot.figures.signal_figure import series_figure as series_figure
 from whirlmap.plot.figures.speeds import speeds_figure as speeds_figure
 from whirlmap.plot.panels.branches import draw_branches as draw_branches
+from whirlmap.plot.panels.branches import draw_event_curves as draw_event_curves
 from whirlmap.plot.panels.convergence import draw_convergence as draw_convergence
 from whirlmap.plot.panels.diagram import draw_diagram as draw_diagram
 from whirlmap.plot.panels.dimension import draw_correlation_sum as draw_correlation_sum

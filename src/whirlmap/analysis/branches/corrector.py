@@ -18,8 +18,8 @@ Array = NDArray[np.float64]
 
 #: Iterations at most; scaled steps below which one is rounding, and below which one that no longer falls is.
 ITERATIONS, ROUNDING, STALLED = 12, 1e-12, 1e-7
-#: Scaled step, and part of the one before, after which a quadratic method has converged.
-SOON, SOON_AFTER = 1e-6, 1e-2
+#: Scaled step at an iterate whose derivatives are as good as those at the solution, and next one that need not be taken.
+SOON, NEXT = 1e-6, 1e-11
 #: Largest scaled step in one iteration: beyond, the method has left the branch.
 FARTHEST = 3.0
 #: Condition number beyond which a matrix is singular.
@@ -100,9 +100,11 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
 
     Notes
     -----
-    Newton's method with the exact matrices of the segments; the derivatives by free parameters are those of the first
-    iterate. A point is found where a step is rounding, or no longer falls below 1e-7; where its derivatives need not be
-    exact, already where a step is so small, and so much smaller than the one before, that the next would be. It is lost where a step is longer than `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
+    Newton's method with the exact matrices of the segments. What is found by differences (derivatives by free parameters) is
+    kept from an iterate that is off by 1e-6 at most; where derivatives need not be exact, from the first. A point is found
+    where a step is rounding, or no longer falls below 1e-7; where its derivatives need not be exact, already where a step is
+    so small, and so much smaller than the one before, that the next would be. It is lost where a step is longer than
+    `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
     """
     out: list[Corrected | Lost] = [Lost(Status.ok)] * len(asks)
     last: list[Linear | None] = [None] * len(asks)
@@ -123,12 +125,12 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
             if not size <= FARTHEST:
                 continue
             now[k] = now[k].of(now[k].vector - step)
-            soon = not ask.exact and size <= SOON and size <= SOON_AFTER * before[k] < SOON_AFTER
+            soon = not ask.exact and size <= SOON and size * size <= NEXT * before[k] < np.inf
             if size <= ROUNDING or (size <= STALLED and size > 0.3 * before[k]) or soon:
                 length = np.linalg.norm(tangent / linear.sizes)
                 out[k] = Corrected(ask.equations, now[k], linear, tangent / length, sign, turn + 1)
                 continue
-            before[k], last[k] = size, linear
+            before[k], last[k] = size, linear if size <= SOON or not ask.exact else None
             stay.append(k)
         left = stay
         if not left:

@@ -67,9 +67,8 @@ class Equilibria:
             matrix = jacobians[k] * period[k] * (sizes / sizes[:, None])
             good = np.isfinite(rates[:, k]).all() and np.isfinite(jacobian).all()
             status = Status.ok if good else Status.failed
-            out.append(
-                Linear(rates[:, k], jacobian, np.concatenate([sizes * sqrt(sizes.size), self.widths]), sizes / period[k], matrix[None], status)
-            )
+            every = np.concatenate([sizes * sqrt(sizes.size), self.widths])
+            out.append(Linear(rates[:, k], jacobian, every, sizes / period[k], matrix[None], status))
         return out
 
     def _evaluate(self, x: Array, free: Array) -> tuple[Array, Array]:

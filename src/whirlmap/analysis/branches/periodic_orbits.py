@@ -313,7 +313,7 @@ class PeriodicOrbits:
 
 
 def cycle(out: Array, matrices: Array, last: float) -> None:
-    """Add to a matrix those of the segments, each less the identity at the next; ``last`` times it where the orbit closes."""
+    """Add those of the segments to a matrix, less the identity at the next; ``last`` times it where it closes."""
     count, n, _ = matrices.shape
     for k in range(count):
         here, after = slice(k * n, k * n + n), (k + 1) % count * n

@@ -13,9 +13,11 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
-from whirlmap.analysis.branches.events import Event, StepTooLongError, along, events_between
+from whirlmap.analysis.branches.event_curves import EventCurve
+from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between
 from whirlmap.analysis.branches.grazing import grazings_between
 from whirlmap.analysis.branches.periodic_orbits import LONGEST, PeriodicOrbits
+from whirlmap.analysis.branches.resonances import LAST, points_between
 from whirlmap.analysis.branches.unknowns import Unknowns
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.results.status import Status
@@ -53,8 +55,8 @@ class Limits:
 
     Attributes
     ----------
-    low, high : float
-        Range of the first free parameter.
+    low, high : array, shape (free,)
+        Ranges of the free parameters.
     longest : float
         Longest step in units of the range and of the sizes of the states.
     points : int
@@ -63,11 +65,31 @@ class Limits:
         Largest error of an orbit's segments, over the sizes of the states.
     """
 
-    low: float
-    high: float
+    low: Array
+    high: Array
     longest: float = 0.02
     points: int = 2000
     accuracy: float = 1e-12
+
+    @property
+    def width(self) -> float:
+        """Width of the first range."""
+        return float(self.high[0] - self.low[0])
+
+    def outside(self, point: Unknowns) -> NDArray[np.intp]:
+        """Which free parameters lie beyond their range, by more than rounding."""
+        beyond = EDGE * (self.high - self.low)
+        return np.flatnonzero((point.free < self.low - beyond) | (point.free > self.high + beyond))
+
+    def left(self, c: Corrected) -> tuple[int, float, float]:
+        """Which free parameter reaches its end first along the tangent, at which length, and that end."""
+        free = c.point.free
+        rates = c.tangent[-free.size :]
+        ends = np.where(rates > 0, self.high, self.low)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            lengths = np.where(rates == 0, np.inf, np.maximum((ends - free) / rates, 0.0))
+        k = int(lengths.argmin())
+        return k, float(lengths[k]), float(ends[k])
 
 
 @dataclass
@@ -132,7 +154,8 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
     seed = out.points[0]
     a = replace(seed, tangent=sign * seed.tangent, turned=sign * seed.turned)
     first, step, lost = a, FIRST * limits.longest, Status.ok
-    if abs(a.value - (limits.high if along(a) > 0 else limits.low)) <= EDGE * (limits.high - limits.low):
+    which, _, edge = limits.left(a)
+    if abs(a.point.free[which] - edge) <= EDGE * (limits.high - limits.low)[which]:
         out.end, out.why = "range", ENDS["range"]
     while not out.end:
         if len(out.points) > limits.points:
@@ -150,14 +173,19 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
                 out.points.append(closed)
                 out.end, out.why = "closed", "meets the orbit that it doubled from"
                 break
-            events = yield from events_between(a, b, alone=step > FINE * limits.longest)
-            events += yield from grazings_between(a, b, alone=step > FINE * limits.longest)
+            events = yield from _between(a, b, alone=step > FINE * limits.longest)
         except StepTooLongError:
             if step > 2 * FINE * limits.longest:
                 step /= 2
                 continue
             events = []
             out.doubts.add("the number of unstable multipliers changes where no event was located")
+        if isinstance(a.equations, EventCurve) and a.equations.kind == "neimark-sacker":
+            for k, event in enumerate(events):
+                if event.kind in LAST:
+                    events, b, ended = events[: k + 1], event.at, "closed"
+                    out.why = "the pair of multipliers becomes real"
+                    break
         if (closed := (yield from _came_back(first, a, b, len(out.points)))) is not None:
             b, ended = closed, "closed"
         out.events += [(len(out.points) - 1, e) for e in events]
@@ -167,7 +195,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         elif too_long(b):
             b = yield from divided(b)
         out.points.append(b)
-        out.end, out.why = ended, ENDS.get(ended, "")
+        out.end, out.why = ended, out.why or ENDS.get(ended, "")
         step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
         step, a = min(step, limits.longest), _coarser(b, limits)
 
@@ -176,15 +204,12 @@ def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Correc
     """The next point; None where it was not found, or is not the next. And whether it lies at the end of the range."""
     sizes = a.linear.sizes
     ahead = a.tangent / sizes
-    move = along(a) / limits_width(limits)
     guess, normal, ended = a.point.vector + step * a.tangent, ahead, ""
-    edge = limits.high if move > 0 else limits.low
-    left = abs(edge - a.value) / limits_width(limits)
-    if abs(move) * step >= left:
-        fixed = along_parameter(a.point)
-        guess, normal, ended = a.point.vector + a.tangent * (left / abs(move)), fixed, "range"
-        step = max(left / abs(move), 1e-12)
-    b = yield Ask(a.equations, a.point.of(guess), normal, sizes, exact=False)
+    which, left, _ = limits.left(a)
+    if left <= step:
+        guess, normal, ended = a.point.vector + left * a.tangent, along_parameter(a.point, which), "range"
+        step = max(left, 1e-12)
+    b = yield Ask(a.equations, a.point.of(guess), normal, sizes, exact=isinstance(a.equations, EventCurve))
     if isinstance(b, Lost):
         return None, b.status, ""
     if ended and b.tangent / sizes @ ahead < 0:
@@ -194,29 +219,33 @@ def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Correc
     turn = np.arccos(min(1.0, float(there @ ahead / np.linalg.norm(there))))
     if apart > AWAY * step or (turn > ANGLE and step > FINE * limits.longest):
         return None, Status.ok, ""
-    if not ended and not limits.low <= b.value <= limits.high:
-        return (yield from _stepped_onto(a, b, limits))
+    if (beyond := limits.outside(b.point)).size:
+        return (yield from _stepped_onto(a, b, limits, int(beyond[0])))
     return b, Status.ok, ended
 
 
 def _stepped_onto(
-    a: Corrected, b: Corrected, limits: Limits
+    a: Corrected, b: Corrected, limits: Limits, which: int
 ) -> Generator[Ask, Corrected | Lost, tuple[Any, Status, str]]:
     """The point at the end of the range, where a step has gone beyond it."""
-    edge = limits.high if b.value > limits.high else limits.low
-    part = (edge - a.value) / (b.value - a.value)
+    before, after = a.point.free[which], b.point.free[which]
+    edge = limits.high[which] if after > limits.high[which] else limits.low[which]
+    part = (edge - before) / (after - before)
     guess = a.point.of(a.point.vector + part * (b.point.vector - a.point.vector))
-    found = yield Ask(a.equations, guess, along_parameter(a.point), a.linear.sizes)
-    if isinstance(found, Lost):
-        return None, found.status, ""
+    found = yield Ask(a.equations, guess, along_parameter(a.point, which), a.linear.sizes)
+    if isinstance(found, Lost) or limits.outside(found.point).size:
+        return None, found.status if isinstance(found, Lost) else Status.ok, ""
     if found.tangent / a.linear.sizes @ (a.tangent / a.linear.sizes) < 0:
         found = replace(found, tangent=-found.tangent, turned=-found.turned)
     return found, Status.ok, "range"
 
 
-def limits_width(limits: Limits) -> float:
-    """Width of the range."""
-    return limits.high - limits.low
+def _between(a: Corrected, b: Corrected, *, alone: bool) -> Generator[Ask, Corrected | Lost, list[Event]]:
+    """Events between two points of a branch, or of a curve of events."""
+    if isinstance(a.equations, EventCurve):
+        return (yield from points_between(a, b))
+    events = yield from events_between(a, b, alone=alone)
+    return events + (yield from grazings_between(a, b, alone=alone))
 
 
 def _came_back(first: Corrected, a: Corrected, b: Corrected, points: int) -> Generator[Ask, Corrected | Lost, Any]:
@@ -263,18 +292,17 @@ def _coarser(b: Corrected, limits: Limits) -> Corrected:
 def _fine_enough(b: Corrected, limits: Limits) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
     """The same point with steps and segments that hold its accuracy."""
     doubts: set[str] = set()
-    if not isinstance(b.equations, PeriodicOrbits):
-        return b, doubts
-    while True:
-        b = replace(b, step_error=float(b.equations.step_error([b.point], [b.linear.weights])[0]))
-        if b.step_error is not None and b.step_error <= limits.accuracy:
+    while isinstance(orbits := b.equations, PeriodicOrbits):
+        error = float(orbits.step_error([b.point], [b.linear.weights])[0])
+        b = replace(b, step_error=error)
+        if error <= limits.accuracy:
             break
-        more = [s for s in STEPS if s > b.equations.steps and s * max(b.equations.periods, 1) % len(b.point.x) == 0]
+        more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
         if not more:
             doubts.add("the accuracy is not met with the most steps")
             break
         sizes = b.linear.sizes
-        found = yield Ask(replace(b.equations, steps=more[0]), b.point, b.tangent / sizes, sizes)
+        found = yield Ask(replace(orbits, steps=more[0]), b.point, b.tangent / sizes, sizes)
         if isinstance(found, Lost):
             doubts.add("the accuracy is not met with the steps of the point before")
             break

@@ -1,8 +1,9 @@
 """``whirlmap continue``: branches of periodic orbits and equilibria, and curves of their bifurcations."""
 
 from collections import Counter
-from dataclasses import replace
-from math import isfinite
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from math import cos, exp, sin
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,6 +28,7 @@ from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution
 from whirlmap.sweep.branches.branch_dataset import events_of, word
 from whirlmap.sweep.branches.continue_orbit import continue_orbit as follow
+from whirlmap.sweep.branches.event_curve import KINDS, event_curve
 from whirlmap.sweep.parameters.axis import is_input
 
 if TYPE_CHECKING:
@@ -46,39 +48,59 @@ def continue_orbit(
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.continue_orbit` says."""
     choice("--direction", direction, WAYS)
-    if event is not None or near is not None or len(vary) > 1:
-        raise InputError("--event: curves of events in two parameters are not built yet: give one --vary")
-    name, ends = _range(vary[0])
-    destination = claim(out, "branches", force=force, size=size, dpi=dpi, title=title)
+    free = dict(map(_range, vary))
+    if event is not None:
+        choice("--event", event, KINDS)
+        beside = {"--all": coexisting, "--seeds": seeds, "--doublings": doublings, "--plot": plot}
+        _refuse("--event", {**beside, "--direction": direction != "both"})
+    elif near is not None or len(vary) > 1:
+        found = "--near" if near is not None else "two --vary"
+        raise InputError(f"{found}: expected --event beside it, for the curve of an event in two parameters")
+    if len(free) != len(vary) or len(vary) != (2 if event else 1):
+        raise InputError(f"--vary: found {' '.join(vary)}, expected {'two parameters' if event else 'one parameter'}")
+    destination = claim(out, "curves" if event else "branches", force=force, size=size, dpi=dpi, title=title)
     system = open_system(case, changes, start)
-    refuse_twice(system, set(assignments(changes, "--set")), Range(name, 0.0, 1.0, 2))
+    if event is None:
+        refuse_twice(system, set(assignments(changes, "--set")), Range(next(iter(free)), 0.0, 1.0, 2))
     quantities = _quantities(system, plot)
     given = None if orbit is None else _state(system, orbit)
-    known = None if seeds is None else _opened(seeds)
-
+    shared: dict[str, Any] = {
+        "begin": begin, "period": period, "orbit": given, "points": points, "longest": longest, "labelling": labelling,
+    }  # fmt: skip
     with Progress("continue", None, quiet=quiet, unit="steps", rate_unit="steps/s") as progress:
-        work = follow.parts(
-            system, name, ends, begin=begin, period=period, orbit=given, seeds=known, coexisting=coexisting, starts=starts,
-            direction=direction, doublings=doublings, points=points, longest=longest, labelling=labelling,  # type: ignore[arg-type]
-            execution=replace(execution, progress=progress),
-        ).run(lambda done, total: progress.expect(max(total, progress.done), f"{done} points"))  # fmt: skip
+        shared["execution"] = replace(execution, progress=progress)
+        if event is not None:
+            work = event_curve.parts(system, free, event, near=near, **shared)
+        else:
+            (name, ends), known = next(iter(free.items())), None if seeds is None else _opened(seeds)
+            work = follow.parts(
+                system, name, ends, seeds=known, coexisting=coexisting, starts=starts, direction=direction,  # type: ignore[arg-type]
+                doublings=doublings, **shared,
+            )  # fmt: skip
+        work.run(lambda done, _: setattr(progress, "note", f"{done} points"))  # how long a branch is nobody knows
     if work.dataset is None:
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)
     files = destination.write(ds, lambda made: pictures.branches(units, made, quantities))
     if doubts := ds.attrs.get("doubts"):
         say(f"warning: {doubts}")
-    varied = str(ds.attrs["varied"])
-    inputs = {varied: str(ds[varied].attrs["units"])} if is_input(system, varied) else {}
-    reached = {varied: np.array([ds[varied].values.min(), ds[varied].values.max()])}
+    varied = str(ds.attrs["varied"]).split()
+    inputs = {name: str(ds[name].attrs["units"]) for name in varied if is_input(system, name, beside=len(varied) > 1)}
+    reached = {name: np.array([ds[name].values.min(), ds[name].values.max()]) for name in varied}
     assumptions = say_assumptions(system, reached, inputs)
     if json:
-        report.print_json({**facts_of(system, ds, units), "assumptions": assumptions, "files": files})
+        report.print_json({**facts_of(system, ds), "assumptions": assumptions, "files": files})
     else:
         _print(system, ds, units, quantities)
         report.print_written(files)
     if not work.complete:
         report.interrupted(str(ds.attrs["incomplete"]), files, "the same command follows the branches again")
+
+
+def _refuse(beside: str, given: Mapping[str, Any]) -> None:
+    for name, value in given.items():
+        if value:
+            raise InputError(f"{name}: found it beside {beside}, where it has no meaning")
 
 
 def _range(text: str) -> tuple[str, str]:
@@ -120,58 +142,80 @@ def _opened(place: str) -> "xr.Dataset":
         raise InputError(f"--seeds: {place} is no Dataset or store that can be read: {error}") from None
 
 
-def facts_of(system: System, ds: "xr.Dataset", units: Dimensions) -> dict[str, Any]:
-    """Say what branches hold; the varied parameter as it was given."""
-    varied, size = str(ds.attrs["varied"]), float(ds.attrs["size_given"])
-    events, at = events_of(ds), ds[varied].values / size
-    unit = str(ds.attrs["unit_given"]) or "1"
-    of = ds["branch_of"].values
+@dataclass(frozen=True)
+class _Varied:
+    """What was varied, as it was given."""
+
+    name: str
+    given: str
+    unit: str
+    size: float
+
+    @classmethod
+    def of(cls, ds: "xr.Dataset") -> "list[_Varied]":
+        """Read what branches were followed against."""
+        names, given, units = (str(ds.attrs[key]).split() for key in ("varied", "given", "unit_given"))
+        sizes = np.atleast_1d(ds.attrs["size_given"]).tolist()
+        return [cls(*each) for each in zip(names, given, units, sizes, strict=True)]
+
+    def shown(self, ds: "xr.Dataset") -> Any:
+        """Its values over the points, or events, of a Dataset."""
+        return ds[self.name].values / self.size
+
+
+def facts_of(system: System, ds: "xr.Dataset") -> dict[str, Any]:
+    """Say what branches, or curves, hold; the varied parameters as they were given."""
+    varied, events, of = _Varied.of(ds), events_of(ds), ds["branch_of"].values
     branches = []
     for k, number in enumerate(ds["branch"].values.tolist()):
-        here = of == number
-        mine = np.flatnonzero(events["branch"].values == number)
+        here, mine = of == number, np.flatnonzero(events["branch"].values == number).tolist()
         period = int(ds["period_T"].values[k]) or None
-        section = ds["section"].values[here][:, 0]
         branches.append(
             {
                 "kind": word(ds, "kind", ds["kind"].values[k]),
                 "period": period,
                 "points": [
-                    {"value": value, "state": dict(zip(system.states, x, strict=True))}
-                    for value, x in zip(at[here], section.tolist(), strict=True)
+                    {**_place(varied, ds, i), "state": _state_of(system, ds["section"].values[i, 0])}
+                    for i in np.flatnonzero(here).tolist()
                 ],
                 "stable": [bool(s) for s in ds["stable"].values[here]],
                 "unstable": ds["unstable"].values[here],
-                "peak_to_peak": {
-                    str(q): ds["peak_to_peak"].sel(quantity=q).values[here] for q in ds["quantity"].values
-                },
-                "events": [_event(system, ds, events, i, size, unit, period) for i in mine],
+                "peak_to_peak": {str(q): ds["peak_to_peak"].sel(quantity=q).values[here] for q in ds["quantity"].values},
+                "events": [_event(system, ds, events, i, period) for i in mine],
                 "ends": [word(ds, "end", e) for e in ds["end"].values[k]],
             }
-        )  # fmt: skip
+        )
+    of_curves = len(varied) > 1
     return {
         "case": system.case,
         "model": system.model.name,
         "parameters": {name: value for name, value in system.values.items() if name not in ds.coords},
-        "varied": ds.attrs["given"],
-        "unit": unit,
-        "branches": branches,
-        "units": {"peak_to_peak": {str(q): units.quantity(str(q)).unit for q in ds["quantity"].values}}
-        if not units.known else {},
+        "varied": [v.given for v in varied] if of_curves else varied[0].given,
+        "unit": [v.unit for v in varied] if of_curves else varied[0].unit,
+        "event": ds.attrs.get("event"),
+        "curves" if of_curves else "branches": branches,
         "doubts": ds.attrs.get("doubts"),
         "incomplete": ds.attrs.get("incomplete"),
-    }  # fmt: skip
+    }
 
 
-def _event(
-    system: System, ds: "xr.Dataset", events: "xr.Dataset", i: int, size: float, unit: str, period: int | None
-) -> dict[str, Any]:
-    varied = str(ds.attrs["varied"])
+def _place(varied: "list[_Varied]", ds: "xr.Dataset", i: int) -> dict[str, Any]:
+    """Value of the parameter at a point or an event, of both on a curve."""
+    values = {v.given: float(v.shown(ds)[i]) for v in varied}
+    return {"value": values[varied[0].given]} | ({"values": values} if len(varied) > 1 else {})
+
+
+def _state_of(system: System, x: Any) -> dict[str, float]:
+    return dict(zip(system.states, x.tolist(), strict=True))
+
+
+def _event(system: System, ds: "xr.Dataset", events: "xr.Dataset", i: int, period: int | None) -> dict[str, Any]:
+    varied = _Varied.of(ds)
     return {
         "kind": word(ds, "event_kind", events["kind"].values[i]),
-        "value": float(events[varied].values[i]) / size,
-        "unit": unit,
-        "state": dict(zip(system.states, events["section"].values[i].tolist(), strict=True)),
+        **_place(varied, events, i),
+        "unit": varied[0].unit if len(varied) == 1 else [v.unit for v in varied],
+        "state": _state_of(system, events["section"].values[i]),
         "multipliers": [[m.real, m.imag] for m in _multipliers(events, i)],
         "period": period,
         "surface": str(events["surface"].values[i]) or None,
@@ -180,15 +224,16 @@ def _event(
 
 def _multipliers(events: "xr.Dataset", i: int) -> list[complex]:
     logs, angles = events["log_modulus"].values[i], events["argument"].values[i]
-    return [complex(np.exp(a) * np.cos(b), np.exp(a) * np.sin(b)) for a, b in zip(logs, angles, strict=True) if not np.isnan(a)]
+    pairs = [(a, b) for a, b in zip(logs.tolist(), angles.tolist(), strict=True) if a == a]
+    return [complex(exp(a) * cos(b), exp(a) * sin(b)) for a, b in pairs]
 
 
 def _print(system: System, ds: "xr.Dataset", units: Dimensions, quantities: list[str]) -> None:
     """Print a table of the branches, and one of their events."""
-    shown, varied = shown_in(units, ds), str(ds.attrs["varied"])
-    size, unit = float(ds.attrs["size_given"]), str(ds.attrs["unit_given"]) or "1"
-    name, at, of = str(ds.attrs["given"]), ds[varied].values / size, ds["branch_of"].values
-    typer.echo(f"{system.case}: {ds.sizes['branch']} branch{'es' if ds.sizes['branch'] != 1 else ''}, {at.size} points")
+    shown, varied, of = shown_in(units, ds), _Varied.of(ds), ds["branch_of"].values
+    what = "curve of events" if len(varied) > 1 else "branch"
+    count = ds.sizes["branch"]
+    typer.echo(f"{system.case}: {count} {what}{'es' if count != 1 else ''}, {of.size} points")
     if incomplete := ds.attrs.get("incomplete"):
         typer.echo(f"incomplete: {incomplete}")
     first = quantities[0]
@@ -200,22 +245,19 @@ def _print(system: System, ds: "xr.Dataset", units: Dimensions, quantities: list
         here = of == number
         kind, n = word(ds, "kind", ds["kind"].values[k]), int(ds["period_T"].values[k])
         label = kind if kind == "equilibrium" else f"{kind}, {n}T" if kind == "orbit" else f"cycle, {n} crossings"
-        stable = int(ds["stable"].values[here].sum())
         ends = " and ".join(word(ds, "end", e) for e in ds["end"].values[k])
-        rows.append((
-            str(number), label, f"{at[here].min():.6g}", f"{at[here].max():.6g}", int(here.sum()), stable,
-            f"{np.nanmax(swing[here]):.4g}", ends,
-        ))  # fmt: skip
-    columns = (
-        "", "kind", report.with_unit(f"{name} from", unit), "to", "points", "stable",
-        report.with_unit(f"largest peak to peak of {first}", swing_unit), "ends",
-    )  # fmt: skip
-    report.show(report.table("Branches", columns, rows, numbers=(2, 3, 4, 5, 6)))
-    _print_events(system, ds, name, unit, size)
+        ranges = [f"{end:.6g}" for v in varied for end in (v.shown(ds)[here].min(), v.shown(ds)[here].max())]
+        stable = int(ds["stable"].values[here].sum())
+        rows.append((str(number), label, *ranges, int(here.sum()), stable, f"{np.nanmax(swing[here]):.4g}", ends))
+    heads = [head for v in varied for head in (report.with_unit(f"{v.given} from", v.unit), "to")]
+    last = report.with_unit(f"largest peak to peak of {first}", swing_unit)
+    columns = ("", "kind", *heads, "points", "stable", last, "ends")
+    report.show(report.table("Branches", columns, rows, numbers=range(2, 5 + len(heads))))
+    _print_events(ds, varied)
 
 
-def _print_events(system: System, ds: "xr.Dataset", name: str, unit: str, size: float) -> None:
-    events, varied = events_of(ds), str(ds.attrs["varied"])
+def _print_events(ds: "xr.Dataset", varied: "list[_Varied]") -> None:
+    events = events_of(ds)
     if not events.sizes["event"]:
         typer.echo("no bifurcation on the way")
         return
@@ -225,17 +267,16 @@ def _print_events(system: System, ds: "xr.Dataset", name: str, unit: str, size: 
         critical = sorted(_multipliers(events, i), key=lambda m: abs(abs(m) - 1) if abs(m) else np.inf)[:SHOWN]
         rows.append((
             str(int(events["branch"].values[i])), kind + (f" of {surface}" if surface else ""),
-            f"{float(events[varied].values[i]) / size:.12g}", ", ".join(_written(m) for m in critical),
+            *(f"{float(v.shown(events)[i]):.12g}" for v in varied), ", ".join(map(_written, critical)),
         ))  # fmt: skip
     title = "Events: " + ", ".join(f"{count} {kind}" for kind, count in Counter(r[1] for r in rows).items())
-    columns = ("branch", "kind", report.with_unit(name, unit), "multipliers nearest to the circle")
-    report.show(report.table(title, columns, rows[:60], numbers=(2,)))
+    heads = [report.with_unit(v.given, v.unit) for v in varied]
+    columns = ("branch", "kind", *heads, "multipliers nearest to the circle")
+    report.show(report.table(title, columns, rows[:60], numbers=range(2, 2 + len(heads))))
     if len(rows) > 60:
         typer.echo(f"  and {len(rows) - 60} more: --json or --out NAME.nc has them all")
 
 
 def _written(m: complex) -> str:
     """A multiplier in five digits."""
-    if not isfinite(m.real):
-        return "-"
     return f"{m.real:.5g}" if abs(m.imag) < 1e-9 * abs(m) else f"{m.real:.5g}{m.imag:+.5g}i"

@@ -18,7 +18,7 @@ from whirlmap.plot.common.diagnosis_parts import journal_of, marked_shaft
 from whirlmap.plot.common.style import WIDE, new_figure, styled
 from whirlmap.plot.figures.animation import animate_orbit
 from whirlmap.plot.figures.basins import attractors_figure, basins_figure
-from whirlmap.plot.figures.branches import branches_figure
+from whirlmap.plot.figures.branches import branches_figure, event_curves_figure
 from whirlmap.plot.figures.campbell import campbell_figure
 from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure, diagram_figure
 from whirlmap.plot.figures.improve import improve_figure
@@ -118,7 +118,9 @@ def campbell(system: System, ds: xr.Dataset) -> Figure:
 
 
 def branches(units: Dimensions, ds: xr.Dataset, quantities: Sequence[str]) -> Figure:
-    """Branches of some states or outputs, in these units."""
+    """Branches of some states or outputs in these units, or curves of events in the plane of their parameters."""
+    if "event" in ds.attrs:
+        return event_curves_figure(shown_in(units, ds), title=units.system.case)
     return branches_figure(shown_in(units, ds), quantities, title=units.system.case)
 
 

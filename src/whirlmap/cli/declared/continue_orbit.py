@@ -25,8 +25,8 @@ def continue_orbit(
         list[str],
         typer.Option(
             "--vary", metavar="NAME=START:STOP", rich_help_panel=BRANCH,
-            help='Parameter and range, ascending, without a number of points; with units as elsewhere, "speed=500 rpm:6000 rpm"'
-            " or c=40um:80um. Given twice, with --event, for a curve in two parameters.",
+            help="Parameter and range, ascending, without a number of points; with units as elsewhere,"
+            ' "speed=500 rpm:6000 rpm" or c=40um:80um. Given twice, with --event, for a curve in two parameters.',
         ),
     ],
     begin: Annotated[
@@ -40,7 +40,7 @@ def continue_orbit(
         int | None,
         typer.Option(
             "--period", metavar="N", min=1, rich_help_panel=BEGIN,
-            help="T of one return (of an unforced cycle: crossings of its section); that of the settled motion where absent.",
+            help="T of one return (of an unforced cycle: crossings of its section); by default of the settled motion.",
         ),
     ] = None,
     orbit: Annotated[
@@ -62,16 +62,19 @@ def continue_orbit(
     coexisting: Annotated[
         bool,
         typer.Option(
-            "--all", rich_help_panel=BEGIN, help="Begin with all periodic attractors that coexist there (`whirlmap attractors`).",
+            "--all", rich_help_panel=BEGIN,
+            help="Begin with all periodic attractors that coexist there (`whirlmap attractors`).",
         ),
     ] = False,
     starts: Annotated[
         int,
-        typer.Option("--starts", metavar="N", min=1, rich_help_panel=BEGIN, help="Start states from which --all seeks them."),
+        typer.Option("--starts", metavar="N", min=1, rich_help_panel=BEGIN, help="Starts from which --all seeks them."),
     ] = 256,
     direction: Annotated[
         str,
-        typer.Option("--direction", metavar="up|down|both", rich_help_panel=BRANCH, help="Where to follow it from its first point."),
+        typer.Option(
+            "--direction", metavar="up|down|both", rich_help_panel=BRANCH, help="Where to follow it from its first point.",
+        ),
     ] = "both",
     doublings: Annotated[
         int,
@@ -96,7 +99,7 @@ def continue_orbit(
     ] = None,
     points: Annotated[
         int,
-        typer.Option("--points", metavar="N", min=2, rich_help_panel=BRANCH, help="Most points of a branch in each direction."),
+        typer.Option("--points", metavar="N", min=2, rich_help_panel=BRANCH, help="Most points in each direction."),
     ] = 2000,
     longest: Annotated[
         float,
@@ -128,6 +131,6 @@ def continue_orbit(
     """Follow branches of periodic orbits of CASE against one parameter, stable or not, and locate their bifurcations.
 
     The branch begins with the settled motion at START (or --from) and is followed both ways, around folds, until it leaves
-    the range, closes, or ends in contact. Stability comes from the multipliers of each orbit. Options under Computing say how
-    the settled motion is found; --accuracy is also the largest error of an orbit's segments, 1e-12 where absent.
+    the range, closes, or ends in contact. Stability comes from the multipliers of each orbit. Options under Computing say
+    how the settled motion is found; --accuracy is also the largest error of an orbit's segments, 1e-12 where absent.
     """

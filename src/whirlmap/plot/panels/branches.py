@@ -85,6 +85,51 @@ def draw_branches(
     return ax
 
 
+@styled
+def draw_event_curves(ds: xr.Dataset, *, ax: Axes | None = None, colour: str | None = None) -> Axes:
+    """Curves of events in the plane of their two parameters, with cusps and strong resonances.
+
+    Parameters
+    ----------
+    ds : xr.Dataset
+        Of `whirlmap.event_curve`.
+    ax : Axes, optional
+        Drawn into, such as those of a map over the same parameters; those of a new figure where absent.
+    colour : str, optional
+        Of the curves; that of the event where absent.
+
+    Returns
+    -------
+    Axes
+
+    Raises
+    ------
+    RangeError
+        A Dataset with one free parameter.
+    """
+    names = str(ds.attrs["varied"]).split()
+    if len(names) != 2:
+        raise RangeError(f"a curve of events has two free parameters; this Dataset varies {' '.join(names)}")
+    ax = axes_or_new(ax, height=3.2)
+    kind = str(ds.attrs["event"])
+    ink = colour or MARKS[kind.replace("-", "_")][1]
+    for k, number in enumerate(ds["branch"].values):
+        here = ds["branch_of"].values == number
+        x, y = (ds[name].values[here] for name in names)
+        ax.plot(x, y, color=ink, lw=1.4, zorder=5, label=None if k else kind.replace("-", " "), gid=f"curve-{number}")
+    words = str(ds["event_kind"].attrs["flag_meanings"]).split()
+    x, y = (ds[f"event_{name}"].values for name in names)
+    for code in np.unique(ds["event_kind"].values):
+        here = ds["event_kind"].values == code
+        mark, edge = MARKS[words[int(code)]]
+        label = words[int(code)].replace("_", " ")
+        ax.plot(
+            x[here], y[here], ls="", marker=mark, mfc="white", mec=edge, ms=6, zorder=6, label=label,
+            gid=f"event-{words[int(code)]}",
+        )  # fmt: skip
+    return ax
+
+
 def _stretches(values: Array, here: NDArray[np.bool_]) -> Array:
     """Values of the points here, and of the neighbours, so that no gap is left where stability changes."""
     shown = here.copy()

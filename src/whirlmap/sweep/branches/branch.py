@@ -3,12 +3,14 @@
 from dataclasses import dataclass, field
 from itertools import pairwise
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Corrected
 from whirlmap.analysis.branches.equilibria import Equilibria
+from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, along
 from whirlmap.analysis.branches.tracing import Trace
 from whirlmap.sweep.branches.seeds import Seed
@@ -55,7 +57,9 @@ class Branch:
     @property
     def forced(self) -> bool:
         """Whether it is one of forced orbits."""
-        return self.seed.at.equations.system.model.forced  # type: ignore[attr-defined]
+        equations: Any = self.seed.at.equations
+        equations = equations.orbits if isinstance(equations, EventCurve) else equations
+        return bool(equations.system.model.forced)
 
     def closed(self) -> bool:
         """Whether it comes back to its first point."""

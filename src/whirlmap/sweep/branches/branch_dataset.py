@@ -1,6 +1,7 @@
 """Branches as one Dataset: their points one after the other, and their events."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Corrected
+from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import OUTSIDE, Event
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable
@@ -39,8 +41,8 @@ def word(ds: xr.Dataset, name: str, value: Any) -> str:
 
 def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]) -> xr.Dataset:
     """All branches, over ``point``, ``event`` and ``branch``."""
-    points = [p for b in branches for p in b.points()]
-    events = [(k, i, e) for k, b in enumerate(branches) for i, e in b.events()]
+    points = [orbit_of(p) for b in branches for p in b.points()]
+    events = [(k, i, replace(e, at=orbit_of(e.at))) for k, b in enumerate(branches) for i, e in b.events()]
     found = numbers([*points, *(e.at for _, _, e in events)])
     count = len(points)
     of = np.repeat(np.arange(1, len(branches) + 1), [len(b.points()) for b in branches])
@@ -89,6 +91,11 @@ def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]
     return xr.Dataset(data, coords)
 
 
+def orbit_of(c: Corrected) -> Corrected:
+    """A point of a curve of events as the orbit that it is."""
+    return replace(c, equations=c.equations.orbits) if isinstance(c.equations, EventCurve) else c
+
+
 def events_of(ds: xr.Dataset) -> xr.Dataset:
     """The events of branches as a Dataset of their own.
 
@@ -100,8 +107,8 @@ def events_of(ds: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xr.Dataset
-        Over ``event``: ``kind``, ``branch``, ``after``, ``surface``, ``section(event, state)``, ``log_modulus``, ``argument``
-        (event, multiplier), and the varied parameters as coordinates.
+        Over ``event``: ``kind``, ``branch``, ``after``, ``surface``, ``section(event, state)``, ``log_modulus`` and
+        ``argument`` (event, multiplier), and the varied parameters as coordinates.
     """
     kept = ds[[str(name) for name in ds.data_vars if str(name).startswith("event_")]]
     made = kept.rename({name: str(name).removeprefix("event_") for name in kept.data_vars})

@@ -10,8 +10,9 @@ import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Ask, Lost, along_parameter, correct
+from whirlmap.analysis.branches.events import Event
 from whirlmap.analysis.branches.switching import APART, doubled
-from whirlmap.analysis.branches.tracing import Limits, Trace, apart_in_halves, stepping, trace
+from whirlmap.analysis.branches.tracing import EDGE, Limits, Trace, apart_in_halves, stepping, trace
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.ranges import Range
@@ -34,6 +35,8 @@ Direction = Literal["up", "down", "both"]
 STARTS = 256
 #: Error of the segments of orbits that steps are chosen for.
 ACCURACY = 1e-12
+#: Times the accuracy that an error between the points at which it is checked may be without a word.
+ROUGH = 100.0
 
 
 @in_parts("continue")
@@ -139,8 +142,8 @@ def continue_orbit(
     value = varied.low if begin is None else varied.read(begin)
     accuracy = labelling.integration.accuracy or ACCURACY
     first = Beginning(free, (value,), labelling, execution, accuracy)
-    limits = Limits(varied.low, varied.high, longest, points, accuracy)
-    run = _Branches(limits, direction, doublings)
+    limits = Limits(np.array([varied.low]), np.array([varied.high]), longest, points, accuracy)
+    run = Branches(limits, direction, doublings)
 
     def parts(work: Work) -> Iterator[int]:
         if orbit is not None:
@@ -161,26 +164,47 @@ def continue_orbit(
         if not run.branches:
             return None
         ds = dataset(system, (varied,), run.branches)
-        doubts = sorted(set().union(*(b.doubts() for b in run.branches)))
-        facts: dict[str, Any] = {
-            "varied": varied.name, "given": varied.given, "unit_given": varied.unit, "size_given": varied.size,
-            "range": [varied.low, varied.high], "begin": value, "direction": direction, "doublings": doublings,
-            "longest": longest, "accuracy": accuracy,
-            "why": "; ".join(f"branch {k + 1}: {' | '.join(b.reasons())}" for k, b in enumerate(run.branches)),
+        facts = {
+            "begin": value, "direction": direction, "doublings": doublings, "longest": longest, "accuracy": accuracy,
         }  # fmt: skip
-        if doubts:
-            facts["doubts"] = "; ".join(doubts)
-        if not work.complete:
-            facts["incomplete"] = f"interrupted after {len(ds['point'])} points"
-        steps = "chosen for each orbit: see steps"
-        origin = provenance(pieces(system), method="dop853", steps_per_period=steps, citations=("prince1981", "keller1977"))
-        return with_attributes(ds, {**origin, **facts})
+        return with_attributes(ds, attributes(system, (varied,), run.branches, work, ds, accuracy) | facts)
 
-    return Work(1, parts, gather)
+    return BranchWork(run, parts, gather)
+
+
+def attributes(
+    system: System, varied: Sequence[Varied], branches: Sequence[Branch], work: Work, ds: xr.Dataset, accuracy: float
+) -> dict[str, Any]:
+    """Attributes of a Dataset of branches: where it comes from, what was varied, and what stopped each."""
+    steps = "chosen for each orbit: see steps"
+    origin = provenance(pieces(system), method="dop853", steps_per_period=steps, citations=("prince1981", "keller1977"))
+    facts: dict[str, Any] = {
+        "varied": " ".join(v.name for v in varied), "given": " ".join(v.given for v in varied),
+        "unit_given": " ".join(v.unit or "1" for v in varied), "size_given": [v.size for v in varied],
+        "range": [end for v in varied for end in (v.low, v.high)],
+        "why": "; ".join(f"branch {k + 1}: {' | '.join(b.reasons())}" for k, b in enumerate(branches)),
+    }  # fmt: skip
+    doubts = sorted(set().union(*(b.doubts() for b in branches)))
+    rough = ds["step_error"].values > ROUGH * accuracy
+    if rough.any():
+        doubts.append(f"the steps of {rough.sum()} points leave errors up to {ds['step_error'].values[rough].max():.1g}")
+    if doubts:
+        facts["doubts"] = "; ".join(doubts)
+    if not work.complete:
+        facts["incomplete"] = f"interrupted after {len(ds['point'])} points"
+    return {**origin, **facts}
+
+
+class BranchWork(Work):
+    """Work that follows branches, which can be asked for as they are."""
+
+    def __init__(self, found: "Branches", parts: Any, gather: Any) -> None:
+        super().__init__(1, parts, gather)
+        self.found = found
 
 
 @dataclass
-class _Branches:
+class Branches:
     """Branches that are followed, those of one generation side by side."""
 
     limits: Limits
@@ -200,9 +224,13 @@ class _Branches:
                 new = [b for branch in new if branch in self.branches for b in self._doubled(branch)]
         self._drop_repeated()
 
+    def events(self, kind: str) -> list[Event]:
+        """Events of one kind, branch after branch."""
+        return [e for branch in self.branches for _, e in branch.events() if e.kind == kind]
+
     def _branch(self, seed: Seed) -> Branch:
         down, up = (Trace([seed.at]) if self.direction in (way, "both") else None for way in ("down", "up"))
-        edge = seed.at.value in (self.limits.low, self.limits.high)
+        edge = np.abs(seed.at.value - np.concatenate([self.limits.low, self.limits.high])).min() <= EDGE * self.limits.width
         return Branch(seed, down, up, begins="range" if edge else "start")
 
     def _runs(self, branch: Branch) -> list[Any]:
@@ -225,7 +253,7 @@ class _Branches:
                 if isinstance(c, Lost):
                     continue
                 distance = float(apart_in_halves(c) @ halves)
-                if distance < apart / 2 or not self.limits.low <= c.value <= self.limits.high:
+                if distance < apart / 2 or self.limits.outside(c.point).size:
                     continue
                 away = 1.0 if c.tangent / c.linear.sizes @ ask.normal > 0 else -1.0
                 seed = Seed(finished(c, self.limits.accuracy), 2 * branch.seed.period, c.point.x[:1].T)

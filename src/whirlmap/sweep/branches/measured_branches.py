@@ -89,9 +89,9 @@ def multipliers(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> tuple[Ar
 
     Notes
     -----
-    As in `floquet_multipliers`: the orbits are cut into segments whose matrices are never multiplied [lust2001]. Segments are
-    doubled until no logarithm of a modulus changes by more than `CLOSE` of the larger of itself and one, then the steps; the
-    error is the last change.
+    As in `floquet_multipliers`: the orbits are cut into segments whose matrices are never multiplied [lust2001]. Segments
+    are doubled until no logarithm of a modulus changes by more than `CLOSE` of the larger of itself and one, then the steps;
+    the error is the last change.
     """
     now = [p.point for p in points]
     logs, angles = _exponents(orbits, now)

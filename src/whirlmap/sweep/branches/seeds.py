@@ -136,7 +136,7 @@ class Beginning:
             state = [float(state[name]) for name in system.states]
         x = np.array(state, dtype=float)
         if x.shape != (system.model.dimension,) or not np.isfinite(x).all():
-            raise RangeError(f"orbit: found {x.size} numbers, expected {system.model.dimension}, a finite one for each state")
+            raise RangeError(f"orbit: found {x.size} numbers, expected {system.model.dimension}, finite, one for each state")
         if system.model.forced:
             seeds = self.orbits([x], period or system.strobe)
         else:
@@ -290,13 +290,13 @@ class Beginning:
 
 def finished(c: Corrected, accuracy: float) -> Corrected:
     """The same solution with steps and segments that hold the accuracy; the parameter stays."""
-    while isinstance(c.equations, PeriodicOrbits):
-        error = float(c.equations.step_error([c.point], [c.linear.weights])[0])
+    while isinstance(orbits := c.equations, PeriodicOrbits):
+        error = float(orbits.step_error([c.point], [c.linear.weights])[0])
         c = replace(c, step_error=error)
-        more = [s for s in STEPS if s > c.equations.steps]
+        more = [s for s in STEPS if s > orbits.steps]
         if error <= accuracy or not more:
             break
-        again = correct([Ask(replace(c.equations, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
+        again = correct([Ask(replace(orbits, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
         if isinstance(again, Lost):
             break
         c = again

@@ -21,7 +21,7 @@ def forced_hopf(**values: float) -> System:
             y: y + w0 * x - rho * y + g * sin(Omega * t),
         },
     )  # fmt: skip
-    return System(model, {"w0": 2.0, **values})
+    return System(model, {"w0": 2.0, "Omega": 2.1, **values})
 
 
 def cubic_rotor(**values: float) -> System:
@@ -57,4 +57,4 @@ def squeeze_film_rotor(**values: float) -> System:
             w: U * s**2 * sin(s * t) - y - (radial * y + tangential * x) / eps,
         },
     )  # fmt: skip
-    return System(model, {"B": 0.05, "U": 0.2, **values})
+    return System(model, {"B": 0.05, "U": 0.2, "s": 0.6, **values})
