@@ -14,6 +14,7 @@ from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.tracing import Limits, Trace, stepping, trace
 from whirlmap.analysis.branches.unknowns import Unknowns
 from whirlmap.errors import RangeError
+from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.integrate.varied_inputs import input_of
 from whirlmap.options.computed import LABELLING, Labelling
@@ -26,7 +27,6 @@ from whirlmap.sweep.branches.continue_orbit import ACCURACY, attributes, continu
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
 from whirlmap.sweep.branches.seeds import Seed
 from whirlmap.sweep.interruptible import Work, in_parts
-from whirlmap.sweep.parameters.ranges import Range
 from whirlmap.units import read
 
 #: Events whose curves can be followed.
