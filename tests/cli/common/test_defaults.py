@@ -20,7 +20,7 @@ FUNCTIONS = {
     "basins": ("basins", {}), "speeds": ("safe_speeds", {}), "improve": ("improve", {}), "campbell": ("campbell", {}),
 }  # fmt: skip
 #: Options that have nothing to do with a keyword of the same name, or whose default is text that stands for it.
-APART = {("improve", "limit"), ("speeds", "limit"), ("speeds", "tolerance"), ("diagnose", "time")}
+APART = {("improve", "limit"), ("speeds", "limit"), ("diagnose", "time")}
 
 
 def defaults(function):
