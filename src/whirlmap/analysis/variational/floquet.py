@@ -90,7 +90,8 @@ def floquet_multipliers(
     for _ in range(DOUBLINGS):
         segments *= 2
         orbit, finer, argument = _round(system, start, duration, segments * whole, each)
-        found = np.abs(finer - log_modulus)
+        with np.errstate(invalid="ignore"):  # multipliers of zero, of a motion that sticks, stay what they are
+            found = np.where(finer == log_modulus, 0.0, np.abs(finer - log_modulus))
         stalled = not (found < error).any()
         log_modulus, error = finer, found
         if stalled or (found <= CLOSE * np.maximum(1.0, np.abs(finer))).all():
