@@ -51,7 +51,7 @@ def dead_zone():
     ],
 )
 def test_events_of_the_dead_zone(dead_zone, F, kind, value, state):
-    """Grazing orbits, folds of the orbit with contact loss, and its first doubling; multipliers multiply to exp(-2 zeta T)."""
+    """Grazing orbits, folds with loss of contact, and the first doubling; multipliers multiply to exp(-2 zeta T)."""
     values, states, multipliers = found(dead_zone[F], kind)
     k = int(np.abs(values - value).argmin())
     assert values[k] == pytest.approx(value, rel=VALUE)
@@ -122,7 +122,8 @@ def test_above_an_unbalance_there_is_no_jump_down():
     assert len(found(ds, "fold")[0]) <= 1
     radius = np.hypot(ds["section"].values[:, 0, 0], ds["section"].values[:, 0, 1])
     s, k = ds["s"].values, 2 * 0.05 * ds["s"].values
-    left, right = radius * (1 - s**2) + k * radius**2 / (1 - radius**2) ** 2, np.pi * k * radius / (4 * (1 - radius**2) ** 1.5)
+    left = radius * (1 - s**2) + k * radius**2 / (1 - radius**2) ** 2
+    right = np.pi * k * radius / (4 * (1 - radius**2) ** 1.5)
     np.testing.assert_allclose(left**2 + right**2, 0.09 * s**4, rtol=VALUE)
 
 

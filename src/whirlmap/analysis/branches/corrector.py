@@ -141,9 +141,8 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
 def _linear(points: Sequence[tuple[Equations, Unknowns, Linear | None]]) -> list[Linear]:
     """Linearise points, those of the same equations in one call."""
     out: list[Linear | None] = [None] * len(points)
-    kinds = {id(e): e for e, _, _ in points}
-    for key, equations in kinds.items():
-        mine = [k for k, (e, _, _) in enumerate(points) if id(e) == key]
+    for key, equations in {e.key: e for e, _, _ in points}.items():
+        mine = [k for k, (e, _, _) in enumerate(points) if e.key == key]
         found = equations.linear([points[k][1] for k in mine], [points[k][2] for k in mine])
         for k, linear in zip(mine, found, strict=True):
             out[k] = linear

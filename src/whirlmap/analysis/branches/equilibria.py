@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from math import sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,6 +40,11 @@ class Equilibria:
     allowed: Callable[[Array], NDArray[np.bool_]]
     widths: Array
     sizes: Array
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What tells equations whose points may be computed together from others."""
+        return self.columns, self.sizes.tobytes()
 
     def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
         """Rates and their derivatives; see `Equations`, but ``before`` is not used: they cost little."""

@@ -8,7 +8,7 @@ orbits, all of them in one call; no solution depends on their error.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -37,6 +37,11 @@ class EventCurve:
 
     orbits: PeriodicOrbits
     kind: Kind
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What tells equations whose points may be computed together from others."""
+        return self.kind, *self.orbits.key
 
     def exponents(self, linear: Linear) -> tuple[Array, Array]:
         """Those of the orbits."""

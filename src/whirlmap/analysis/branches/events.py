@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
-from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits, cycle
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.segments import cycle
 from whirlmap.analysis.branches.unknowns import Linear
 
 Array = NDArray[np.float64]

@@ -15,6 +15,7 @@ from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
 from whirlmap.analysis.branches.events import Event, StepTooLongError
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.equations.quantities import t
 from whirlmap.kernels.lowering.formulas import Formula, numpy_function
 
@@ -96,7 +97,7 @@ def heights(c: Corrected) -> Array:
     """Height of an orbit over each declared switching at equal times of one return, shape (surface, sample)."""
     orbits = c.equations
     assert isinstance(orbits, PeriodicOrbits)
-    model, runs = orbits.system.model, orbits.lanes([c.point])
+    model, runs = orbits.system.model, Lanes.of([c.point])
     finer = max(-(-SAMPLES // orbits.steps), 1)
     e = orbits.ensemble(runs, finer=finer)
     x = np.concatenate([runs.x[None], orbits.run(e, runs, save=True)])[:-1]

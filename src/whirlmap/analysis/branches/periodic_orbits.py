@@ -12,12 +12,13 @@ from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property
 from math import sqrt
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 from sympy import diff
 
+from whirlmap.analysis.branches.segments import Lanes, cycle
 from whirlmap.analysis.branches.unknowns import Linear, Unknowns
 from whirlmap.analysis.motion.ensembles import cyclic_states
 from whirlmap.analysis.motion.section_crossing import surface_of
@@ -76,6 +77,11 @@ class PeriodicOrbits:
     workers: int | None = None
 
     @property
+    def key(self) -> tuple[Any, ...]:
+        """What tells equations whose points may be computed together from others."""
+        return self.columns, self.periods, self.steps, self.method.name
+
+    @property
     def steps_of_return(self) -> int:
         """Steps in one return."""
         return self.steps * max(self.periods, 1)
@@ -87,7 +93,7 @@ class PeriodicOrbits:
 
     def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
         """Equations and derivatives of many orbits, each with its own number of segments; see `Equations`."""
-        runs = self.lanes(points)
+        runs = Lanes.of(points)
         e = self.ensemble(runs, tangents=True)
         extremes = self.extremes(e, runs)
         ends = e.x.copy()
@@ -131,18 +137,8 @@ class PeriodicOrbits:
         """Differences (segment, state), of angles modulo their period."""
         return wrapped(difference, self.cyclic, axis=1) if self.cyclic else difference
 
-    def lanes(self, points: Sequence[Unknowns]) -> "Lanes":
-        """One lane for each segment of each orbit."""
-        counts = [len(p.x) for p in points]
-        orbit = np.repeat(np.arange(len(points)), counts)
-        place = np.concatenate([np.arange(c) for c in counts])
-        share = np.array(counts)[orbit]
-        free = np.stack([p.free for p in points], axis=1)[:, orbit]
-        durations = np.array([np.nan if p.duration is None else p.duration for p in points])
-        return Lanes(np.concatenate([p.x for p in points]).T, free, orbit, place, share, durations[orbit] / share)
-
     def ensemble(
-        self, runs: "Lanes", *, tangents: bool = False, free: Array | None = None, finer: int = 1
+        self, runs: Lanes, *, tangents: bool = False, free: Array | None = None, finer: int = 1
     ) -> Ensemble:
         """Lanes ready to run their segments; with other free parameters, or ``finer`` steps."""
         model, values = self.system.model, self.columns(runs.free if free is None else free)
@@ -158,7 +154,7 @@ class PeriodicOrbits:
             ahead=finer * self.steps_of_return // runs.share * runs.place if forced else None,
         )  # fmt: skip
 
-    def run(self, e: Ensemble, runs: "Lanes", *, save: bool = False) -> Array:
+    def run(self, e: Ensemble, runs: Lanes, *, save: bool = False) -> Array:
         """Run every segment to its end; where asked, states after every step, (step, state, lane)."""
         if not self.periods:
             return e.advance(1, save_periods=Fraction(1, e.steps) if save else 0).saved
@@ -166,7 +162,7 @@ class PeriodicOrbits:
         saved = e.advance(self.periods, parts=runs.share, save_periods=Fraction(1, e.steps) if save else 0).saved
         return saved[:steps]
 
-    def extremes(self, e: Ensemble, runs: "Lanes", *, between: bool = False) -> dict[str, Array]:
+    def extremes(self, e: Ensemble, runs: Lanes, *, between: bool = False) -> dict[str, Array]:
         """Run every segment to its end; extremes of states and outputs at the steps, or ``between`` them too."""
         more: Literal[True, "between"] = "between" if between else True
         segment = e.advance(self.periods or 1, parts=runs.share if self.periods else 1, extremes=more)
@@ -179,7 +175,7 @@ class PeriodicOrbits:
         kernel = lane_kernel(self.system.plain_model(), self.method, slopes="none", kind="locked")
         return kernel.source.sizes.surfaces > 0
 
-    def _by_free(self, points: Sequence[Unknowns], runs: "Lanes", before: Sequence[Linear | None]) -> list[Array]:
+    def _by_free(self, points: Sequence[Unknowns], runs: Lanes, before: Sequence[Linear | None]) -> list[Array]:
         """Derivatives of the ends of each orbit by the free parameters, shape (segment and state, free)."""
         count = self.widths.size
         known = [b if b is not None and b.status == Status.ok else None for b in before]
@@ -188,7 +184,7 @@ class PeriodicOrbits:
         found = self._differences(runs).transpose(2, 1, 0)
         return [found[runs.orbit == k].reshape(p.x.size, count) for k, p in enumerate(points)]
 
-    def _differences(self, runs: "Lanes") -> Array:
+    def _differences(self, runs: Lanes) -> Array:
         """Central differences of the ends by the free parameters, shape (free, state, lane)."""
         count = self.widths.size
         sizes = np.maximum(np.abs(runs.free), self.widths[:, None]) * DIFFERENCE
@@ -207,7 +203,7 @@ class PeriodicOrbits:
         apart = np.stack([both[k, 0, k] - both[k, 1, k] for k in range(count)])
         return np.asarray((ends[:, :, 0] - ends[:, :, 1]).transpose(1, 0, 2) / apart[:, None, :])
 
-    def _by_time(self, runs: "Lanes", ends: Array) -> Array:
+    def _by_time(self, runs: Lanes, ends: Array) -> Array:
         """Rates at the ends of the segments of cycles, shape (state, lane)."""
         if self.periods:
             return np.zeros_like(ends)
@@ -286,7 +282,7 @@ class PeriodicOrbits:
 
     def step_error(self, points: Sequence[Unknowns], sizes: Sequence[Array]) -> Array:
         """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,)."""
-        runs = self.lanes(points)
+        runs = Lanes.of(points)
         coarse, fine = (self.ensemble(runs, finer=f) for f in (1, 2))
         for e in (coarse, fine):
             self.run(e, runs)
@@ -300,7 +296,7 @@ class PeriodicOrbits:
         out: list[list[Array]] = [list(p.x) for p in points]
         while len(out[0]) < segments:
             halves = [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]
-            runs = self.lanes(halves)
+            runs = Lanes.of(halves)
             e = self.ensemble(runs)
             parts = 2 * runs.share
             if self.periods:
@@ -310,40 +306,3 @@ class PeriodicOrbits:
             middle = [e.x[:, runs.orbit == k].T for k in range(len(points))]
             out = [[y for pair in zip(x, m, strict=True) for y in pair] for x, m in zip(out, middle, strict=True)]
         return [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]
-
-
-def cycle(out: Array, matrices: Array, last: float) -> None:
-    """Add those of the segments to a matrix, less the identity at the next; ``last`` times it where it closes."""
-    count, n, _ = matrices.shape
-    for k in range(count):
-        here, after = slice(k * n, k * n + n), (k + 1) % count * n
-        out[here, here] += matrices[k]
-        out[here, after : after + n] += (last if k == count - 1 else -1.0) * np.eye(n)
-
-
-@dataclass(frozen=True)
-class Lanes:
-    """Segments of many orbits, one lane each.
-
-    Attributes
-    ----------
-    x : array, shape (state, lane)
-    free : array, shape (free, lane)
-    orbit, place, share : arrays of int, shape (lane,)
-        Which orbit a segment belongs to, its place there, and the number of that orbit's segments.
-    time : array, shape (lane,)
-        Duration of a cycle's segment; NaN of a forced one.
-    """
-
-    x: Array
-    free: Array
-    orbit: NDArray[np.intp]
-    place: NDArray[np.intp]
-    share: NDArray[np.intp]
-    time: Array
-
-    def repeated(self, times: int) -> "Lanes":
-        """The same lanes several times."""
-        orbit, place, share = (np.tile(a, times) for a in (self.orbit, self.place, self.share))
-        x, free = (np.tile(a, (1, times)) for a in (self.x, self.free))
-        return Lanes(x, free, orbit, place, share, np.tile(self.time, times))

@@ -5,7 +5,6 @@ Many branches are followed at once: each is a generator, and what they ask for i
 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field, replace
-from math import sqrt
 from typing import Any
 
 import numpy as np
@@ -16,10 +15,10 @@ from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_par
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between
 from whirlmap.analysis.branches.grazing import grazings_between
-from whirlmap.analysis.branches.periodic_orbits import LONGEST, PeriodicOrbits
+from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.resonances import LAST, points_between
 from whirlmap.analysis.branches.unknowns import Unknowns
-from whirlmap.kernels.writing.routine import LANES
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -35,18 +34,12 @@ ANGLE, AWAY = 0.25, 0.5
 FEW, MANY = 4, 7
 #: Distance from the end of a range, over its width, that is rounding.
 EDGE = 1e-10
-#: The steps of an orbit are checked at every such point, and where an event lies; an error so much smaller than asked for
-#: allows fewer of them.
-CHECKED, SPARE = 4, 1e-3
+#: The steps of an orbit are checked at every such point, and where an event lies.
+CHECKED = 4
 #: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
 ROUND, SAME = 4, 1e-6
-#: States of all segments up to which an orbit takes as many segments as a block has lanes, for these cost the same. Beyond,
-#: the dense solver of NumPy starts threads, which cost more than they gain.
-WIDEST = 96
 #: Ends that are no fault, in words.
 ENDS = {"range": "the end of the range", "closed": "its first point"}
-#: Steps per T of orbits, or per return, that are tried.
-STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 8192)
 
 
 @dataclass(frozen=True)
@@ -190,14 +183,14 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
             b, ended = closed, "closed"
         out.events += [(len(out.points) - 1, e) for e in events]
         if len(out.points) % CHECKED == 0 or events or b.equations is not a.equations:
-            b, doubt = yield from _fine_enough(b, limits)
+            b, doubt = yield from fine_enough(b, limits.accuracy)
             out.doubts |= doubt
         elif too_long(b):
             b = yield from divided(b)
         out.points.append(b)
         out.end, out.why = ended, out.why or ENDS.get(ended, "")
         step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
-        step, a = min(step, limits.longest), _coarser(b, limits)
+        step, a = min(step, limits.longest), coarser(b, limits.accuracy)
 
 
 def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Corrected | Lost, tuple[Any, Status, str]]:
@@ -278,62 +271,6 @@ def apart_in_halves(c: Corrected) -> Array:
     """By how much the two halves of an orbit begin apart, in sizes of the states."""
     count, n = c.point.x.shape
     return np.asarray((c.point.x[0] - c.point.x[count // 2]) / c.linear.weights[:n])
-
-
-def _coarser(b: Corrected, limits: Limits) -> Corrected:
-    """The same point to go on from with fewer steps, where its own hold far more than the accuracy."""
-    orbits = b.equations
-    if not isinstance(orbits, PeriodicOrbits) or b.step_error is None or b.step_error > SPARE * limits.accuracy:
-        return b
-    fewer = [s for s in STEPS if s < orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
-    return replace(b, equations=replace(orbits, steps=fewer[-1]), step_error=None) if fewer else b
-
-
-def _fine_enough(b: Corrected, limits: Limits) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
-    """The same point with steps and segments that hold its accuracy."""
-    doubts: set[str] = set()
-    while isinstance(orbits := b.equations, PeriodicOrbits):
-        error = float(orbits.step_error([b.point], [b.linear.weights])[0])
-        b = replace(b, step_error=error)
-        if error <= limits.accuracy:
-            break
-        more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
-        if not more:
-            doubts.add("the accuracy is not met with the most steps")
-            break
-        sizes = b.linear.sizes
-        found = yield Ask(replace(orbits, steps=more[0]), b.point, b.tangent / sizes, sizes)
-        if isinstance(found, Lost):
-            doubts.add("the accuracy is not met with the steps of the point before")
-            break
-        b = found
-    if too_long(b):
-        b = yield from divided(b)
-    return b, doubts
-
-
-def too_long(c: Corrected) -> bool:
-    """Whether segments of an orbit stretch too much, or are fewer than the lanes of a block, and few unknowns."""
-    orbits = c.equations
-    if not isinstance(orbits, PeriodicOrbits) or orbits.steps_of_return % (2 * len(c.point.x)):
-        return False
-    if len(c.point.x) < LANES and 2 * c.point.x.size <= WIDEST:
-        return True
-    return bool(np.linalg.norm(c.linear.matrices, axis=(1, 2)).max() > LONGEST)
-
-
-def divided(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
-    """The same orbit in twice as many segments."""
-    orbits, count = b.equations, 2 * len(b.point.x)
-    assert isinstance(orbits, PeriodicOrbits)
-    (point,) = orbits.divided([b.point], count)
-    n = b.point.x.shape[1]
-    rest = b.tangent.size - b.point.x.size
-    normal, sizes = np.zeros(point.vector.size), np.ones(point.vector.size)
-    normal[:n], normal[-rest:] = b.tangent[:n] / b.linear.sizes[:n], b.tangent[-rest:] / b.linear.sizes[-rest:]
-    sizes[: count * n], sizes[-rest:] = np.tile(b.linear.sizes[:n] * sqrt(2), count), b.linear.sizes[-rest:]
-    found = yield Ask(orbits, point, normal / np.linalg.norm(normal), sizes)
-    return b if isinstance(found, Lost) else found
 
 
 def _ending(lost: Status, a: Corrected) -> tuple[str, str]:

@@ -6,7 +6,7 @@ free parameters. An equilibrium has one state.
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -81,6 +81,10 @@ class Linear:
 
 class Equations(Protocol):
     """A kind of solutions: periodic orbits, equilibria, or events of either."""
+
+    @property
+    def key(self) -> tuple[Any, ...]:
+        """What tells equations whose points may be computed together from others."""
 
     def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
         """The equations at many points, computed side by side.

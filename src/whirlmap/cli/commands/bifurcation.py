@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from whirlmap.cli.commands.continue_orbit import facts_of, say_branches
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.messages import choice
@@ -25,6 +26,7 @@ from whirlmap.options.execution import Execution
 from whirlmap.results.memory import refuse_memory
 from whirlmap.results.regime import Regime
 from whirlmap.results.status import Status
+from whirlmap.sweep.branches.continue_orbit import continue_orbit
 from whirlmap.sweep.diagrams.hysteresis import intervals
 from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, expected_periods
 from whirlmap.sweep.parameters.axis import Axis, is_input
@@ -41,9 +43,9 @@ WAYS = ("up", "down", "both")
 
 
 def bifurcation(
-    *, case: str, vary: str, follow: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling,
-    execution: Execution, plot: str | None, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None,
-    title: str | None, force: bool, json: bool, quiet: bool,
+    *, case: str, vary: str, follow: str | None, branches: bool, changes: list[str] | None, start: list[str] | None,
+    labelling: Labelling, execution: Execution, plot: str | None, dimensionless: bool, out: Path | None, size: str | None,
+    dpi: int | None, title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.bifurcation` says."""
     swept = Range.parse(vary)
@@ -55,19 +57,24 @@ def bifurcation(
     axis = Axis.of(system, swept.name, swept, "--vary")
     name, units_of_inputs = axis.name, {axis.name: axis.unit} if is_input(system, swept.name) else {}
     states = _states(system, plot)
+    kept = list(system.states) if branches else states  # an orbit needs all of them
+    beside = claim(out, "branches", force=force) if branches and destination.places and destination.places.folder else None
 
     total = swept.count * (2 if follow == "both" else 1)
-    refuse_memory("the diagram", 2 * total * labelling.settling.keep * len(states))  # at least, and before it is made
+    refuse_memory("the diagram", 2 * total * labelling.settling.keep * len(kept))  # at least, and before it is made
     expected = expected_periods(system, total, labelling.settling, axis.columns)
     with Progress("bifurcation", expected, quiet=quiet, points=total) as progress:
         work = diagram_in_batches(
             system, name, axis, follow=follow,  # type: ignore[arg-type]  # one of WAYS
-            states=states, labelling=labelling, execution=replace(execution, progress=progress),
+            states=kept, labelling=labelling, execution=replace(execution, progress=progress),
         ).run(lambda done, points: progress.expect(progress.done * points / done, f"{done} of {points} points"))  # fmt: skip
     if work.dataset is None:
         raise KeyboardInterrupt
     units = Dimensions(system, own=dimensionless)
-    files = destination.write(work.dataset, lambda ds: pictures.diagram(units, ds, states))
+    found = _branches(system, name, axis, work.dataset, labelling, execution, quiet=quiet) if branches else None
+    files = destination.write(work.dataset, lambda ds: pictures.diagram(units, ds, states, found))
+    if found is not None and beside is not None:
+        files += beside.write(found, lambda ds: pictures.branches(units, ds, states))
     report.say_doubts(work.dataset.attrs)
     small = work.dataset.drop_vars("section")  # which would be in memory twice
     facts = summary(units, shown_in(units, small), name)
@@ -75,9 +82,13 @@ def bifurcation(
     if json:
         own = {**summary(Dimensions(system, own=True), work.dataset, name), "assumptions": assumptions}
         there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
+        if found is not None:
+            own |= {"branches": facts_of(system, found)["branches"]}
         report.print_json({**report.beside(own, there, ("values", "sweeps", "hysteresis", "units"), units), "files": files})
     else:
         _print(facts, states[0])
+        if found is not None:
+            say_branches(system, found, units, states)
         report.print_written(files)
     if not work.complete:
         go_on = "the same command computes all points again"
@@ -85,6 +96,18 @@ def bifurcation(
             swept = swept if units_of_inputs else in_parameters(system, swept)
             go_on = f"the rest is given by --vary {swept.rest(work.done)}, and the other options as here"
         report.interrupted(facts["incomplete"], files, go_on)
+
+
+def _branches(
+    system: "System", name: str, axis: Axis, ds: "xr.Dataset", labelling: Labelling, execution: Execution, *, quiet: bool
+) -> "xr.Dataset | None":
+    """Branches of the periodic points of a diagram."""
+    unit = axis.unit if is_input(system, name) else ""
+    ends = [f"{end!r} {unit}".strip() for end in axis.values[[0, -1]].tolist()]
+    with Progress("continue", None, quiet=quiet, unit="steps", rate_unit="steps/s") as progress:
+        return continue_orbit.parts(
+            system, name, ends, seeds=ds, labelling=labelling, execution=replace(execution, progress=progress)
+        ).run().dataset  # fmt: skip
 
 
 def _states(system: "System", plot: str | None) -> list[str]:

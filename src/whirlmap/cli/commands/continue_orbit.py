@@ -91,7 +91,7 @@ def continue_orbit(
     if json:
         report.print_json({**facts_of(system, ds), "assumptions": assumptions, "files": files})
     else:
-        _print(system, ds, units, quantities)
+        say_branches(system, ds, units, quantities)
         report.print_written(files)
     if not work.complete:
         report.interrupted(str(ds.attrs["incomplete"]), files, "the same command follows the branches again")
@@ -228,7 +228,7 @@ def _multipliers(events: "xr.Dataset", i: int) -> list[complex]:
     return [complex(exp(a) * cos(b), exp(a) * sin(b)) for a, b in pairs]
 
 
-def _print(system: System, ds: "xr.Dataset", units: Dimensions, quantities: list[str]) -> None:
+def say_branches(system: System, ds: "xr.Dataset", units: Dimensions, quantities: list[str]) -> None:
     """Print a table of the branches, and one of their events."""
     shown, varied, of = shown_in(units, ds), _Varied.of(ds), ds["branch_of"].values
     what = "curve of events" if len(varied) > 1 else "branch"

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from whirlmap.cli.commands.continue_orbit import facts_of
 from whirlmap.cli.common import interrupts, pictures, report
 from whirlmap.cli.common.assignments import assignments
-from whirlmap.cli.common.messages import say
+from whirlmap.cli.common.messages import choice, say
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
@@ -30,6 +31,7 @@ from whirlmap.options.execution import Execution
 from whirlmap.options.storage import Storage
 from whirlmap.results.memory import refuse_points
 from whirlmap.results.regime import Regime
+from whirlmap.sweep.branches.event_curve import KINDS, event_curve
 from whirlmap.sweep.maps.run_sweep import run_sweep
 from whirlmap.sweep.parameters.random_draws import Tolerance
 from whirlmap.sweep.parameters.space import space_of
@@ -46,7 +48,7 @@ if TYPE_CHECKING:
 
 def map(  # noqa: A001 (the command's name)
     *, case: str | None, vary: list[str] | None, draw: list[str] | None, draws: int | None, seed: int, refine: bool,
-    sections: bool, changes: list[str] | None, start: list[str] | None, store: Path | None, resume: bool,
+    sections: bool, curves: str | None, changes: list[str] | None, start: list[str] | None, store: Path | None, resume: bool,
     status: Path | None, share: str | None, dask: str | None, chunk: int | None, labelling: Labelling, execution: Execution,
     plot: str | None, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None, title: str | None,
     force: bool, json: bool, quiet: bool,
@@ -65,6 +67,7 @@ def map(  # noqa: A001 (the command's name)
     system = open_system(case, changes, start)
     space = _space(system, vary, draw, draws, seed, assignments(changes, "--set"))
     quantity = _quantity(system, plot)
+    wanted = _events(curves, space)
     if out is not None and len(space.dims) > 2:
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
 
@@ -93,14 +96,15 @@ def map(  # noqa: A001 (the command's name)
             raise typer.Exit(interrupts.INTERRUPTED) from None
         finally:
             signal.signal(signal.SIGTERM, before)
-        files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity))
+        found = _curves(system, space, wanted, labelling, execution, quiet=quiet)
+        files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity, list(found.values())))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):
         say(f"accuracy not met: {doubts}")
     assumptions = say_assumptions(system, {name: values[[0, -1]] for name, values in space.axes.items()}, space.units)
     facts = {
         "case": system.case, "model": system.model.name, "varied": list(space.varied),
         **watch.facts(space.points, refine), "assumptions": assumptions, "store": store, "files": files,
-        "incomplete": None,
+        "incomplete": None, "curves": [c for each in found.values() for c in facts_of(system, each)["curves"]],
     }  # fmt: skip
     if json:
         report.print_json(facts)
@@ -110,6 +114,41 @@ def map(  # noqa: A001 (the command's name)
     if watch.last is not None and watch.last.failed:
         say(f"{counted(watch.last.failed, 'chunk')} failed; --status says why, and --resume tries again")
         raise typer.Exit(1)
+
+
+def _events(curves: str | None, space: "Space") -> list[str]:
+    """Events whose curves are asked for."""
+    if curves is None:
+        return []
+    if list(space.dims) != list(space.axes) or len(space.axes) != 2:
+        raise InputError("--curves: expected a map over two parameters, each with --vary")
+    wanted = [name.strip() for name in curves.split(",")]
+    for name in wanted:
+        choice("--curves", name, KINDS)
+    return wanted
+
+
+def _curves(
+    system: "System", space: "Space", wanted: Sequence[str], labelling: Labelling, execution: Execution, *, quiet: bool
+) -> "dict[str, xr.Dataset]":
+    """Curves of these events in the plane of a map; what is not found is said."""
+    out: dict[str, xr.Dataset] = {}
+    for event in wanted:
+        ends = {
+            name: [f"{end!r} {space.units.get(name, '')}".strip() for end in values[[0, -1]].tolist()]
+            for name, values in space.axes.items()
+        }
+        with Progress("continue", None, quiet=quiet, unit="steps", rate_unit="steps/s") as progress:
+            try:
+                ds = event_curve.parts(
+                    system, ends, event, labelling=labelling, execution=replace(execution, progress=progress)
+                ).run().dataset  # fmt: skip
+            except RangeError as error:
+                say(f"--curves {event}: {error}")
+                continue
+        if ds is not None:
+            out[event] = ds
+    return out
 
 
 def doubtful(verdicts: Mapping[int, int], model: "Model") -> str:

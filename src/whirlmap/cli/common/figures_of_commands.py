@@ -99,17 +99,21 @@ def series(ds: xr.Dataset, name: str) -> Figure:
     return series_figure(ds, title=name)
 
 
-def diagram(units: Dimensions, ds: xr.Dataset, states: Sequence[str]) -> Figure:
-    """Bifurcation diagrams of some states over their regimes, in these units."""
-    return diagram_figure(shown_in(units, ds), list(states), columns=2 if len(states) > 3 else 1, title=units.system.case)
+def diagram(units: Dimensions, ds: xr.Dataset, states: Sequence[str], branches: xr.Dataset | None = None) -> Figure:
+    """Bifurcation diagrams of some states over their regimes, in these units, and branches over them."""
+    return diagram_figure(
+        shown_in(units, ds), list(states), columns=2 if len(states) > 3 else 1, title=units.system.case,
+        branches=None if branches is None else shown_in(units, branches),
+    )  # fmt: skip
 
 
-def regime_map(units: Dimensions, ds: xr.Dataset, quantity: str) -> Figure:
+def regime_map(units: Dimensions, ds: xr.Dataset, quantity: str, curves: Sequence[xr.Dataset] = ()) -> Figure:
     """Draw a map of regimes in these units; a line of points as its amplitude over its regimes."""
     if len(ds["regime"].dims) == 1:
         return regime_line_figure(shown_in(units, ds), quantity, title=units.system.case)
     small = ds.drop_vars("section", errors="ignore")  # which may be larger than the memory
-    return regime_map_figure(shown_in(units, small), quantity, title=units.system.case)
+    shown = [shown_in(units, each) for each in curves]
+    return regime_map_figure(shown_in(units, small), quantity, title=units.system.case, curves=shown)
 
 
 def campbell(system: System, ds: xr.Dataset) -> Figure:

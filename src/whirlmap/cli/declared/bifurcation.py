@@ -13,6 +13,8 @@ SWEEP = "Sweep"
 EXAMPLES = (
     "whirlmap bifurcation duffing --vary gamma=0.2:0.5:300 --out gamma.png",
     "whirlmap bifurcation duffing --vary gamma=0.2:0.5:99 --follow both",
+    "whirlmap bifurcation duffing --set delta=0.05 --set alpha=1 --set beta=0.1 --set gamma=0.18 --vary omega=0.8:1.6:81"
+    " --follow both --branches --out duffing",
     "whirlmap bifurcation gear-psfd/intended --vary s=0.3:4:600 --out figure4",
     "whirlmap bifurcation gear-psfd/machine --vary psi=1e-5:1:50:log --plot yp",
 )
@@ -37,6 +39,14 @@ def bifurcation(
             " Without it each point starts cold.",
         ),
     ] = None,
+    branches: Annotated[
+        bool,
+        typer.Option(
+            "--branches", rich_help_panel=SWEEP,
+            help="Follow the branches of its periodic points, stable or not (`whirlmap continue`), and draw them over it; a"
+            " folder of --out gets their data too.",
+        ),
+    ] = False,
     changes: options.Changes = None,
     start: options.Start = None,
     labelling: Labelling = LABELLING,

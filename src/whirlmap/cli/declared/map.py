@@ -60,6 +60,14 @@ def map(  # noqa: A001 (the command's name)
             help="Keep the section of every point, once per T: with one --vary the store holds a bifurcation diagram.",
         ),
     ] = False,
+    curves: Annotated[
+        str | None,
+        typer.Option(
+            "--curves", metavar="EVENT,...", rich_help_panel=SWEEP,
+            help="Follow curves of fold, period-doubling or neimark-sacker points in the plane of a map of two parameters"
+            " (`whirlmap continue --event`), and draw them over it.",
+        ),
+    ] = None,
     changes: options.Changes = None,
     start: options.Start = None,
     store: Annotated[

@@ -9,9 +9,11 @@ import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 from whirlmap.plot.common.diagnosis_parts import clock_name, journal_of, marked_shaft, parts_of
-from whirlmap.plot.common.style import WIDE, new_figure, styled, text_size, write_reason
+from whirlmap.plot.common.style import VERMILION, WIDE, new_figure, styled, text_size, write_reason
+from whirlmap.plot.panels.branches import draw_branches
 from whirlmap.plot.panels.convergence import draw_convergence
 from whirlmap.plot.panels.diagram import draw_diagram
 from whirlmap.plot.panels.dimension import draw_correlation_sum, draw_local_slope
@@ -51,6 +53,7 @@ def diagram_figure(
     names: Mapping[str, str] | None = None,
     title: str = "",
     log: bool | None = None,
+    branches: xr.Dataset | None = None,
 ) -> Figure:
     """Bifurcation diagrams of several states over one regime strip per column.
 
@@ -70,6 +73,8 @@ def diagram_figure(
         Over the whole figure; nothing where empty.
     log : bool, optional
         Logarithmic parameter axis; where absent, if the values are spaced by a constant factor.
+    branches : xr.Dataset, optional
+        Of `continue_orbit` over the same parameter, drawn over the points: solid where stable, dashed where not.
 
     Returns
     -------
@@ -94,6 +99,9 @@ def diagram_figure(
             ax = fig.add_subplot(grid[row, column], sharex=top)
             top = top or ax
             draw_diagram(ds, state, ax=ax, log=log)
+            if branches is not None:
+                draw_branches(branches, state, measure="section", ax=ax, colour=VERMILION, legend=row == column == 0)
+                _show_all(ax, branches["section"].sel(state=state).values)
             ax.set_title((names or {}).get(state, ""))
             _bare(ax)
         strip = fig.add_subplot(grid[rows, column], sharex=top)
@@ -106,6 +114,13 @@ def diagram_figure(
     if title:
         fig.suptitle(title)
     return fig
+
+
+def _show_all(ax: Axes, values: NDArray[np.float64]) -> None:
+    """Let an axis reach as far as these values, with the margin that it has."""
+    low, high = ax.get_ylim()
+    margin = 0.03 * (np.nanmax(values) - np.nanmin(values))
+    ax.set_ylim(min(low, np.nanmin(values) - margin), max(high, np.nanmax(values) + margin))
 
 
 def paper_diagram_figure(

@@ -1,5 +1,6 @@
 """Regime maps: the regime against two parameters, contour lines of amplitude, and the shares of regimes along each axis."""
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -30,6 +31,7 @@ from whirlmap.plot.common.style import (
     styled,
     text_size,
 )
+from whirlmap.plot.panels.branches import draw_event_curves
 from whirlmap.plot.panels.diagram import draw_diagram
 from whirlmap.plot.panels.regime_strip import draw_regime_strip, legend_handles
 from whirlmap.results.regime import Regime
@@ -172,7 +174,9 @@ def draw_shares(ds: xr.Dataset, parameter: str, *, ax: Axes | None = None, verti
 
 
 @styled
-def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str | None = None) -> Figure:
+def regime_map_figure(
+    ds: xr.Dataset, quantity: str | None = None, *, title: str | None = None, curves: Sequence[xr.Dataset] = ()
+) -> Figure:
     """Map of regimes with its legend, contour lines of an amplitude, and the shares of regimes along both axes.
 
     Parameters
@@ -183,6 +187,8 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
         State or output whose ``peak_to_peak`` gives contour lines.
     title : str, optional
         Over the whole figure.
+    curves : sequence of xr.Dataset
+        Of `event_curve` over the same parameters, drawn over the map.
 
     Returns
     -------
@@ -192,13 +198,17 @@ def regime_map_figure(ds: xr.Dataset, quantity: str | None = None, *, title: str
     Raises
     ------
     RangeError
-        The Dataset has not two dimensions, or no such quantity.
+        The Dataset has not two dimensions, or no such quantity; curves over other parameters.
     """
     x, y = _axes_of(ds)
     fig = new_figure(WIDE, 5.4)
     grid = fig.add_gridspec(2, 2, width_ratios=[5, 1], height_ratios=[1, 5])
     main = fig.add_subplot(grid[1, 0])
     draw_regime_map(ds, quantity, ax=main)
+    for each in curves:
+        draw_event_curves(each, ax=main, colour=INK)
+    if curves:
+        main.legend(loc="best")
     above = draw_shares(ds, x, ax=fig.add_subplot(grid[0, 0], sharex=main))
     beside = draw_shares(ds, y, ax=fig.add_subplot(grid[1, 1], sharey=main), vertical=True)
     above.tick_params(labelbottom=False)

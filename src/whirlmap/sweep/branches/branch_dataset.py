@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.branches.corrector import Corrected
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import OUTSIDE, Event
+from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable
 from whirlmap.sweep.branches.branch import ENDS, KINDS, Branch, arclengths
@@ -137,7 +138,7 @@ def _duration(c: Corrected) -> float:
     if c.point.duration is not None:
         return c.point.duration
     periods = getattr(c.equations, "periods", 0)
-    return float(c.equations.ensemble(c.equations.lanes([c.point])).period[0]) * periods if periods else 0.0  # type: ignore[attr-defined]
+    return float(c.equations.ensemble(Lanes.of([c.point])).period[0]) * periods if periods else 0.0  # type: ignore[attr-defined]
 
 
 def _multipliers(dim: str, before: str, log: Array, angle: Array) -> dict[str, Any]:

@@ -1,18 +1,13 @@
 """Following branches of periodic orbits and equilibria against a parameter: `continue_orbit`."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
-from itertools import pairwise
-from typing import Any, Literal, Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.branches.corrector import Ask, Lost, along_parameter, correct
-from whirlmap.analysis.branches.events import Event
-from whirlmap.analysis.branches.switching import APART, doubled
-from whirlmap.analysis.branches.tracing import EDGE, Limits, Trace, apart_in_halves, stepping, trace
+from whirlmap.analysis.branches.tracing import Limits
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.ranges import Range
@@ -22,15 +17,14 @@ from whirlmap.options.execution import EXECUTION, Execution
 from whirlmap.options.taking import LabellingParts
 from whirlmap.results.provenance import provenance
 from whirlmap.results.schema import with_attributes
-from whirlmap.sweep.branches.branch import Branch, rises
+from whirlmap.sweep.branches.branch import Branch
 from whirlmap.sweep.branches.branch_dataset import dataset
+from whirlmap.sweep.branches.following import Branches, Direction
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
-from whirlmap.sweep.branches.seeds import SAME, Beginning, Seed, finished
+from whirlmap.sweep.branches.seeds import Beginning, seeds_of_diagram
 from whirlmap.sweep.interruptible import Work, in_parts
 
 Array = NDArray[np.float64]
-Direction = Literal["up", "down", "both"]
-
 #: Starts from which coexisting motions are sought.
 STARTS = 256
 #: Error of the segments of orbits that steps are chosen for.
@@ -79,7 +73,8 @@ def continue_orbit(
         A state near the orbit at phase zero, of an unforced model near the equilibrium (near the cycle, where a period is
         given), from which Newton's method begins instead of from the settled motion.
     seeds : xr.Dataset, optional
-        A labelled diagram or map with the section of all states, whose point at ``begin`` is the first orbit.
+        A labelled diagram with the section of all states, whose point at ``begin`` is the first orbit; where that is absent,
+        one point of each stretch of one period is, and what lies on an earlier branch is dropped.
     coexisting : bool
         Whether all periodic attractors at ``begin`` are followed (`attractors`).
     starts : int
@@ -149,7 +144,7 @@ def continue_orbit(
         if orbit is not None:
             found = first.given(orbit, period)
         elif seeds is not None:
-            found = first.of_dataset(seeds)
+            found = first.of_dataset(seeds) if begin is not None else seeds_of_diagram(first, seeds)
         else:
             found = first.coexisting(starts) if coexisting else first.settled(period)
         for done in run.follow(found):
@@ -201,92 +196,3 @@ class BranchWork(Work):
     def __init__(self, found: "Branches", parts: Any, gather: Any) -> None:
         super().__init__(1, parts, gather)
         self.found = found
-
-
-@dataclass
-class Branches:
-    """Branches that are followed, those of one generation side by side."""
-
-    limits: Limits
-    direction: Direction
-    doublings: int
-    branches: list[Branch] = field(default_factory=list)
-
-    def follow(self, seeds: Sequence[Seed]) -> Iterator[int]:
-        """Follow all branches, then those that doubled from them; gives the number of points so far."""
-        new = [self._branch(seed) for seed in seeds]
-        for generation in range(self.doublings + 1):
-            self.branches += new
-            for _ in stepping([run for branch in new for run in self._runs(branch)]):
-                yield sum(len(b.points()) for b in self.branches)
-            self._drop_repeated()
-            if generation < self.doublings:
-                new = [b for branch in new if branch in self.branches for b in self._doubled(branch)]
-        self._drop_repeated()
-
-    def events(self, kind: str) -> list[Event]:
-        """Events of one kind, branch after branch."""
-        return [e for branch in self.branches for _, e in branch.events() if e.kind == kind]
-
-    def _branch(self, seed: Seed) -> Branch:
-        down, up = (Trace([seed.at]) if self.direction in (way, "both") else None for way in ("down", "up"))
-        edge = np.abs(seed.at.value - np.concatenate([self.limits.low, self.limits.high])).min() <= EDGE * self.limits.width
-        return Branch(seed, down, up, begins="range" if edge else "start")
-
-    def _runs(self, branch: Branch) -> list[Any]:
-        sign = rises(branch.seed.at)
-        halves = branch.halves
-        return [
-            trace(part, sign * way, self.limits, halves=halves)
-            for part, way in ((branch.down, -1.0), (branch.up, 1.0)) if part is not None
-        ]  # fmt: skip
-
-    def _doubled(self, branch: Branch) -> list[Branch]:
-        """Branches of doubled orbits from the period doublings of one."""
-        out = []
-        for _, event in branch.events():
-            if event.kind != "period-doubling":
-                continue
-            for apart in APART:
-                ask, halves = doubled(event, apart)
-                (c,) = correct([ask])
-                if isinstance(c, Lost):
-                    continue
-                distance = float(apart_in_halves(c) @ halves)
-                if distance < apart / 2 or self.limits.outside(c.point).size:
-                    continue
-                away = 1.0 if c.tangent / c.linear.sizes @ ask.normal > 0 else -1.0
-                seed = Seed(finished(c, self.limits.accuracy), 2 * branch.seed.period, c.point.x[:1].T)
-                up = away * rises(seed.at) > 0
-                part = Trace([seed.at])
-                out.append(Branch(seed, None if up else part, part if up else None, begins="closed", halves=halves))
-                break
-        return out
-
-    def _drop_repeated(self) -> None:
-        """Drop branches whose first point lies on an earlier one."""
-        kept: list[Branch] = []
-        for branch in self.branches:
-            if not any(_lies_on(branch.seed, other) for other in kept):
-                kept.append(branch)
-        self.branches[:] = kept
-
-
-def _lies_on(seed: Seed, branch: Branch) -> bool:
-    """Whether a point lies on a branch: whether the branch, at the same parameter, is at one of its phases."""
-    if branch.seed.period != seed.period or branch.kind == "equilibrium" != (seed.period == 0):
-        return False
-    points = branch.points()
-    for a, b in pairwise(points):
-        if a.point.x.shape != b.point.x.shape or not min(a.value, b.value) <= seed.at.value <= max(a.value, b.value):
-            continue
-        part = (seed.at.value - a.value) / (b.value - a.value) if b.value != a.value else 0.0
-        between = a.point.vector + part * (b.point.vector - a.point.vector)
-        found = correct([Ask(a.equations, a.point.of(between), along_parameter(a.point), a.linear.sizes)])[0]
-        if isinstance(found, Lost):
-            continue
-        n = found.point.x.shape[1]
-        apart = np.abs(seed.phases - found.point.x[0][:, None]) / found.linear.weights[:n, None]
-        if (apart.max(axis=0) < SAME).any():
-            return True
-    return False

@@ -24,6 +24,7 @@ from whirlmap.results.schema import with_attributes
 from whirlmap.sweep.branches.branch import Branch
 from whirlmap.sweep.branches.branch_dataset import dataset
 from whirlmap.sweep.branches.continue_orbit import ACCURACY, attributes, continue_orbit
+from whirlmap.sweep.branches.following import distinct
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
 from whirlmap.sweep.branches.seeds import Seed
 from whirlmap.sweep.interruptible import Work, in_parts
@@ -54,12 +55,14 @@ def event_curve(
     Parameters
     ----------
     system : System
-        Its values count; that of the second parameter is where the first point is sought.
+        Its values count; that of the second parameter is where the first point is sought (the middle of its range where it
+        lies outside).
     vary : mapping of str to (start, stop), or str
         Two free parameters, each a parameter of the model or a dimensional input, and their ranges.
     event : {"fold", "period-doubling", "neimark-sacker"}
     near : float or str, optional
-        Value of the first parameter near which the event is; the first one that is found on the branch where absent.
+        Value of the first parameter near which the event is; where absent all events of the kind that lie on the branch are
+        followed, each curve once.
     begin : float or str, optional
         Value of the first parameter at which the branch on which the event is sought begins (`continue_orbit`); the start of
         its range where absent.
@@ -79,8 +82,7 @@ def event_curve(
     Raises
     ------
     RangeError
-        Not two parameters, another event, a model that is not forced, a value of the second parameter beyond its range, or
-        no such event on the branch.
+        Not two parameters, another event, a model that is not forced, or no such event on the branch.
 
     Notes
     -----
@@ -102,10 +104,9 @@ def event_curve(
     second = varied[1]
     now = _present(system, second)
     if not second.low <= now <= second.high:
-        raise RangeError(
-            f"{second.given}: its value in the case, {second.shown(now):g}, lies outside of {second.shown(second.low):g} to"
-            f" {second.shown(second.high):g}: the curve begins there"
-        )
+        now = (second.low + second.high) / 2
+        there: dict[str, Any] = {n: float(c[0]) for n, c in FreeParameters(system, (second,)).at(now).items()}
+        system = system.replace(**there)
     where = None if near is None else varied[0].read(near, "--near")
     low, high = (np.array([getattr(v, end) for v in varied]) for end in ("low", "high"))
     limits = Limits(low, high, longest, points, labelling.integration.accuracy or ACCURACY)
@@ -120,16 +121,18 @@ def event_curve(
         for done in branch:
             work.total = done + 1
             yield done
-        first = _first(branch.found.events(event), where, f"{name}={ends}", event)
-        seed, count = _on_curve(first, free, event, np.array([first.at.value, now])), work.done
-        down, up = Trace([seed.at]), Trace([seed.at])
-        branches.append(Branch(seed, down, up))
-        for _ in stepping([trace(down, -1.0, limits), trace(up, 1.0, limits)]):
+        count = work.done
+        for first in _firsts(branch.found.events(event), where, f"{name}={ends}", event):
+            seed = _on_curve(first, free, event, np.array([first.at.value, now]))
+            branches.append(Branch(seed, Trace([seed.at]), Trace([seed.at])))
+        sides = [(part, way) for b in branches for part, way in ((b.down, -1.0), (b.up, 1.0)) if part is not None]
+        for _ in stepping([trace(part, way, limits) for part, way in sides]):
             if execution.progress:
                 execution.progress(1)
             count += 1
             work.total = count + 1
             yield count
+        branches[:] = distinct(branches)
         work.total = max(work.done, 1)
         yield work.total
 
@@ -154,11 +157,11 @@ def _present(system: System, varied: Varied) -> float:
     return (float(system.machine.exact[declared.name]) - none) / (one - none)
 
 
-def _first(events: Sequence[Event], near: float | None, branch: str, kind: str) -> Event:
-    """The event at which the curve begins."""
+def _firsts(events: Sequence[Event], near: float | None, branch: str, kind: str) -> Sequence[Event]:
+    """The events at which curves begin."""
     if not events:
         raise RangeError(f"no {kind} on the branch along {branch}")
-    return events[0] if near is None else min(events, key=lambda e: abs(e.at.value - near))
+    return events if near is None else [min(events, key=lambda e: abs(e.at.value - near))]
 
 
 def _on_curve(first: Event, free: FreeParameters, kind: str, values: Any) -> Seed:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -9,6 +10,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.branches.corrector import Corrected
 from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
+from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.analysis.branches.unknowns import Unknowns
 from whirlmap.analysis.variational.periodic_schur import eigenvalues_of_products
 from whirlmap.integrate.ensemble import LANES
@@ -58,9 +60,9 @@ def numbers(points: Sequence[Corrected]) -> Numbers:
     log, angle, error = (np.full((count, widest), np.nan) for _ in range(3))
     step_error, extremes = np.full(count, np.nan), {name: np.full((rows, count), np.nan) for name in EXTREMES}
     section = [p.point.x[:1] for p in points]
-    kinds: dict[tuple[int, int], list[int]] = {}
+    kinds: dict[tuple[Any, ...], list[int]] = {}
     for k, p in enumerate(points):
-        kinds.setdefault((id(p.equations), len(p.point.x)), []).append(k)
+        kinds.setdefault((*p.equations.key, len(p.point.x)), []).append(k)
     for members in kinds.values():
         for first in range(0, len(members), BATCH):
             at = members[first : first + BATCH]
@@ -135,7 +137,7 @@ def _exponents(orbits: PeriodicOrbits, points: Sequence[Unknowns]) -> tuple[Arra
 
 def _extremes(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> dict[str, Array]:
     """Extremes, mean and rms over one return of each orbit, of states and outputs, from those of its segments."""
-    runs = orbits.lanes([p.point for p in points])
+    runs = Lanes.of([p.point for p in points])
     found = orbits.extremes(orbits.ensemble(runs), runs, between=True)
     count = len(points)
     shares = [found[name].reshape(found[name].shape[0], count, -1) for name in ("minimum", "maximum", "mean", "rms")]

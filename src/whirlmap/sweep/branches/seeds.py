@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.equilibria import Equilibria
+from whirlmap.analysis.branches.orbit_steps import STEPS, finished
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
-from whirlmap.analysis.branches.tracing import STEPS, divided, too_long
+from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.analysis.branches.unknowns import Equations, Unknowns
 from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import cyclic_states
@@ -180,6 +181,9 @@ class Beginning:
             raise RangeError(f"the file holds no labelled section over {' and '.join(names)}: expected a diagram or a map")
         near = {name: value for name, value in zip(names, self.value, strict=True) if name in ds.dims}
         one = ds.sel(near, method="nearest")
+        there = tuple(float(one[name]) if name in near else v for name, v in zip(names, self.value, strict=True))
+        if there != self.value:  # Newton's method begins at the point's own value
+            return replace(self, value=there).of_dataset(ds)
         for extra in [d for d in one["section"].dims if d not in ("period", "state")]:
             one = one.isel({extra: 0})
         kept = [str(s) for s in np.atleast_1d(one["state"].values)]
@@ -238,7 +242,7 @@ class Beginning:
         assert isinstance(orbits, PeriodicOrbits)
         repeats = repeat_of_forcing(self.system, c.point.x.T)
         every = repeats if orbits.periods % repeats == 0 else orbits.periods
-        runs = orbits.lanes([Unknowns(c.point.x[:1], c.point.free)])
+        runs = Lanes.of([Unknowns(c.point.x[:1], c.point.free)])
         e = orbits.ensemble(runs)
         saved = e.advance(orbits.periods, save_periods=every).saved[:, :, 0]
         return np.concatenate([c.point.x[:1], saved[:-1]]).T
@@ -288,24 +292,26 @@ class Beginning:
         return ", ".join(f"{v.given} = {v.shown(value):g}{' ' + v.unit if v.unit != '1' else ''}" for v, value in values)
 
 
-def finished(c: Corrected, accuracy: float) -> Corrected:
-    """The same solution with steps and segments that hold the accuracy; the parameter stays."""
-    while isinstance(orbits := c.equations, PeriodicOrbits):
-        error = float(orbits.step_error([c.point], [c.linear.weights])[0])
-        c = replace(c, step_error=error)
-        more = [s for s in STEPS if s > orbits.steps]
-        if error <= accuracy or not more:
-            break
-        again = correct([Ask(replace(orbits, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
-        if isinstance(again, Lost):
-            break
-        c = again
-    while too_long(c):
-        run: Any = divided(c)
-        try:
-            run.send(correct([next(run)])[0])
-        except StopIteration as stop:
-            if len(stop.value.point.x) == len(c.point.x):
-                break
-            c = stop.value
-    return c
+def seeds_of_diagram(first: Beginning, ds: xr.Dataset) -> list[Seed]:
+    """An orbit in the middle of each stretch of a diagram's points of one period.
+
+    Raises
+    ------
+    RangeError
+        No stretch gives one.
+    """
+    (varied,) = first.free.varied
+    if varied.name not in ds.dims:
+        raise RangeError(f"the file is no diagram over {varied.name}: its points are over {' '.join(map(str, ds.dims))}")
+    seeds: list[Seed] = []
+    for sweep in [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]:
+        period, at = sweep["period_T"].values, sweep[varied.name].values
+        edges = np.flatnonzero(np.diff(period)) + 1
+        for part in np.split(np.arange(at.size), edges):
+            inside = part[(at[part] >= varied.low) & (at[part] <= varied.high)]
+            if inside.size and period[inside[0]]:
+                seeds += replace(first, value=(float(at[inside[inside.size // 2]]),)).of_dataset(sweep)
+    if not seeds:
+        ends = f"{varied.shown(varied.low):g} to {varied.shown(varied.high):g}"
+        raise RangeError(f"the diagram has no periodic point from {ends}")
+    return seeds

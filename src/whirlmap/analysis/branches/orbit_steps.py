@@ -1,0 +1,99 @@
+"""Steps and segments that hold the accuracy of an orbit: as many as it needs, and no more."""
+
+from collections.abc import Generator
+from dataclasses import replace
+from math import sqrt
+from typing import Any
+
+import numpy as np
+
+from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
+from whirlmap.analysis.branches.periodic_orbits import LONGEST, PeriodicOrbits
+from whirlmap.kernels.writing.routine import LANES
+
+#: Steps per T of orbits, or per return, that are tried.
+STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 8192)
+#: States of all segments up to which an orbit takes as many segments as a block has lanes, for these cost the same. Beyond,
+#: the dense solver of NumPy starts threads, which cost more than they gain.
+WIDEST = 96
+#: An error so much smaller than asked for allows fewer steps.
+SPARE = 1e-3
+
+
+def coarser(b: Corrected, accuracy: float) -> Corrected:
+    """The same point to go on from with fewer steps, where its own hold far more than the accuracy."""
+    orbits = b.equations
+    if not isinstance(orbits, PeriodicOrbits) or b.step_error is None or b.step_error > SPARE * accuracy:
+        return b
+    fewer = [s for s in STEPS if s < orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
+    return replace(b, equations=replace(orbits, steps=fewer[-1]), step_error=None) if fewer else b
+
+
+def fine_enough(b: Corrected, accuracy: float) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
+    """The same point with steps and segments that hold its accuracy."""
+    doubts: set[str] = set()
+    while isinstance(orbits := b.equations, PeriodicOrbits):
+        error = float(orbits.step_error([b.point], [b.linear.weights])[0])
+        b = replace(b, step_error=error)
+        if error <= accuracy:
+            break
+        more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
+        if not more:
+            doubts.add("the accuracy is not met with the most steps")
+            break
+        sizes = b.linear.sizes
+        found = yield Ask(replace(orbits, steps=more[0]), b.point, b.tangent / sizes, sizes)
+        if isinstance(found, Lost):
+            doubts.add("the accuracy is not met with the steps of the point before")
+            break
+        b = found
+    if too_long(b):
+        b = yield from divided(b)
+    return b, doubts
+
+
+def too_long(c: Corrected) -> bool:
+    """Whether segments of an orbit stretch too much, or are fewer than the lanes of a block, and few unknowns."""
+    orbits = c.equations
+    if not isinstance(orbits, PeriodicOrbits) or orbits.steps_of_return % (2 * len(c.point.x)):
+        return False
+    if len(c.point.x) < LANES and 2 * c.point.x.size <= WIDEST:
+        return True
+    return bool(np.linalg.norm(c.linear.matrices, axis=(1, 2)).max() > LONGEST)
+
+
+def divided(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
+    """The same orbit in twice as many segments."""
+    orbits, count = b.equations, 2 * len(b.point.x)
+    assert isinstance(orbits, PeriodicOrbits)
+    (point,) = orbits.divided([b.point], count)
+    n = b.point.x.shape[1]
+    rest = b.tangent.size - b.point.x.size
+    normal, sizes = np.zeros(point.vector.size), np.ones(point.vector.size)
+    normal[:n], normal[-rest:] = b.tangent[:n] / b.linear.sizes[:n], b.tangent[-rest:] / b.linear.sizes[-rest:]
+    sizes[: count * n], sizes[-rest:] = np.tile(b.linear.sizes[:n] * sqrt(2), count), b.linear.sizes[-rest:]
+    found = yield Ask(orbits, point, normal / np.linalg.norm(normal), sizes)
+    return b if isinstance(found, Lost) else found
+
+
+def finished(c: Corrected, accuracy: float) -> Corrected:
+    """The same solution with steps and segments that hold the accuracy; the parameter stays."""
+    while isinstance(orbits := c.equations, PeriodicOrbits):
+        error = float(orbits.step_error([c.point], [c.linear.weights])[0])
+        c = replace(c, step_error=error)
+        more = [s for s in STEPS if s > orbits.steps]
+        if error <= accuracy or not more:
+            break
+        again = correct([Ask(replace(orbits, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
+        if isinstance(again, Lost):
+            break
+        c = again
+    while too_long(c):
+        run: Any = divided(c)
+        try:
+            run.send(correct([next(run)])[0])
+        except StopIteration as stop:
+            if len(stop.value.point.x) == len(c.point.x):
+                break
+            c = stop.value
+    return c
