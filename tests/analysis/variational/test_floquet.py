@@ -82,7 +82,7 @@ def test_impossible_orbits_are_refused():
 
 
 def test_multipliers_of_zero_stay_zero(monkeypatch):
-    """A motion that sticks forgets its velocity: the logarithm of that multiplier is minus infinity at any number of steps."""
+    """A motion that sticks forgets its velocity: the logarithm of that multiplier is minus infinity, whatever the steps."""
     orbit, logs = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, -1.0]]), np.array([-0.1, -np.inf])
     monkeypatch.setattr("whirlmap.analysis.variational.floquet._round", lambda *_: (orbit, logs, np.zeros(2)))
     system = whirlmap.load("duffing")
