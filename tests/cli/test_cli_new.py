@@ -12,7 +12,8 @@ from whirlmap.cases.template import template
 from whirlmap.cli.main import app
 from whirlmap.errors import CaseError
 
-MACHINES = [n for n in names() if n.startswith("machines/") or n == "gear-psfd/machine"]
+FROM_PARTS = [n for n in names() if read(n).parts]
+MACHINES = [n for n in names() if (n.startswith("machines/") or n == "gear-psfd/machine") and n not in FROM_PARTS]
 
 
 def run(line):
@@ -45,6 +46,20 @@ def test_a_template_has_a_speed_in_rpm_and_the_switches_in_force(like, tmp_path)
     for name, value in stock.switches.items():
         assert [line for line in lines if line.removeprefix("# ").startswith(f'{name} = "{value}"')], name
     assert not [line for line in lines if "value = 0," in line and line.startswith("#")]  # what is not in force is not shown
+
+
+@pytest.mark.parametrize("options", ["--parts", *(f"--like {name}" for name in FROM_PARTS)])
+def test_a_template_from_parts_is_the_commented_file_of_the_machine(options, tmp_path):
+    file = tmp_path / "mine.toml"
+    assert run(f"new {file} {options}").exit_code == 0
+    mine, stock = whirlmap.load(file), whirlmap.load("machines/two-shaft-gearbox")
+    assert mine.values == stock.values and mine.model is stock.model
+    text = file.read_text()
+    for kind in ("shaft", "disk", "bearing", "support", "mesh", "coupling", "unbalance"):
+        assert re.search(rf"^\[\[{kind}\]\]", text, re.MULTILINE)
+    assert text.count("#") > 20
+    done = run(f"new {tmp_path / 'other.toml'} --parts --like machines/jeffcott-rig")
+    assert done.exit_code == 2 and "--like" in done.stderr and not (tmp_path / "other.toml").exists()
 
 
 def test_what_exists_is_kept_and_other_suffixes_are_refused(tmp_path):

@@ -32,7 +32,7 @@ SLOW = (
     "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve", "whirlmap basins",
     "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
-    "whirlmap simulate machines/jeffcott-rig",
+    "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap show machines/two-shaft-gearbox",
     "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',
 )  # fmt: skip
 
@@ -90,6 +90,8 @@ def test_commands(line, folder):
     words = shlex.split(line)[1:]
     if words[0] in ("show", "speeds") and words[1] == "my_gearbox.toml":
         CliRunner().invoke(app, ["new", "my_gearbox.toml"])
+    if words[:2] == ["show", "my_train.toml"]:
+        CliRunner().invoke(app, ["new", "my_train.toml", "--parts"])
     done = CliRunner(env={"COLUMNS": "160"}).invoke(app, words)
     assert done.exit_code == 0, done.output
     written = [w for flag, w in pairwise(words) if flag in ("--out", "--animate")]

@@ -78,7 +78,7 @@ AXES = {
         ("widest safe window [rpm]", "worst peak to peak [um]")]),
 }  # fmt: skip
 #: Functions whose axes other tests look at, or that draw upon none.
-ELSEWHERE = {"paper_orbit_figure", "series_figure", "animate_orbit", "encode", "save"}
+ELSEWHERE = {"paper_orbit_figure", "series_figure", "animate_orbit", "encode", "save", "machine_figure"}
 
 
 def drawn(found, function):

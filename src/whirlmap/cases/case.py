@@ -28,6 +28,9 @@ from typing import Any
 
 from whirlmap.cases import entries, origin
 from whirlmap.cases.entries import Given, place
+from whirlmap.cases.machine_file import MachineCase, read_machine
+from whirlmap.cases.machine_merge import merged
+from whirlmap.cases.machine_tables import Source
 from whirlmap.equations.family import Family
 from whirlmap.errors import CaseError, nearest
 from whirlmap.results.listing import Listed, Listing, Rows
@@ -62,6 +65,8 @@ class Case(Listed):
         SHA-256 of the text of the files, which says more than converted floats could.
     own : bool
         Whether the model is the user's own.
+    parts : MachineCase, optional
+        Of a machine that is described by its parts.
     """
 
     name: str
@@ -73,6 +78,7 @@ class Case(Listed):
     start: Mapping[str, float] = field(default_factory=dict)
     digest: str = ""
     own: bool = False
+    parts: MachineCase | None = None
 
     @property
     def given(self) -> dict[str, Given]:
@@ -145,6 +151,8 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         where = place(file, raw, "extends")
         below, known = _locate(head.extends, path.parent, f"{where}: extends: ")
         base = _read(below, known, (*above, path.resolve()))
+    if head.model == "machine" or (base and base.parts and not head.model):
+        return _machine(path, name, raw, table, head, base)
     if head.model:
         family = origin.find(head.model, path.parent, place(file, raw, "model"))
         if base and base.family.name != family.name:
@@ -175,6 +183,51 @@ def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:
         digest=hashlib.sha256((base.digest + digest).encode()).hexdigest() if base.digest else digest,
         own=own,
     )
+
+
+def _machine(
+    path: Path, name: str, raw: str, table: Mapping[str, Any], head: entries.Header, base: Case | None
+) -> Case:
+    """A machine from parts; what it says of a part replaces what the file says that it extends."""
+    if base and not base.parts:
+        raise CaseError(
+            f"{place(str(path), raw, 'extends')}: extends: found {base.name}, a case of {base.family.name}; expected"
+            " a machine from"
+            " parts"
+        )
+    sources, digest = [Source(str(path), raw)], hashlib.sha256(raw.encode()).hexdigest()
+    told = head.description
+    if base and base.parts:
+        table, sources = merged(base.parts.raw, table), [*sources, *base.parts.sources]
+        digest = hashlib.sha256((base.digest + digest).encode()).hexdigest()
+        told = told or f"extends {base.name}: {base.description}"
+    parts = read_machine(table, sources)
+    return Case(
+        name=name,
+        path=path,
+        family=parts.family,
+        description=" ".join(told.split()),
+        layers=(parts.layer,),
+        start={**(base.start if base else {}), **start_values(head.start, place(str(path), raw, "start") + ": start")},
+        digest=digest,
+        parts=parts,
+    )
+
+
+def with_parts(case: Case, changes: Mapping[str, Any]) -> tuple[Case, dict[str, Any]]:
+    """A machine with those changes that need another declaration, and the changes that are left.
+
+    Raises
+    ------
+    CaseError
+        As `read` for what is changed.
+    """
+    if case.parts is None:
+        return case, dict(changes)
+    parts, left = case.parts.changed(changes)
+    if parts is case.parts:
+        return case, left
+    return replace(case, family=parts.family, layers=(parts.layer,), parts=parts), left
 
 
 def _parse(path: Path) -> tuple[str, dict[str, Any]]:

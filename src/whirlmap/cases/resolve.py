@@ -19,7 +19,7 @@ from typing import Any
 from sympy import sympify
 
 from whirlmap.cases import alternatives
-from whirlmap.cases.case import Case, Layer, spread
+from whirlmap.cases.case import Case, Layer, spread, with_parts
 from whirlmap.cases.entries import Given
 from whirlmap.cases.reasons import History
 from whirlmap.cases.resolved import Input, Resolved
@@ -47,7 +47,8 @@ def resolve(case: Case, changes: Mapping[str, Any] | None = None) -> Resolved:
         For anything that is wrong with a name, a unit or a value; see `read`.
     """
     asked_for = dict(changes or {})
-    changes, family = dict(asked_for), case.family
+    case, changes = with_parts(case, asked_for)
+    family = case.family
     picked = {name: changes.pop(name) for name in list(changes) if name in family.switches}
     model = _model(family, case.switches, picked)
     switches = dict(model.switches) or {**case.switches, **picked}
@@ -144,7 +145,8 @@ class _Work:
         if not serving or any(self.routes.get(r.target.name) is r for r in serving):
             return False
         others = [{**self.switches, k: choice} for k, choices in self.family.switches.items() for choice in choices]
-        return not any(name in reads for switches in others for reads in self.groups.reads(switches).values())
+        every = [reads for switches in (self.switches, *others) for reads in self.groups.reads(switches).values()]
+        return not any(name in reads for reads in every)
 
     def _fed(
         self, name: str, explicit: frozenset[str] = frozenset(), switches: Mapping[str, str] | None = None

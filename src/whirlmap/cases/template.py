@@ -24,6 +24,8 @@ def template(case: Case) -> str:
     CaseError
         The case's model has no dimensional inputs or is the user's own, or the case gives none from which a speed follows.
     """
+    if case.parts is not None:
+        return _of_parts(case)
     groups = case.family.groups
     if groups is None or not groups.inputs:
         raise CaseError(f"{case.name}: {case.family.name} has no dimensional inputs, so there is no machine to describe")
@@ -51,6 +53,15 @@ def template(case: Case) -> str:
         head = f"[{title}]" if any(name in given for name in names) else f"#   [{title}]"  # an empty table is no entry
         lines += ["", head, *(_line(name, inputs[name], given, shared) for name in names if name in inputs)]
     return "\n".join(lines) + "\n"
+
+
+def _of_parts(case: Case) -> str:
+    """A machine from parts is its own template: the file, which says what each table may hold."""
+    assert case.path is not None
+    text = case.path.read_text(encoding="utf-8-sig")
+    if case.parts and len(case.parts.sources) > 1:
+        raise CaseError(f"{case.name}: extends another file; copy both, or begin with machines/two-shaft-gearbox")
+    return text
 
 
 def _at_a_speed(given: Mapping[str, Given], settled: Resolved) -> dict[str, Given]:

@@ -82,7 +82,7 @@ def refuse_roles(
                 f"model {model!r}: journals[{name!r}] is {journal}, expected Journal((x, y), spin) with two states"
             )
     for name in unbalances:
-        if bodies and name not in bodies:
+        if bodies and name.partition(", ")[0] not in bodies:
             raise ModelError(f"model {model!r}: unbalances names {name!r}, expected a body: {' '.join(bodies)}")
 
 

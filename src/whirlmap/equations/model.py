@@ -75,7 +75,7 @@ class Model(Listed):
     journals : mapping of str to Journal
         Journals by their bearing, for orbits in their clearance.
     unbalances : mapping of str to Parameter
-        Eccentricities of centres of mass over the clearance, by the rotor's name.
+        Eccentricities of centres of mass over the clearance, by the rotor's name; ``"rotor, plane"`` where it has several.
     assumptions : str
         Which assumptions `whirlmap.assumptions` judges beside those of bearings.
     sources : tuple of str
@@ -196,7 +196,8 @@ class Model(Listed):
     def expressions(self) -> dict[str, list[Any]]:
         """Every expression of this model, by the part of the declaration where it stands."""
         journals = [journal.u for journal in self.journals.values()]
-        of_films = [e for film in self.films.values() for e in (*film.u, film.psi, film.spin, film.strength)]
+        of_journals = [e for j in self.journals.values() for e in (j.spin, j.clearance)]
+        of_films = [e for k in self.films.values() for e in (*k.u, k.psi, k.spin, k.strength, k.clearance)]
         return {
             "the equations": list(self.equations.values()),
             "the harmonics": list(self.harmonics),
@@ -207,7 +208,7 @@ class Model(Listed):
             "the films": of_films,
             "the teeth": [] if self.teeth is None else [self.teeth],
             "the clocks": list(self.clocks.values()),
-            "the roles": [*filter(None, [self.speed]), *self.unbalances.values(), *(j.spin for j in self.journals.values())],
+            "the roles": [*filter(None, [self.speed]), *self.unbalances.values(), *of_journals],
             "the coordinates": [*self.swing, *(q for u in (*self.bodies.values(), *journals) for q in u)],
             "the equilibrium": list(self.equilibrium.values()),
             "the section": [self.section.surface] if self.section else [],

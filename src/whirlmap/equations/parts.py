@@ -72,24 +72,28 @@ class Switching:
 
 @dataclass(frozen=True)
 class Journal:
-    """A journal in its bearing: ``u``, its centre relative to the bearing, over the clearance, and its ``spin``.
+    """A journal in its bearing: ``u``, its centre relative to the bearing, in the model's length, and its ``spin``.
 
-    ``spin`` is the journal's speed over the clock's, positive from x to y; 0 for a damper.
+    ``spin`` is the journal's speed over the clock's, positive from x to y; 0 for a damper. ``clearance`` is that of the
+    bearing in the model's length.
     """
 
     u: tuple[State, State]
     spin: Expr | int
+    clearance: Expr | int = 1
 
 
 @dataclass(frozen=True)
 class Film:
     """A fluid film of the short-bearing law between a journal that spins and its bearing, for its linear coefficients.
 
-    ``u`` is the journal relative to the bearing over the clearance, ``psi`` the permeability, ``spin`` the journal's speed
-    over the clock's, positive from x to y, and ``strength`` is A times the clock's speed, over the model's unit of force.
+    ``u`` is the journal relative to the bearing in the model's length, ``psi`` the permeability, ``spin`` the journal's
+    speed over the clock's, positive from x to y, ``strength`` is A times the clock's speed, over the model's unit of
+    force, and ``clearance`` that of the bearing in the model's length.
     """
 
     u: tuple[State, State]
     psi: Expr | int
     spin: Expr | int
     strength: Expr
+    clearance: Expr | int = 1

@@ -6,7 +6,7 @@ the film has a limit at the centre. Source: equation audit, sections 3.2 and 4.
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from sympy import Expr, Float, Integer, Rational, cbrt, pi, sqrt
 
@@ -65,15 +65,27 @@ class FilmLaw:
         return -slip * uy, slip * ux
 
 
-def film_law(film: str, arc: str, *, plain: bool = False) -> FilmLaw:
-    """Return the law for one choice of film (porous, printed) and arc (fixed, positive); ``plain`` takes psi = 0."""
+def film_law(film: str, arc: str, *, plain: bool = False, own: str = "") -> FilmLaw:
+    """Return the law for one choice of film (porous, printed) and arc (fixed, positive).
+
+    ``plain`` takes psi = 0. ``own`` is the bearing whose own table the law reads, where bearings differ in their
+    permeability.
+    """
     if film == "printed":
         return FilmLaw(printed_velocity)
     if arc == "positive":
-        return FilmLaw(positive_arc_velocity, tables=(POSITIVE_ARC,))
+        table = _of(POSITIVE_ARC, own)
+        return FilmLaw(_positive_arc(table), tables=(table,))
     if plain:
         return FilmLaw(_fixed_arc(plain_mobility), plain_mobility)
-    return FilmLaw(_fixed_arc(porous_mobility), porous_mobility, (FIXED_ARC,))
+    table = _of(FIXED_ARC, own)
+    mobility = _porous_mobility(table)
+    return FilmLaw(_fixed_arc(mobility), mobility, (table,))
+
+
+def _of(table: Table, own: str) -> Table:
+    """The table of one bearing: a table is read at one permeability."""
+    return replace(table, name=f"{table.name}_{own}") if own else table
 
 
 def permeability_fault(values: Mapping[str, float]) -> str:
@@ -99,10 +111,13 @@ def plain_mobility(e2: Expr, psi: Expr) -> tuple[Expr, Expr, Expr]:  # noqa: ARG
     return 2 * pi * q**2 * sqrt(q) / P, 6 * pi * q * sqrt(q) / P, -8 * q**2 / P
 
 
-def porous_mobility(e2: Expr, psi: Expr) -> tuple[Expr, Expr, Expr]:
-    """Mobilities of the porous film with its half film fixed at 0..pi, from the table."""
-    radial, excess, coupling = FIXED_ARC(psi, e2)
-    return radial, excess, coupling
+def _porous_mobility(table: Table) -> Mobility:
+    def mobility(e2: Expr, psi: Expr) -> tuple[Expr, Expr, Expr]:
+        """Mobilities of the porous film with its half film fixed at 0..pi, from the table."""
+        radial, excess, coupling = table(psi, e2)
+        return radial, excess, coupling
+
+    return mobility
 
 
 def _fixed_arc(mobility: Mobility) -> Callable[..., Vector]:
@@ -119,16 +134,19 @@ def _fixed_arc(mobility: Mobility) -> Callable[..., Vector]:
     return velocity
 
 
-def positive_arc_velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sigma: Expr) -> Vector:  # noqa: ARG001
-    """Velocity under the half film of positive pressure, in the frame of the load (Booker's mobility), from the table."""
-    load2 = qx**2 + qy**2 + CENTRE
-    along, across = qx * ux + qy * uy, qx * uy - qy * ux
-    R = 1 + Rational(3, 4) * cbrt(psi)
-    size = sqrt(load2)
-    z = magnitude(across) / sqrt(R**2 * load2 - along**2)  # its slope jumps where what it is multiplied by is zero
-    ahead, aside = POSITIVE_ARC(psi, along / size, z)
-    turn = aside * across / size
-    return ahead * qx + turn * qy, ahead * qy - turn * qx
+def _positive_arc(table: Table) -> Callable[..., Vector]:
+    def velocity(ux: Expr, uy: Expr, qx: Expr, qy: Expr, psi: Expr, sigma: Expr) -> Vector:  # noqa: ARG001
+        """Velocity under the half film of positive pressure, in the frame of the load (Booker), from the table."""
+        load2 = qx**2 + qy**2 + CENTRE
+        along, across = qx * ux + qy * uy, qx * uy - qy * ux
+        R = 1 + Rational(3, 4) * cbrt(psi)
+        size = sqrt(load2)
+        z = magnitude(across) / sqrt(R**2 * load2 - along**2)  # its slope jumps where what it is multiplied by is zero
+        ahead, aside = table(psi, along / size, z)
+        turn = aside * across / size
+        return ahead * qx + turn * qy, ahead * qy - turn * qx
+
+    return velocity
 
 
 def plain_fixed_force(ux: Expr, uy: Expr, wx: Expr, wy: Expr) -> Vector:

@@ -129,6 +129,10 @@ def pieces(system: System) -> Pieces:
         p.name: _entry(system.values[p.name], p.unit, system.notes.get(p.name, "")) for p in model.parameters
     }
     case_hash, roles = "", model.roles()
+    values = {p: float(system.values[p.name]) for p in model.parameters}
+    differing = {name: journal.clearance for name, journal in model.journals.items() if journal.clearance != 1}
+    if differing:
+        roles["clearances"] = {name: float(sympify(e).subs(values)) for name, e in differing.items()}
     if settled:
         case_hash = settled.case.digest
         for name, given in settled.inputs.items():

@@ -11,6 +11,10 @@ speed_min = Parameter("speed_min", "rad/s", "lowest speed at which the machine i
 speed_max = Parameter("speed_max", "rad/s", "highest speed at which the machine is run", above=0)
 limit = Parameter("limit", "m", "largest amplitude that is allowed", above=0)
 
+#: Of machines from parts: the speed of their reference shaft, and gravity.
+speed = Parameter("speed", "rad/s", "speed of the reference shaft", above=0)
+g = Parameter("g", "m/s^2", "gravity", at_least=0)
+
 #: What `speeds` reads; only unbalance grades and a rated power change a parameter by it.
 OPERATION = (speed_min, speed_max, limit)
 

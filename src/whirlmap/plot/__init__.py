@@ -31,6 +31,7 @@ from whirlmap.plot.figures.diagnosis_figure import diagram_figure as diagram_fig
 from whirlmap.plot.figures.diagnosis_figure import paper_diagram_figure as paper_diagram_figure
 from whirlmap.plot.figures.diagnosis_figure import paper_orbit_figure as paper_orbit_figure
 from whirlmap.plot.figures.improve import improve_figure as improve_figure
+from whirlmap.plot.figures.machine import machine_figure as machine_figure
 from whirlmap.plot.figures.regime_map import draw_regime_map as draw_regime_map
 from whirlmap.plot.figures.regime_map import draw_shares as draw_shares
 from whirlmap.plot.figures.regime_map import regime_line_figure as regime_line_figure

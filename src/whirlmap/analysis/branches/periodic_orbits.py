@@ -28,7 +28,7 @@ from whirlmap.integrate.division import variants
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.scales import scales_between
-from whirlmap.integrate.system import System
+from whirlmap.integrate.system import System, periods
 from whirlmap.kernels.lowering.formulas import Formula, numpy_function
 from whirlmap.kernels.methods import DOP853, Method
 from whirlmap.kernels.running.lanes import lane_kernel
@@ -263,6 +263,12 @@ class PeriodicOrbits:
         return np.concatenate(
             [linear.matrices[:-1], (np.eye(n) - np.outer(flow, slope) / (slope @ flow))[None] @ linear.matrices[-1:]]
         )
+
+    def durations(self, points: Sequence[Unknowns]) -> Array:
+        """Time of one return of each orbit."""
+        if not self.periods:
+            return np.array([p.duration for p in points], dtype=float)
+        return self.periods * periods(self.system.model, self.columns(np.stack([p.free for p in points], axis=1)))
 
     def once_per_T(self, points: Sequence[Unknowns]) -> list[Array]:
         """States of orbits at each T from phase zero on, shape (period, state) of each; of cycles the first alone."""

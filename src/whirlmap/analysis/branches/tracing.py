@@ -139,14 +139,17 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
     out : Trace
         With the first point; the others are added, so that who stops keeps them.
     sign : float
-        Side to which the first step goes, of the tangent as it is.
+        Side to which the first step goes, of the tangent as it is; of a branch with more points, away from them.
     halves : array, shape (state,), optional
         Of a doubled orbit: direction in which its two halves differ; where they come to differ no more it has closed on the
         orbit that it doubled from.
     """
     seed = out.points[0]
-    a = replace(seed, tangent=sign * seed.tangent, turned=sign * seed.turned)
-    first, step, lost = a, FIRST * limits.longest, Status.ok
+    first = a = turned(seed, sign)
+    if len(out.points) > 1:  # it was interrupted, and goes on
+        first, a = turned(seed, towards(seed, out.points[1])), out.points[-1]
+        a = turned(a, -towards(a, out.points[-2]))
+    step, lost = FIRST * limits.longest, Status.ok
     which, _, edge = limits.left(a)
     if abs(a.point.free[which] - edge) <= EDGE * (limits.high - limits.low)[which]:
         out.end, out.why = "range", ENDS["range"]
@@ -193,6 +196,20 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         step, a = min(step, limits.longest), coarser(b, limits.accuracy)
 
 
+def turned(c: Corrected, sign: float) -> Corrected:
+    """The same point with its tangent to the other side where the sign is negative."""
+    return replace(c, tangent=sign * c.tangent, turned=sign * c.turned)
+
+
+def towards(a: Corrected, b: Corrected) -> float:
+    """Sign with which the tangent of a point shows to a neighbour."""
+    n, rest = a.point.x.shape[1], a.tangent.size - a.point.x.size
+    ends = np.concatenate([b.point.x[0] - a.point.x[0], b.point.vector[-rest:] - a.point.vector[-rest:]])
+    own = np.concatenate([a.tangent[:n], a.tangent[-rest:]])
+    sizes = np.concatenate([a.linear.sizes[:n], a.linear.sizes[-rest:]])
+    return 1.0 if (own / sizes) @ (ends / sizes) >= 0 else -1.0
+
+
 def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Corrected | Lost, tuple[Any, Status, str]]:
     """The next point; None where it was not found, or is not the next. And whether it lies at the end of the range."""
     sizes = a.linear.sizes
@@ -206,7 +223,7 @@ def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Correc
     if isinstance(b, Lost):
         return None, b.status, ""
     if ended and b.tangent / sizes @ ahead < 0:
-        b = replace(b, tangent=-b.tangent, turned=-b.turned)
+        b = turned(b, -1.0)
     apart = np.linalg.norm((b.point.vector - guess) / sizes)
     there = b.tangent / sizes
     turn = np.arccos(min(1.0, float(there @ ahead / np.linalg.norm(there))))
@@ -229,7 +246,7 @@ def _stepped_onto(
     if isinstance(found, Lost) or limits.outside(found.point).size:
         return None, found.status if isinstance(found, Lost) else Status.ok, ""
     if found.tangent / a.linear.sizes @ (a.tangent / a.linear.sizes) < 0:
-        found = replace(found, tangent=-found.tangent, turned=-found.turned)
+        found = turned(found, -1.0)
     return found, Status.ok, "range"
 
 

@@ -27,8 +27,10 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
     names = [str(q) for q in np.asarray(ds["quantity"])]
     swing, rms, largest = (map(number, np.asarray(ds[name])) for name in ("peak_to_peak", "rms", "maximum"))
     amplitude = {q: {"peak_to_peak": a, "rms": b} for q, a, b in zip(names, swing, rms, strict=True)}
-    journals = json.loads(ds.attrs.get("roles", "{}")).get("eccentricities", {}).values()
+    roles = json.loads(ds.attrs.get("roles", "{}"))
+    journals = {output: bearing for bearing, output in roles.get("eccentricities", {}).items()}
     eccentricity = {q: e for q, e in zip(names, largest, strict=True) if q in journals}
+    clearance = {output: roles.get("clearances", {}).get(bearing, 1) for output, bearing in journals.items()}
     dimension = votes.get("dimension", {})
     label = Regime(int(ds["regime"]))
     periodic = label == Regime.periodic
@@ -59,7 +61,7 @@ def verdict_json(ds: "Findings | xr.Dataset") -> dict[str, Any]:
         "indicators": votes,
         "amplitude": amplitude,
         "max_eccentricity": eccentricity,
-        "min_film": {k: None if v is None else 1 - v for k, v in eccentricity.items()},
+        "min_film": {k: None if v is None else clearance[k] * (1 - v) for k, v in eccentricity.items()},
         "status": Status(int(ds["status"])).name,
         "end_time": number(ds["end_time"]),
         "end_reason": ds.attrs.get("end_reason"),

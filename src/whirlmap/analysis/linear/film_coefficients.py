@@ -26,7 +26,7 @@ class FilmCoefficients:
     load : float
         Force W that the film carries, in the model's unit of force.
     K, C : array, shape (2, 2)
-        Stiffness [W/c] and damping [W/(c omega)], omega the journal's speed of rotation.
+        Stiffness [W/c] and damping [W/(c omega)], c the bearing's clearance and omega the journal's speed of rotation.
     W_c, W_c_omega : float
         W/c [N/m] and W/(c omega) [N*s/m]; NaN where the case has no dimensions.
     """
@@ -78,8 +78,9 @@ def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
     force, length, speed = map(Dimensions(system).worth, ("force", "length", "speed"))
     found = {}
     for name, film in system.model.films.items():
-        psi, spin, strength = (float(sympify(e).subs(values)) for e in (film.psi, film.spin, film.strength))
-        ux, uy = (rest[q.name] for q in film.u)
+        numbers = (film.psi, film.spin, film.strength, film.clearance)
+        psi, spin, strength, clearance = (float(sympify(e).subs(values)) for e in numbers)
+        ux, uy = (rest[q.name] / clearance for q in film.u)
         eccentricity = float(np.hypot(ux, uy))
         if spin == 0.0 or eccentricity == 0.0:
             continue
@@ -88,7 +89,7 @@ def film_coefficients(system: System) -> dict[str, FilmCoefficients]:
         along = np.arctan2(uy, ux) - sense * one.attitude
         turn = np.array([[np.cos(along), -sense * np.sin(along)], [np.sin(along), sense * np.cos(along)]])
         load = float(one.load) * strength * abs(spin)
-        W_c = load * force / length
+        W_c = load * force / (length * clearance)
         found[name] = FilmCoefficients(
             eccentricity, load, turn @ one.K @ turn.T, turn @ one.C @ turn.T, W_c, W_c / (abs(spin) * speed)
         )

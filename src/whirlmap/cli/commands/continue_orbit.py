@@ -42,7 +42,7 @@ SHOWN = 3
 def continue_orbit(
     *, case: str, vary: list[str], begin: str | None, period: int | None, orbit: str | None, seeds: str | None,
     coexisting: bool, starts: int, direction: str, doublings: int, event: str | None, near: str | None, points: int,
-    longest: float, plot: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling,
+    longest: float, resume: bool, plot: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling,
     execution: Execution, dimensionless: bool, out: Path | None, size: str | None, dpi: int | None, title: str | None,
     force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
@@ -58,7 +58,8 @@ def continue_orbit(
         raise InputError(f"{found}: expected --event beside it, for the curve of an event in two parameters")
     if len(free) != len(vary) or len(vary) != (2 if event else 1):
         raise InputError(f"--vary: found {' '.join(vary)}, expected {'two parameters' if event else 'one parameter'}")
-    destination = claim(out, "curves" if event else "branches", force=force, size=size, dpi=dpi, title=title)
+    before = _before(out, event) if resume else None
+    destination = claim(out, "curves" if event else "branches", force=force or resume, size=size, dpi=dpi, title=title)
     system = open_system(case, changes, start)
     if event is None:
         refuse_twice(system, set(assignments(changes, "--set")), Range(next(iter(free)), 0.0, 1.0, 2))
@@ -72,10 +73,10 @@ def continue_orbit(
         if event is not None:
             work = event_curve.parts(system, free, event, near=near, **shared)
         else:
-            (name, ends), known = next(iter(free.items())), None if seeds is None else _opened(seeds)
+            (name, ends), known = next(iter(free.items())), None if seeds is None else _opened(seeds, "--seeds")
             work = follow.parts(
                 system, name, ends, seeds=known, coexisting=coexisting, starts=starts, direction=direction,  # type: ignore[arg-type]
-                doublings=doublings, **shared,
+                doublings=doublings, resume=before, **shared,
             )  # fmt: skip
         work.run(lambda done, _: setattr(progress, "note", f"{done} points"))  # how long a branch is nobody knows
     if work.dataset is None:
@@ -94,7 +95,19 @@ def continue_orbit(
         say_branches(system, ds, units, quantities)
         report.print_written(files)
     if not work.complete:
-        report.interrupted(str(ds.attrs["incomplete"]), files, "the same command follows the branches again")
+        go_on = "the same command follows the branches again"
+        kept = event is None and any(file.suffix == ".nc" for file in files)
+        report.interrupted(str(ds.attrs["incomplete"]), files, "the same command with --resume goes on" if kept else go_on)
+
+
+def _before(out: Path | None, event: str | None) -> "xr.Dataset":
+    """What an interrupted command has left in the place of --out."""
+    if event is not None:
+        raise InputError("--resume: found it beside --event, where it has no meaning")
+    place = None if out is None else out if out.suffix == ".nc" else out / "branches.nc"
+    if place is None or out is None or out.suffix not in ("", ".nc"):
+        raise InputError("--resume: expected --out beside it, the data file or the folder of the interrupted command")
+    return _opened(str(place), "--resume")
 
 
 def _refuse(beside: str, given: Mapping[str, Any]) -> None:
@@ -130,16 +143,16 @@ def _state(system: System, text: str) -> dict[str, float]:
     return found
 
 
-def _opened(place: str) -> "xr.Dataset":
+def _opened(place: str, option: str) -> "xr.Dataset":
     import xarray as xr
 
     path = Path(place).expanduser()
     if not path.exists():
-        raise InputError(f"--seeds: there is no file or folder {place}")
+        raise InputError(f"{option}: there is no file or folder {place}")
     try:
         return xr.open_zarr(path) if path.is_dir() else xr.load_dataset(path)
     except (OSError, ValueError, KeyError) as error:
-        raise InputError(f"--seeds: {place} is no Dataset or store that can be read: {error}") from None
+        raise InputError(f"{option}: {place} is no Dataset or store that can be read: {error}") from None
 
 
 @dataclass(frozen=True)

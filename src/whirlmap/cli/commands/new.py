@@ -10,9 +10,12 @@ from whirlmap.cli.common import report
 from whirlmap.errors import InputError
 from whirlmap.results.files import check_writable, replace_file
 
+#: Machines that templates begin with.
+DEFAULT, FROM_PARTS = "gear-psfd/machine", "machines/two-shaft-gearbox"
+
 
 def new(
-    *, file: Path, like: str, force: bool, json: bool,
+    *, file: Path, like: str, parts: bool, force: bool, json: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.new` says."""
     if file.suffix != ".toml":
@@ -20,6 +23,10 @@ def new(
 
     check_writable(file, force=force)
 
+    if parts:
+        if like != DEFAULT:
+            raise InputError(f"--like: found {like!r} beside --parts, which begins with {FROM_PARTS}; expected one of them")
+        like = FROM_PARTS
     text = template(read(like))
     replace_file(file, lambda place: place.write_text(text, encoding="utf-8"), force=force)
     if json:

@@ -10,16 +10,19 @@ from rich.columns import Columns
 from sympy import sympify
 
 from whirlmap.analysis.linear.linearisation import standing
+from whirlmap.analysis.linear.truncation import machine_of
 from whirlmap.assumptions.oil_heat import oil_heat, why_none
 from whirlmap.assumptions.violation import Facts
 from whirlmap.assumptions.violations import judged, repeated
 from whirlmap.cli.common import report
+from whirlmap.cli.common.machine_parts import describe_parts, print_parts, warnings_of
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.series_texts import options_given
 from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.references import references
+from whirlmap.results.files import check_writable
 from whirlmap.results.listing import brackets
 from whirlmap.units import convert
 
@@ -28,17 +31,21 @@ if TYPE_CHECKING:
     from whirlmap.integrate.system import System
 
 
+#: Pictures of a machine.
+PICTURES = (".png", ".svg", ".pdf")
 #: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
 SIDE_BY_SIDE = 220
 
 
 def show(
     *, case: str | None, changes: list[str] | None, start: list[str] | None, equations: bool, series: Path | None,
-    time: str | None, separator: str | None, decimal: str | None, skip: int, json: bool,
+    time: str | None, separator: str | None, decimal: str | None, skip: int, out: Path | None, force: bool, json: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.show` says."""
     if series is not None:
-        for name, value in {"CASE": case, "--set": changes, "--start": start, "--equations": equations}.items():
+        for name, value in {
+            "CASE": case, "--set": changes, "--start": start, "--equations": equations, "--out": out
+        }.items():  # fmt: skip
             if value:
                 raise InputError(f"{name}: found it beside --series, which shows a file without equations")
         from whirlmap.cli.commands.show_file import show_file
@@ -51,11 +58,33 @@ def show(
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
                          "  try: whirlmap show --help")  # fmt: skip
     system = open_system(case, changes, start)
+    if out is not None:
+        _refuse_drawing(system, out, force=force)
     facts = describe(system, equations=equations)
+    written = _drawn(facts, out, force=force) if out is not None else []
     if json:
-        report.print_json(facts)
+        report.print_json(facts | ({"written": written} if written else {}))
     else:
         _print(facts)
+        report.print_written(written)
+
+
+def _refuse_drawing(system: "System", out: Path, *, force: bool) -> None:
+    if machine_of(system) is None:
+        raise InputError(f"--out: {system.case} is not described by parts, and there is nothing to draw; expected a"
+                         " case with"
+                         ' model = "machine", such as machines/two-shaft-gearbox')  # fmt: skip
+    if out.suffix.lower() not in PICTURES:
+        raise InputError(f"--out: found {out}, expected a picture: {', '.join(PICTURES)}")
+    check_writable(out, force=force)
+
+
+def _drawn(facts: dict[str, Any], out: Path, *, force: bool) -> list[Path]:
+    from whirlmap.plot.common.save import save
+    from whirlmap.plot.figures.machine import machine_figure
+
+    check_writable(out, force=force)
+    return [save(machine_figure(facts["parts"], title=str(facts["case"])), out)]
 
 
 def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
@@ -114,6 +143,10 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
     }  # fmt: skip
     facts["oil_not_judged"] = _oil(system, facts)
     facts["warnings"] = warnings(system, facts)
+    if machine := machine_of(system):
+        rest = {s.name: float(v) for s, v in zip(model.states, x[:, 0], strict=True)} if found[0] else None
+        facts["parts"] = describe_parts(system, machine, rest)
+        facts["warnings"] += warnings_of(facts["parts"])
     if equations:
         facts["equations"] = {s.name: str(model.equations[s]) for s in model.states}
     return facts
@@ -197,6 +230,8 @@ def _print(facts: dict[str, Any]) -> None:
         typer.echo(f"changed: {what}; what the case says in words was written for its own numbers")
     for text in facts["warnings"]:
         typer.echo(f"warning: {text}")
+    if "parts" in facts:
+        print_parts(facts["parts"])
     tables = []
     if facts["inputs"]:
         rows = [(n, _small_e(i["written"]), i["meaning"], _origin(i)) for n, i in facts["inputs"].items()]

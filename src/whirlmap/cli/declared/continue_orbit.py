@@ -115,6 +115,13 @@ def continue_orbit(
             help="States or outputs in the picture, separated by commas; the displacements of the model where absent.",
         ),
     ] = None,
+    resume: Annotated[
+        bool,
+        typer.Option(
+            "--resume", rich_help_panel=BRANCH,
+            help="Go on with the interrupted branches in the data file of --out, with the same options as before.",
+        ),
+    ] = False,
     changes: options.Changes = None,
     start: options.Start = None,
     labelling: Labelling = LABELLING,

@@ -10,6 +10,7 @@ from whirlmap.cli.common import options
 EXAMPLES = (
     "whirlmap new my_gearbox.toml",
     "whirlmap new rig.toml --like machines/jeffcott-rig",
+    "whirlmap new my_train.toml --parts",
     "whirlmap new my_gearbox.toml && whirlmap show my_gearbox.toml",
 )
 
@@ -20,6 +21,13 @@ def new(
         str,
         typer.Option("--like", metavar="CASE", help="Machine whose numbers it begins with.", rich_help_panel=options.SYSTEM),
     ] = "gear-psfd/machine",
+    parts: Annotated[
+        bool,
+        typer.Option(
+            "--parts", rich_help_panel=options.SYSTEM,
+            help="A machine from parts: shafts, bearings, supports, meshes, each in a table of its own.",
+        ),
+    ] = False,
     force: Annotated[
         bool, typer.Option("--force", help="Replace the file.", rich_help_panel=options.OUTPUT)
     ] = False,
@@ -27,5 +35,6 @@ def new(
 ) -> None:
     """Write a template of a machine: every input with its unit and meaning, filled with the numbers of another one.
 
-    The file loads as it is. Values that the machine does not give stand as comments.
+    The file loads as it is. Values that the machine does not give stand as comments. With --parts it is a machine from
+    parts, that of machines/two-shaft-gearbox.
     """

@@ -1,5 +1,6 @@
 """Options and help of ``whirlmap show``."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
@@ -11,6 +12,7 @@ EXAMPLES = (
     "whirlmap show gear-psfd/machine",
     'whirlmap show gear-psfd/machine --set "speed=1500 rpm" --set arc=fixed',
     "whirlmap show duffing --equations",
+    "whirlmap show machines/two-shaft-gearbox --out machine.png",
     "whirlmap show my_rotor.toml --json",
     "whirlmap show --series run7.csv",
 )
@@ -33,11 +35,20 @@ def show(
     separator: signals.Separator = None,
     decimal: signals.Decimal = None,
     skip: signals.Skip = 0,
+    out: Annotated[
+        Path | None,
+        typer.Option(
+            "--out", metavar="PLACE", rich_help_panel=options.OUTPUT,
+            help="Draw a machine from parts: NAME.png, .svg or .pdf. Without it no file is written.",
+        ),
+    ] = None,
+    force: options.Force = False,
     json: options.Json = False,
 ) -> None:
     """Print every symbol of CASE with its value, unit, meaning and source.
 
-    Dimensional inputs stand beside the dimensionless groups that follow from them; then come the switches,
-    the start state, the clocks and periods, and warnings. Nothing is simulated. For a recorded
+    Of a machine from parts, its shafts, bearings and meshes come first, with static loads, kept modes and what their
+    truncation costs; --out draws it. Dimensional inputs stand beside the dimensionless groups that follow from them; then
+    come the switches, the start state, the clocks and periods, and warnings. Nothing is simulated. For a recorded
     signal it prints the layout of the file: table, columns with unit and range, rate.
     """

@@ -31,14 +31,15 @@ class Hoisted:
     parameters: Sequence[Symbol]
     expressions: list[Expr] = field(default_factory=list)
     symbols: list[Symbol] = field(default_factory=list)
+    known: dict[Expr, Symbol] = field(default_factory=dict)
 
     def symbol(self, expression: Expr) -> Symbol:
         """Return the symbol that stands for an expression of parameters."""
-        if expression in self.expressions:
-            return self.symbols[self.expressions.index(expression)]
-        self.expressions.append(expression)
-        self.symbols.append(Symbol(f"q{len(self.symbols)}", real=True))
-        return self.symbols[-1]
+        if expression not in self.known:
+            self.expressions.append(expression)
+            self.symbols.append(Symbol(f"q{len(self.symbols)}", real=True))
+            self.known[expression] = self.symbols[-1]
+        return self.known[expression]
 
 
 def split_harmonics(expression: Expr, harmonics: Sequence[Expr]) -> Expr:

@@ -36,6 +36,8 @@ class Branch:
         How it ends at the seed where it is followed in one direction only.
     halves : array, shape (state,), optional
         Of doubled orbits: direction in which their halves differ.
+    upwards : float, optional
+        Sign with which the seed's tangent goes to ``up``; along the parameter where absent.
     """
 
     seed: Seed
@@ -43,6 +45,7 @@ class Branch:
     up: Trace | None = None
     begins: str = "start"
     halves: Array | None = None
+    upwards: float | None = None
     parts: list[Trace] = field(init=False)
 
     def __post_init__(self) -> None:
@@ -69,6 +72,10 @@ class Branch:
         """All points along the branch."""
         down, up = self._sides()
         return [*(down.points[:0:-1] if down else []), self.seed.at, *(up.points[1:] if up else [])]
+
+    def measured_points(self) -> list[Corrected]:
+        """Its points, then its events."""
+        return [*self.points(), *(e.at for _, e in self.events())]
 
     def events(self) -> list[tuple[int, Event]]:
         """Its events along the branch, each with the index of the point before it."""

@@ -1,23 +1,19 @@
 """Branches as one Dataset: their points one after the other, and their events."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.branches.corrector import Corrected
-from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import OUTSIDE, Event
-from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.integrate.system import System
 from whirlmap.results.schema import names_coordinate, variable
 from whirlmap.sweep.branches.branch import ENDS, KINDS, Branch, arclengths
-from whirlmap.sweep.branches.free_parameters import Varied
-from whirlmap.sweep.branches.measured_branches import numbers
-from whirlmap.sweep.points.extremes import extreme_coordinates, extreme_variables
+from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
+from whirlmap.sweep.branches.measured_branches import Measuring
+from whirlmap.sweep.points.extremes import EXTREMES, extreme_coordinates, extreme_variables
 
 Array = NDArray[np.float64]
 
@@ -40,15 +36,23 @@ def word(ds: xr.Dataset, name: str, value: Any) -> str:
     return str(str(ds[name].attrs["flag_meanings"]).split()[int(value)]).replace("_", "-")
 
 
-def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]) -> xr.Dataset:
+def dataset(
+    system: System, varied: Sequence[Varied], branches: Sequence[Branch], measuring: Measuring | None = None
+) -> xr.Dataset:
     """All branches, over ``point``, ``event`` and ``branch``."""
-    points = [orbit_of(p) for b in branches for p in b.points()]
-    events = [(k, i, replace(e, at=orbit_of(e.at))) for k, b in enumerate(branches) for i, e in b.events()]
-    found = numbers([*points, *(e.at for _, _, e in events)])
+    points = [p for b in branches for p in b.points()]
+    events = [(k, i, e) for k, b in enumerate(branches) for i, e in b.events()]
+    rows = (measuring or Measuring())([*points, *(e.at for _, _, e in events)])
     count = len(points)
+    log, angle, error = (
+        _ragged([getattr(row, name) for row in rows]) for name in ("log_modulus", "argument", "log_error")
+    )
+    extremes = {name: np.stack([row.extremes[name] for row in rows[:count]], axis=1) for name in EXTREMES}
+    section = [row.section for row in rows[:count]]
+    columns = FreeParameters(system, tuple(varied)).following(np.stack([p.point.free for p in points], axis=1))
     of = np.repeat(np.arange(1, len(branches) + 1), [len(b.points()) for b in branches])
     first = np.searchsorted(of, np.arange(1, len(branches) + 1))
-    unstable = (found.log_modulus > OUTSIDE).sum(axis=1)
+    unstable = (log > OUTSIDE).sum(axis=1)
     period = np.array([b.seed.period for b in branches])
     data: dict[str, Any] = {
         "branch_of": variable("point", of, "1", "number of the branch"),
@@ -57,27 +61,27 @@ def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]
             "length along the branch, in sizes of the states and widths of the ranges",
         ),
         "section": variable(
-            ("point", "period", "state"), _section(found.section[:count]), "1",
+            ("point", "period", "state"), _ragged(section), "1",
             "state once per T, first at phase zero, or on the section", unit_of_each=_units(system),
         ),
         "stable": variable("point", (unstable[:count] == 0).astype(np.int8), "1", "whether no multiplier lies outside"),
         "unstable": variable("point", unstable[:count], "1", "number of multipliers outside the unit circle"),
-        **_multipliers("point", "", found.log_modulus[:count], found.argument[:count]),
+        **_multipliers("point", "", log[:count], angle[:count]),
         "multiplier_error": variable(
-            ("point", "multiplier"), found.log_error[:count], "1", "change of log_modulus with the last doubling of segments"
+            ("point", "multiplier"), error[:count], "1", "change of log_modulus with the last doubling of segments"
         ),
-        **extreme_variables("point", system, {name: rows[:, :count] for name, rows in found.extremes.items()}),
-        "steps": variable("point", [getattr(p.equations, "steps", 0) for p in points], "1", "steps per T, or per return"),
+        **extreme_variables("point", system, extremes, columns),
+        "steps": variable("point", [row.steps for row in rows[:count]], "1", "steps per T, or per return"),
         "segments": variable("point", [len(p.point.x) for p in points], "1", "segments of the orbit"),
-        "step_error": variable("point", found.step_error[:count], "1", "what twice the steps change, in sizes of states"),
-        "duration": variable("point", [_duration(p) for p in points], "time", "time of one return"),
+        "step_error": variable("point", [r.step_error for r in rows[:count]], "1", "what twice the steps change, in sizes"),
+        "duration": variable("point", [row.duration for row in rows[:count]], "time", "time of one return"),
         "kind": variable("branch", [KINDS.index(b.kind) for b in branches], "1", "what its points are", **flagged(KINDS)),
         "period_T": variable("branch", period, "T", "return in T, of a cycle in crossings of its section; 0 at rest"),
         "first_point": variable("branch", first, "1", "index of its first point"),
         "end": variable(
             ("branch", "side"), [[ENDS.index(e) for e in b.ends()] for b in branches], "1", "how it ends", **flagged(ENDS)
         ),
-        **_events(varied, system, events, found.log_modulus[count:], found.argument[count:]),
+        **_events(varied, system, events, log[count:], angle[count:]),
     }
     coords: dict[str, Any] = {
         v.name: variable("point", [p.point.free[k] for p in points], _unit(system, v), v.meaning)
@@ -85,16 +89,11 @@ def dataset(system: System, varied: Sequence[Varied], branches: Sequence[Branch]
     }
     coords |= {
         "branch": ("branch", np.arange(1, len(branches) + 1), {"long_name": "branch"}),
-        "period": np.arange(1, max(len(rows) for rows in found.section[:count]) + 1),
+        "period": np.arange(1, max(len(each) for each in section) + 1),
         "state": names_coordinate("state", system.states, "state"),
         **extreme_coordinates(system),
     }
     return xr.Dataset(data, coords)
-
-
-def orbit_of(c: Corrected) -> Corrected:
-    """A point of a curve of events as the orbit that it is."""
-    return replace(c, equations=c.equations.orbits) if isinstance(c.equations, EventCurve) else c
 
 
 def events_of(ds: xr.Dataset) -> xr.Dataset:
@@ -126,19 +125,12 @@ def _units(system: System) -> str:
     return " ".join(s.unit for s in system.model.states)
 
 
-def _section(rows: Sequence[Array]) -> Array:
-    """Sections of all points, NaN beyond the shorter ones."""
-    out = np.full((len(rows), max(len(r) for r in rows), rows[0].shape[1]), np.nan)
+def _ragged(rows: Sequence[Array]) -> Array:
+    """Rows of all points, NaN beyond the shorter ones."""
+    out = np.full((len(rows), max(len(r) for r in rows), *rows[0].shape[1:]), np.nan)
     for k, row in enumerate(rows):
         out[k, : len(row)] = row
     return out
-
-
-def _duration(c: Corrected) -> float:
-    if c.point.duration is not None:
-        return c.point.duration
-    periods = getattr(c.equations, "periods", 0)
-    return float(c.equations.ensemble(Lanes.of([c.point])).period[0]) * periods if periods else 0.0  # type: ignore[attr-defined]
 
 
 def _multipliers(dim: str, before: str, log: Array, angle: Array) -> dict[str, Any]:
@@ -155,6 +147,8 @@ def _events(
     varied: Sequence[Varied], system: System, events: Sequence[tuple[int, int, Event]], log: Array, angle: Array
 ) -> dict[str, Any]:
     at = [e.at for _, _, e in events]
+    numbers, after = [k + 1 for k, _, _ in events], [i for _, i, _ in events]
+    kinds = [EVENTS.index(e.kind) for *_, e in events]
     values = {
         f"event_{v.name}": variable(
             "event", [c.point.free[k] for c in at], _unit(system, v), f"{v.meaning}, at the event"
@@ -162,9 +156,9 @@ def _events(
         for k, v in enumerate(varied)
     }
     return {
-        "event_kind": variable("event", [EVENTS.index(e.kind) for _, _, e in events], "1", "what it is", **flagged(EVENTS)),
-        "event_branch": variable("event", [k + 1 for k, _, _ in events], "1", "branch that it lies on"),
-        "event_after": variable("event", [i for _, i, _ in events], "1", "index, along its branch, of the point before it"),
+        "event_kind": variable("event", np.array(kinds, dtype=np.int8), "1", "what it is", **flagged(EVENTS)),
+        "event_branch": variable("event", np.array(numbers, dtype=np.int64), "1", "branch that it lies on"),
+        "event_after": variable("event", np.array(after, dtype=np.int64), "1", "index, along it, of the point before it"),
         "event_surface": variable("event", np.array([e.surface for _, _, e in events], dtype=str), "1", "switching grazed"),
         "event_section": variable(
             ("event", "state"), np.array([c.point.x[0] for c in at]).reshape(len(at), system.model.dimension), "1",

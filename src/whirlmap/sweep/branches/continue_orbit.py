@@ -21,7 +21,8 @@ from whirlmap.sweep.branches.branch import Branch
 from whirlmap.sweep.branches.branch_dataset import dataset
 from whirlmap.sweep.branches.following import Branches, Direction
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
-from whirlmap.sweep.branches.seeds import Beginning, seeds_of_diagram
+from whirlmap.sweep.branches.resuming import refuse_other, resumed
+from whirlmap.sweep.branches.seeds import Beginning, Seed, seeds_of_diagram
 from whirlmap.sweep.interruptible import Work, in_parts
 
 Array = NDArray[np.float64]
@@ -49,6 +50,7 @@ def continue_orbit(
     doublings: int = 0,
     points: int = 2000,
     longest: float = 0.02,
+    resume: xr.Dataset | None = None,
     labelling: Labelling = LABELLING,
     execution: Execution = EXECUTION,
     **_given: Unpack[LabellingParts],
@@ -85,6 +87,8 @@ def continue_orbit(
         Most points of a branch in each direction.
     longest : float
         Longest step, in units of the range and of the sizes of the states.
+    resume : xr.Dataset, optional
+        What an interrupted run with the same arguments has left: its branches go on where they stood.
     labelling : Labelling, optional
         How the settled motion is found; or its parts as keywords. ``accuracy`` is also the largest error of the segments
         of an orbit, 1e-12 where absent.
@@ -140,14 +144,21 @@ def continue_orbit(
     limits = Limits(np.array([varied.low]), np.array([varied.high]), longest, points, accuracy)
     run = Branches(limits, direction, doublings)
 
+    facts = {"begin": value, "direction": direction, "doublings": doublings, "longest": longest, "accuracy": accuracy}
+
     def parts(work: Work) -> Iterator[int]:
-        if orbit is not None:
+        known: list[Branch] = []
+        found: list[Seed] = []
+        if resume is not None:
+            refuse_other(resume, attributes(system, (varied,), [], work, resume, accuracy) | facts)
+            known = resumed(first, resume)
+        elif orbit is not None:
             found = first.given(orbit, period)
         elif seeds is not None:
             found = first.of_dataset(seeds) if begin is not None else seeds_of_diagram(first, seeds)
         else:
             found = first.coexisting(starts) if coexisting else first.settled(period)
-        for done in run.follow(found):
+        for done in run.follow(found, known):
             if execution.progress:
                 execution.progress(1)
             work.total = max(work.total, done + 1)
@@ -158,10 +169,7 @@ def continue_orbit(
     def gather(work: Work) -> xr.Dataset | None:
         if not run.branches:
             return None
-        ds = dataset(system, (varied,), run.branches)
-        facts = {
-            "begin": value, "direction": direction, "doublings": doublings, "longest": longest, "accuracy": accuracy,
-        }  # fmt: skip
+        ds = dataset(system, (varied,), run.branches, run.measuring)
         return with_attributes(ds, attributes(system, (varied,), run.branches, work, ds, accuracy) | facts)
 
     return BranchWork(run, parts, gather)

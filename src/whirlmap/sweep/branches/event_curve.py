@@ -26,6 +26,7 @@ from whirlmap.sweep.branches.branch_dataset import dataset
 from whirlmap.sweep.branches.continue_orbit import ACCURACY, attributes, continue_orbit
 from whirlmap.sweep.branches.following import distinct
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
+from whirlmap.sweep.branches.measured_branches import BATCH, Measuring
 from whirlmap.sweep.branches.seeds import Seed
 from whirlmap.sweep.interruptible import Work, in_parts
 from whirlmap.units import read
@@ -110,7 +111,7 @@ def event_curve(
     where = None if near is None else varied[0].read(near, "--near")
     low, high = (np.array([getattr(v, end) for v in varied]) for end in ("low", "high"))
     limits = Limits(low, high, longest, points, labelling.integration.accuracy or ACCURACY)
-    branches: list[Branch] = []
+    branches, measuring = list[Branch](), Measuring()
     name, ends = next(iter(vary.items()))
     branch: Any = continue_orbit.parts(
         system, name, ends, begin=begin, period=period, orbit=orbit, points=points, longest=longest, labelling=labelling,
@@ -129,6 +130,8 @@ def event_curve(
         for _ in stepping([trace(part, way, limits) for part, way in sides]):
             if execution.progress:
                 execution.progress(1)
+            if len(measuring.missing(points := [p for b in branches for p in b.measured_points()])) >= BATCH:
+                measuring(points)
             count += 1
             work.total = count + 1
             yield count
@@ -139,7 +142,7 @@ def event_curve(
     def gather(work: Work) -> xr.Dataset | None:
         if not branches:
             return None
-        ds = dataset(system, varied, branches)
+        ds = dataset(system, varied, branches, measuring)
         facts = {"event": event, "longest": longest, "accuracy": limits.accuracy}
         return with_attributes(ds, attributes(system, varied, branches, work, ds, limits.accuracy) | facts)
 

@@ -13,6 +13,7 @@ from whirlmap.analysis.branches.orbit_steps import finished
 from whirlmap.analysis.branches.switching import APART, doubled
 from whirlmap.analysis.branches.tracing import EDGE, Limits, Trace, apart_in_halves, stepping, trace
 from whirlmap.sweep.branches.branch import Branch, rises
+from whirlmap.sweep.branches.measured_branches import BATCH, Measuring
 from whirlmap.sweep.branches.seeds import SAME, Seed
 
 Direction = Literal["up", "down", "both"]
@@ -26,17 +27,25 @@ class Branches:
     direction: Direction
     doublings: int
     branches: list[Branch] = field(default_factory=list)
+    measuring: Measuring = field(default_factory=Measuring)
 
-    def follow(self, seeds: Sequence[Seed]) -> Iterator[int]:
-        """Follow all branches, then those that doubled from them; gives the number of points so far."""
-        new = [self._branch(seed) for seed in seeds]
+    def follow(self, seeds: Sequence[Seed], resumed: Sequence[Branch] = ()) -> Iterator[int]:
+        """Follow all branches, then those that doubled from them; gives the number of points so far.
+
+        ``resumed`` are branches that were interrupted before, and go on.
+        """
+        new = [*resumed, *(self._branch(seed) for seed in seeds)]
         for generation in range(self.doublings + 1):
             self.branches += new
             for _ in stepping([run for branch in new for run in self._runs(branch)]):
+                points = [p for b in self.branches for p in b.measured_points()]
+                if len(self.measuring.missing(points)) >= BATCH:
+                    self.measuring(points)
                 yield sum(len(b.points()) for b in self.branches)
             self.branches[:] = distinct(self.branches)
             if generation < self.doublings:
                 new = [b for branch in new if branch in self.branches for b in self._doubled(branch)]
+                new = [b for b in new if not any(_lies_on(b.seed, other) for other in self.branches)]
         self.branches[:] = distinct(self.branches)
 
     def events(self, kind: str) -> list[Event]:
@@ -49,11 +58,11 @@ class Branches:
         return Branch(seed, down, up, begins="range" if edge else "start")
 
     def _runs(self, branch: Branch) -> list[Any]:
-        sign = rises(branch.seed.at)
+        sign = rises(branch.seed.at) if branch.upwards is None else branch.upwards
         halves = branch.halves
         return [
             trace(part, sign * way, self.limits, halves=halves)
-            for part, way in ((branch.down, -1.0), (branch.up, 1.0)) if part is not None
+            for part, way in ((branch.down, -1.0), (branch.up, 1.0)) if part is not None and not part.end
         ]  # fmt: skip
 
     def _doubled(self, branch: Branch) -> list[Branch]:

@@ -128,7 +128,7 @@ class FreeParameters:
         if self._follows is not None:
             self._follows.check()
         ends = np.array([[v.low, v.high] for v in self.varied])
-        columns = self._columns(ends)
+        columns = self.following(ends)
         parameter_values(self.system, columns)
         if orders_vary(self.system.model, columns):
             names = " and ".join(v.given for v in self.varied)
@@ -146,7 +146,8 @@ class FreeParameters:
             self.system, {v.name: v.unit for v in inputs}, {v.name: (v.low, v.high) for v in inputs}, others
         )
 
-    def _columns(self, free: Array) -> dict[str, Array]:
+    def following(self, free: Array) -> dict[str, Array]:
+        """Parameters that change with the free ones, at free parameters of shape (free, point)."""
         follows = self._follows
         inputs = follows.units if follows is not None else {}
         rows = dict(zip((v.name for v in self.varied), free, strict=True))
@@ -155,11 +156,11 @@ class FreeParameters:
 
     def columns(self, free: Array) -> Array:
         """Values of all parameters, shape (parameter, point), at free parameters, shape (free, point)."""
-        return parameter_values(self.system, self._columns(free))
+        return parameter_values(self.system, self.following(free))
 
     def at(self, *free: float) -> dict[str, Array]:
         """Parameters that change with the free ones, at one point."""
-        return self._columns(np.array(free)[:, None])
+        return self.following(np.array(free)[:, None])
 
     def allowed(self, free: Array) -> NDArray[np.bool_]:
         """Which points the model takes."""

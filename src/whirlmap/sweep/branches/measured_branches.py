@@ -1,6 +1,6 @@
 """What is measured of the points of branches once they are followed: multipliers down to the smallest, extremes, errors."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Corrected
 from whirlmap.analysis.branches.equilibria import Equilibria
+from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.analysis.branches.unknowns import Unknowns
@@ -28,62 +29,80 @@ BATCH, MOST_LANES = 8 * LANES, 512
 
 @dataclass(frozen=True)
 class Numbers:
-    """Numbers of many points.
+    """Numbers of one point.
 
     Attributes
     ----------
-    log_modulus, argument : array, shape (point, multiplier)
-    log_error : array, shape (point, multiplier)
+    log_modulus, argument : array, shape (multiplier,)
+    log_error : array, shape (multiplier,)
         Change of the logarithms with the last doubling of the steps.
-    extremes : dict of arrays, shape (state and output, point)
+    extremes : mapping of str to array, shape (state and output,)
         Those of `EXTREMES`.
-    step_error : array, shape (point,)
+    step_error : float
         What twice the steps change at the ends of the segments, over the sizes of the states.
-    section : list of array, shape (period, state)
-        States of each point at each T, the first at phase zero; of cycles and at rest the first alone.
+    section : array, shape (period, state)
+        States at each T, the first at phase zero; of cycles and at rest the first alone.
+    duration : float
+        Time of one return; zero at rest.
+    steps : int
+        Steps per T, or in one return of a cycle; zero at rest.
     """
 
     log_modulus: Array
     argument: Array
     log_error: Array
-    extremes: dict[str, Array]
-    step_error: Array
-    section: list[Array]
+    extremes: Mapping[str, Array]
+    step_error: float
+    section: Array
+    duration: float
+    steps: int
 
 
-def numbers(points: Sequence[Corrected]) -> Numbers:
-    """Measure points; those of the same equations are computed together."""
-    count = len(points)
-    widest = max(len(p.exponents[0]) for p in points)
-    model = points[0].equations.system.model  # type: ignore[attr-defined]
-    rows = model.dimension + len(model.outputs)
-    log, angle, error = (np.full((count, widest), np.nan) for _ in range(3))
-    step_error, extremes = np.full(count, np.nan), {name: np.full((rows, count), np.nan) for name in EXTREMES}
-    section = [p.point.x[:1] for p in points]
-    kinds: dict[tuple[Any, ...], list[int]] = {}
-    for k, p in enumerate(points):
-        kinds.setdefault((*p.equations.key, len(p.point.x)), []).append(k)
-    for members in kinds.values():
-        for first in range(0, len(members), BATCH):
-            at = members[first : first + BATCH]
-            some = [points[k] for k in at]
-            width = len(some[0].exponents[0])
-            equations = some[0].equations
-            if isinstance(equations, PeriodicOrbits):
-                found = multipliers(equations, some)
-                here = _extremes(equations, some)
-                for k, rows in zip(at, equations.once_per_T([p.point for p in some]), strict=True):
-                    section[k] = rows
-                step_error[at] = equations.step_error([p.point for p in some], [p.linear.weights for p in some])
-            else:
-                assert isinstance(equations, Equilibria)
-                logs, angles = (np.array([p.exponents[i] for p in some]) for i in (0, 1))
-                found, here = (logs, angles, np.zeros_like(logs)), _at_rest(equations, some)
-            for whole, part in zip((log, angle, error), found, strict=True):
-                whole[at, :width] = part
-            for name in EXTREMES:
-                extremes[name][:, at] = here[name]
-    return Numbers(log, angle, error, extremes, step_error, section)
+class Measuring:
+    """Measures points, each once: some of them already while branches are followed, so that who stops need not wait."""
+
+    def __init__(self) -> None:
+        self._known: dict[int, tuple[Corrected, Numbers]] = {}  # with the point, so that no other has its identity
+
+    def __call__(self, points: Sequence[Corrected]) -> list[Numbers]:
+        """Numbers of points, those of the same equations computed together."""
+        kinds: dict[tuple[Any, ...], list[Corrected]] = {}
+        for p in self.missing(points):
+            kinds.setdefault((*p.equations.key, len(p.point.x)), []).append(p)
+        for same in kinds.values():
+            for first in range(0, len(same), BATCH):
+                some = same[first : first + BATCH]
+                for p, found in zip(some, _measured(some), strict=True):
+                    self._known[id(p)] = p, found
+        return [self._known[id(p)][1] for p in points]
+
+    def missing(self, points: Sequence[Corrected]) -> list[Corrected]:
+        """Points that were not measured yet."""
+        return list({id(p): p for p in points if id(p) not in self._known}.values())
+
+
+def _measured(points: Sequence[Corrected]) -> list[Numbers]:
+    """Measure points of the same equations; those of a curve of events as the orbits that they are."""
+    equations, own = points[0].equations, [p.point for p in points]
+    if isinstance(equations, EventCurve):
+        equations = equations.orbits
+    if isinstance(equations, PeriodicOrbits):
+        found, extremes = multipliers(equations, points), _extremes(equations, points)
+        section, errors = equations.once_per_T(own), equations.step_error(own, [p.linear.weights for p in points])
+        durations, steps = equations.durations(own), equations.steps
+    else:
+        assert isinstance(equations, Equilibria)
+        logs, angles = (np.array([p.exponents[i] for p in points]) for i in (0, 1))
+        found, extremes = (logs, angles, np.zeros_like(logs)), _at_rest(equations, points)
+        section, errors = [p.x for p in own], np.full(len(own), np.nan)
+        durations, steps = np.zeros(len(own)), 0
+    return [
+        Numbers(
+            found[0][k], found[1][k], found[2][k], {name: extremes[name][:, k] for name in EXTREMES}, float(errors[k]),
+            section[k], float(durations[k]), steps,
+        )
+        for k in range(len(points))
+    ]
 
 
 def multipliers(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> tuple[Array, Array, Array]:

@@ -268,10 +268,14 @@ class Beginning:
 
     def equilibrium(self, x: Array) -> list[Seed]:
         """The equilibrium near a state."""
+        found = self._corrected(self.equilibria(x), [Unknowns(x[None], np.array(self.value))])
+        return [Seed(c, 0, c.point.x.T) for c in found]
+
+    def equilibria(self, x: Array) -> Equilibria:
+        """Equations of equilibria near a state."""
         free = self.free
         sizes = np.maximum(np.abs(x), np.abs([s.start for s in self.system.model.states]))
-        equations = Equilibria(self.system, free.columns, free.allowed, free.widths, sizes)
-        return [Seed(c, 0, c.point.x.T) for c in self._corrected(equations, [Unknowns(x[None], np.array(self.value))])]
+        return Equilibria(self.system, free.columns, free.allowed, free.widths, sizes)
 
     def _corrected(self, equations: Equations, guesses: Sequence[Unknowns]) -> list[Corrected]:
         """Solutions at that value, with steps and segments that hold their accuracy."""

@@ -156,7 +156,7 @@ def _dataset(system: System, axis: Axis, m: Measured, kept: list[str]) -> xr.Dat
         "section": section_variable(parameter, system, m, kept),
         **point_variables(parameter, m),
         **common_multiple_variable(parameter, system, axis.columns, m),
-        **extreme_variables(parameter, system, m.returns.extremes),
+        **extreme_variables(parameter, system, m.returns.extremes, axis.columns),
     }  # fmt: skip
     return xr.Dataset(
         data,

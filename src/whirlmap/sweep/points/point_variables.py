@@ -26,7 +26,7 @@ def points_dataset(
 ) -> xr.Dataset:
     """Dataset of measured points over ``point``, without attributes; ``kept`` are the states whose section was kept."""
     model = system.model
-    data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes)
+    data = point_variables("point", measured) | extreme_variables("point", system, measured.returns.extremes, columns)
     data |= common_multiple_variable("point", system, columns, measured)
     coords: dict[str, Any] = {
         name: variable("point", column, model.parameter(name).unit, model.parameter(name).meaning)

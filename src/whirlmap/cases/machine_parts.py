@@ -1,0 +1,403 @@
+"""Parts of a machine from the tables of its file: shafts with disks, bearings, supports, meshes, unbalances, couplings."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from decimal import Decimal
+from typing import Any
+
+from sympy import Expr, Integer, cos
+
+from whirlmap.cases.machine_tables import PartTable
+from whirlmap.equations.quantities import Parameter
+from whirlmap.errors import CaseError, nearest
+from whirlmap.machines.assembly import Machine
+from whirlmap.machines.beams import MATERIALS, Element, Material
+from whirlmap.machines.fields import Choice, Field
+from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.shafts import JOURNAL, ROTOR, Disk, Shaft, reduced_numbers
+from whirlmap.machines.train import Link, Train, train
+from whirlmap.units import read
+
+#: Two stations are one where they are nearer than this part of the shaft's length.
+SAME = 1e-9
+#: Dimensional inputs of a mesh that the train reads, by their keys.
+OF_TRAIN = ("z_driver", "z_driven", "beta_c", "T")
+
+
+@dataclass
+class Tables:
+    """Tables of a machine file by their kind, and what they say together.
+
+    Attributes
+    ----------
+    by_kind : mapping of str to list of PartTable
+    reference : str
+    torsion : bool
+        Whether the rotation of shafts counts.
+    oils : mapping of str to (Parameter, Parameter)
+        Viscosity and density of each lubricant.
+    highest : float
+        Highest speed of the reference shaft [rad/s].
+    """
+
+    by_kind: Mapping[str, list[PartTable]]
+    reference: str
+    torsion: bool
+    oils: Mapping[str, tuple[Parameter, Parameter]]
+    highest: float
+    elements: dict[str, list[Element]] = field(default_factory=dict)
+
+    def of(self, kind: str) -> list[PartTable]:
+        """Tables of one kind."""
+        return self.by_kind.get(kind, [])
+
+    def shaft(self, table: PartTable, key: str = "shaft") -> str:
+        """Name of the shaft that a part is on."""
+        known = [one.name for one in self.of("shaft")]
+        name = table.texts[key]
+        if name not in known:
+            raise table.fault(key, f"found the shaft {name!r}, expected one of {', '.join(known)}.{nearest(name, known)}")
+        return name
+
+    # --- shafts --------------------------------------------------------------------------------------------
+
+    def read_elements(self, table: PartTable) -> list[Element]:
+        """Beam elements of a shaft; none of a lumped rotor."""
+        listed = table.values.get("elements")
+        if listed is None:
+            table.needs(("m", "K"), "no elements", rotor.FIELDS)
+            return []
+        for key in ("m", "K", "J"):
+            if table.has(key):
+                raise table.fault(key, f"found {key} beside elements, from which it follows; expected one of them")
+        if not isinstance(listed, list) or not listed or not all(isinstance(one, Mapping) for one in listed):
+            raise table.fault("elements", 'found no list of elements, expected elements = [ { L = "120 mm", d = "70 mm" } ]')
+        material, made = self._material(table), list[Element]()
+        for number, one in enumerate(listed, start=1):
+            piece = PartTable("shaft", table.name, one, table.sources)
+            piece.take(rotor.ELEMENT)
+            L, d, d_i = piece.fixed["L"], piece.fixed["d"], piece.fixed.get("d_i", 0.0)
+            if d_i >= d:
+                raise table.fault("elements", f"found d_i = {d_i * 1e3:g} mm and d = {d * 1e3:g} mm in element {number},"
+                                              " expected an inner diameter below the outer one")  # fmt: skip
+            pieces = piece.whole("n", 1, 1)
+            made += [Element(L / pieces, d, d_i, material)] * pieces
+        return made
+
+    def _material(self, table: PartTable) -> Material:
+        name, own = table.texts.get("material"), table.fixed
+        if name is not None:
+            if name not in MATERIALS:
+                raise table.fault("material", f"found the material {name!r}, expected {', '.join(MATERIALS)}, or E,"
+                                              " nu (or G) and"
+                                              f" rho.{nearest(name, MATERIALS)}")  # fmt: skip
+            given = [key for key in ("E", "G", "nu", "rho") if key in own]
+            if given:
+                raise table.fault(given[0], f"found {given[0]} beside material = {name!r}, expected one of them")
+            return MATERIALS[name]
+        table.needs(("E", "rho"), "no material", rotor.FIELDS)
+        if ("G" in own) == ("nu" in own):
+            raise table.fault("", f"found {'both' if 'G' in own else 'neither'} of G and nu, expected one of them")
+        return Material(own["E"], own["G"] if "G" in own else own["E"] / (2 * (1 + own["nu"])), own["rho"])
+
+    def station(self, table: PartTable, shaft: str, value: Any, key: str = "at", *, lumped: int = ROTOR) -> int:
+        """Number of a station of a shaft; a distance between two ends divides the element there.
+
+        All distances of a machine are read before any number of a station is used: see `divide`.
+        """
+        elements = self.elements[shaft]
+        if not elements:
+            if value is not None:
+                raise table.fault(key, f"found the station {value!r} on the lumped rotor {shaft}, which has none to choose")
+            return lumped
+        if value is None:
+            raise table.fault("", f"found no {key}, expected a station of shaft {shaft}, 0 to"
+                                  f" {len(self._ends(shaft)) - 1}, or a"
+                                  ' distance from its first end such as "120 mm"')  # fmt: skip
+        if isinstance(value, int) and not isinstance(value, bool):
+            last = len(self._ends(shaft)) - 1
+            if not 0 <= value <= last:
+                raise table.fault(key, f"found station {value} on shaft {shaft}, expected 0 to {last}")
+            place = self._ends(shaft)[value]
+        else:
+            place = self._distance(table, shaft, value, key)
+        ends = [0.0]
+        for e in elements:
+            ends.append(ends[-1] + e.L)
+        return min(range(len(ends)), key=lambda i: abs(ends[i] - place))
+
+    def _ends(self, shaft: str) -> list[float]:
+        """Ends of the elements as the file has them, before distances divided some."""
+        return self._written[shaft]
+
+    _written: dict[str, list[float]] = field(default_factory=dict)
+
+    def _distance(self, table: PartTable, shaft: str, value: Any, key: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, str | Mapping):
+            raise table.fault(key, f"found {value!r}, expected the number of a station or a distance with its unit")
+        text, unit = (value.get("value"), value.get("unit")) if isinstance(value, Mapping) else (value, None)
+        if not isinstance(text, str | int | float | Decimal):
+            raise table.fault(key, f"found {value!r}, expected the number of a station or a distance with its unit")
+        try:
+            place = float(read(text, "m", given=unit))
+        except CaseError as error:
+            raise table.fault(key, f"{error} (distance from the first end of shaft {shaft})") from None
+        length = sum(e.L for e in self.elements[shaft])
+        if not -SAME * length <= place <= length * (1 + SAME):
+            raise table.fault(
+                key, f"found {place * 1e3:g} mm on shaft {shaft}, expected 0 to its length of {length * 1e3:g} mm"
+            )
+        return place
+
+    def divide(self) -> None:
+        """Read the elements of all shafts, and divide those in which a part stands at a distance."""
+        for table in self.of("shaft"):
+            self.elements[table.name] = self.read_elements(table)
+            self._written[table.name] = [0.0]
+            for e in self.elements[table.name]:
+                self._written[table.name].append(self._written[table.name][-1] + e.L)
+        for kind in ("disk", "bearing", "unbalance", "coupling"):
+            for table in self.of(kind):
+                self._divide_at(table, self.shaft(table), table.values.get("at"))
+        for table in self.of("mesh"):
+            at = table.values.get("at")
+            if at is not None and (not isinstance(at, list) or len(at) != 2):
+                raise table.fault("at", f"found {at!r}, expected two stations: of the driver and of the driven shaft")
+            for key, value in zip(("driver", "driven"), at or (None, None), strict=True):
+                self._divide_at(table, self.shaft(table, key), value)
+
+    def _divide_at(self, table: PartTable, shaft: str, value: Any) -> None:
+        elements = self.elements[shaft]
+        if not elements or value is None or isinstance(value, int):
+            return
+        place, begin = self._distance(table, shaft, value, "at"), 0.0
+        length = sum(e.L for e in elements)
+        for i, e in enumerate(elements):
+            if begin + SAME * length < place < begin + e.L - SAME * length:
+                ahead = Element(place - begin, e.d, e.d_i, e.material)
+                elements[i : i + 1] = [ahead, Element(e.L - ahead.L, e.d, e.d_i, e.material)]
+                return
+            begin += e.L
+
+    # --- all of it -----------------------------------------------------------------------------------------
+
+    def machine(self) -> Machine:
+        """Read all parts.
+
+        Raises
+        ------
+        CaseError
+            Whatever is wrong with one of them, naming file, table and key.
+        """
+        self.divide()
+        links = [self._link(table) for table in self.of("mesh")]
+        try:
+            turning = train(self.reference, [one.name for one in self.of("shaft")], links)
+        except CaseError as error:
+            kind, _, rest = str(error).partition(" ")
+            name = rest.split(":")[0].split(" ")[0]
+            at = next(one for one in self.of(kind) if one.name == name)
+            raise at.fault("", str(error).partition(": ")[2]) from None
+        found = [self._bearing(table) for table in self.of("bearing")]
+        bearings = tuple(sorted(found, key=lambda b: b.shaft != self.reference))  # the one that lengths are over comes first
+        meshes = tuple(self._mesh(table, turning) for table in self.of("mesh"))
+        couplings = tuple(self._coupling(table) for table in self.of("coupling"))
+        self._refuse_free_rotation(couplings)
+        fastest = self._fastest(turning)
+        unbalances = tuple(self._unbalance(table) for table in self.of("unbalance"))
+        rotors = tuple(
+            self._rotor(table, bearings, meshes, unbalances, couplings, fastest) for table in self.of("shaft")
+        )  # fmt: skip
+        supports = tuple(
+            support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in bearings if b.support == t.name))
+            for t in self.of("support")
+        )
+        for table, one in zip(self.of("support"), supports, strict=True):
+            if not one.bearings:
+                raise table.fault("", "found no bearing that names this support, expected one")
+            if len(one.bearings) > 1 and any(b.alike > 1 for b in bearings if b.name in one.bearings):
+                raise table.fault("", "found several bearings on this support, one of which stands for two alike;"
+                                      " expected each of"
+                                      " the two to have a support of its own")  # fmt: skip
+        return Machine(self.reference, rotors, bearings, supports, meshes, unbalances, couplings, turning)
+
+    def _fastest(self, turning: Train) -> float:
+        numbers: dict[Any, Any] = {}
+        for table in self.of("mesh"):
+            for key in ("z_driver", "z_driven"):
+                numbers[Parameter(f"mesh.{table.name}.{key}", "1", "", order=True)] = table.numbers[key].value
+        return self.highest * max(abs(float(speed.xreplace(numbers))) for speed in turning.speeds.values())
+
+    def _link(self, table: PartTable) -> Link:
+        own = {key: teeth.KEYS[key].parameter(f"mesh.{table.name}") for key in OF_TRAIN}
+        driver, driven = self.shaft(table, "driver"), self.shaft(table, "driven")
+        if driver == driven:
+            raise table.fault("driven", f"found the shaft {driven!r} as driver and driven, expected two shafts")
+        line = table.texts.get("kind", "line") == "line"
+        zero: Expr = Integer(0)
+        return Link(
+            table.name, driver, driven, own["z_driver"], own["z_driven"],
+            own["beta_c"] if line else zero, own["T"] if line else Integer(1),
+        )  # fmt: skip
+
+    def _bearing(self, table: PartTable) -> journal.JournalBearing:
+        shaft, texts = self.shaft(table), _defaults(journal.FIELDS)
+        texts |= table.texts
+        if texts["film"] == "porous":
+            table.needs(("Phi", "H"), "film = porous", journal.FIELDS)
+        if texts["contact"] == "rub":
+            table.needs(("K_r", "h_r", "mu_r"), "contact = rub", journal.FIELDS)
+        if texts["contact"] == "ignore" and texts["film"] != "printed":
+            raise table.fault(
+                "contact", "found 'ignore' with a film that has a wall, expected stop or rub, or film = printed"
+            )
+        if texts["kind"] == "damper" and texts["arc"] == "fixed" and texts["film"] != "printed":
+            raise table.fault("arc", "found 'fixed' for a damper, expected positive: the half film 0..pi follows the"
+                                     " spin of a journal, and a damper has none")  # fmt: skip
+        if texts["kind"] == "damper" and texts["contact"] == "rub":
+            raise table.fault(
+                "contact", "found 'rub' for a damper, expected stop: its friction follows the spin of a journal"
+            )
+        held = texts.get("support", "")
+        known = [one.name for one in self.of("support")]
+        if held and held not in known:
+            raise table.fault("support", f"found the support {held!r}, expected one of"
+                                         f" {', '.join(known) or 'none there is'}.{nearest(held, known)}")  # fmt: skip
+        oil = texts.get("lubricant", next(iter(self.oils)) if len(self.oils) == 1 else None)
+        if oil is None or oil not in self.oils:
+            found = f"the lubricant {oil!r}" if oil else "no lubricant"
+            raise table.fault(
+                "lubricant" if oil else "", f"found {found}, expected one of {', '.join(self.oils) or 'a [lubricant]'}"
+            )
+        mu, rho = self.oils[oil]
+        alike = table.whole("two_alike", 1, 1)
+        if alike > 2:
+            raise table.fault("two_alike", f"found {alike}, expected 1 or 2")
+        return journal.JournalBearing(
+            name=table.name, shaft=shaft, station=self.station(table, shaft, table.values.get("at"), lumped=JOURNAL),
+            kind=texts["kind"], film=texts["film"], arc=texts["arc"], contact=texts["contact"],
+            given=frozenset(table.numbers), lubricant=mu, density=rho, support=held, alike=alike,
+        )  # fmt: skip
+
+    def _mesh(self, table: PartTable, turning: Train) -> teeth.Teeth:
+        texts = _defaults(teeth.FIELDS) | table.texts
+        if texts["kind"] == "line":
+            table.needs(("module", "alpha", "beta_c"), "kind = line", teeth.FIELDS)
+            if not {"T", "P"} & set(table.numbers):
+                raise table.fault("", 'found neither T nor P, expected the torque or the power, as in P = "60 kW"')
+            if "T" in table.numbers and float(read(table.numbers["T"].value, "N*m", given=table.numbers["T"].unit)) == 0.0:
+                raise table.fault(
+                    "T", "found a torque of 0, expected one with a sign, which says on which flanks the teeth touch"
+                )
+            needed = {"fourier": ("v_1",), "rectangular": ("CR",)}.get(texts["stiffness"], ())
+            table.needs(needed, f"stiffness = {texts['stiffness']}", teeth.FIELDS)
+            if texts["backlash"] == "dead_zone":
+                table.needs(("j_n",), "backlash = dead_zone", teeth.FIELDS)
+        else:
+            for key in ("stiffness", "backlash"):
+                if texts[key] != _defaults(teeth.FIELDS)[key]:
+                    raise table.fault(key, f"found {table.texts[key]!r} with kind = isotropic, expected kind = line:"
+                                           " the isotropic mesh has no line of action to act along")  # fmt: skip
+        at = table.values.get("at") or (None, None)
+        driver, driven = (
+            teeth.Wheel(shaft, self.station(table, shaft, value), self.base(table.name, way), self.reference_base(shaft))
+            for way, shaft, value in zip(
+                ("driver", "driven"), (table.texts["driver"], table.texts["driven"]), at, strict=True
+            )
+        )
+        return teeth.Teeth(
+            table.name, driver, driven, texts["kind"], texts["stiffness"], texts["backlash"], frozenset(table.numbers),
+            turning.senses[driver.shaft], self.torsion and texts["kind"] == "line", turning.phases[table.name],
+        )  # fmt: skip
+
+    @staticmethod
+    def base(mesh: str, way: str) -> Expr:
+        """Base radius of a wheel, of inputs."""
+        own = {key: one.parameter(f"mesh.{mesh}") for key, one in teeth.KEYS.items()}
+        return own["module"] * own[f"z_{way}"] * cos(own["alpha"]) / 2
+
+    def reference_base(self, shaft: str) -> Expr:
+        """Base radius on which arcs of a shaft are measured: that of its first mesh along the line of action."""
+        for table in self.of("mesh"):
+            if table.texts.get("kind", "line") == "line":
+                for way in ("driver", "driven"):
+                    if table.texts[way] == shaft:
+                        return self.base(table.name, way)
+        return Integer(0)
+
+    def _unbalance(self, table: PartTable) -> unbalance.Unbalance:
+        if not {"U", "e", "G"} & set(table.numbers):
+            raise table.fault("", 'found none of U, e and G, expected one, as in U = "30 g*mm"')
+        shaft = self.shaft(table)
+        station = self.station(table, shaft, table.values.get("at"))
+        return unbalance.Unbalance(table.name, shaft, station, frozenset(table.numbers))
+
+    def _coupling(self, table: PartTable) -> coupling.Coupling:
+        shaft = self.shaft(table)
+        if not self.torsion:
+            raise table.fault("", 'found a coupling of shafts that turn uniformly, expected torsion = "free" in [operation]')
+        if self.reference_base(shaft) == 0:
+            raise table.fault("shaft", f"found a coupling on shaft {shaft}, which has no teeth along a line of action")
+        station = self.station(table, shaft, table.values.get("at"))
+        return coupling.Coupling(table.name, shaft, station, frozenset(table.numbers), self.reference_base(shaft))
+
+    def _refuse_free_rotation(self, couplings: Sequence[coupling.Coupling]) -> None:
+        if self.torsion and not couplings:
+            at = self.of("mesh") or self.of("shaft")
+            raise at[0].fault(
+                "", 'found torsion = "free" without a coupling, expected one: nothing holds the common rotation'
+            )
+        if self.torsion and not any(self.reference_base(one.name) != 0 for one in self.of("shaft")):
+            raise self.of("shaft")[0].fault(
+                "", 'found torsion = "free" without teeth along a line of action, expected a mesh'
+            )
+
+    def _rotor(
+        self, table: PartTable, bearings: Sequence[journal.JournalBearing], meshes: Sequence[teeth.Teeth],
+        unbalances: Sequence[unbalance.Unbalance], couplings: Sequence[coupling.Coupling], fastest: float,
+    ) -> rotor.Rotor:  # fmt: skip
+        name = table.name
+        mine = [b for b in bearings if b.shaft == name]
+        if not mine:
+            raise table.fault("", "found no bearing on this shaft, expected one")
+        for i, b in enumerate(mine):
+            if any(other.station == b.station for other in mine[:i]):
+                at = next(t for t in self.of("bearing") if t.name == b.name)
+                raise at.fault("at", f"found a second bearing at one station of shaft {name}, expected stations of"
+                                     " their own, or"
+                                     " two_alike = 2")  # fmt: skip
+        disks = []
+        for one in (t for t in self.of("disk") if t.texts["shaft"] == name):
+            if not self.elements[name]:
+                raise one.fault("shaft", f"found a disk on the lumped rotor {name}, expected its mass in m")
+            own = one.fixed
+            disks.append(
+                Disk(one.name, self.station(one, name, one.values["at"]), own["m"], own.get("I_d", 0.0), own.get("I_p", 0.0))
+            )
+        wheels = [w for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
+        pressed = {w.station for w in wheels} | {u.station for u in unbalances if u.shaft == name}
+        turning = self.torsion and self.reference_base(name) != 0
+        twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()
+        if turning and not self.elements[name]:
+            table.needs(("J",), 'torsion = "free"', rotor.FIELDS)
+        modes = table.whole("modes", 0, 0) if "modes" in table.values else None
+        shaft = Shaft(
+            name, tuple(self.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
+            tuple(sorted(twisted)), tuple(b.station for b in mine),
+        )  # fmt: skip
+        try:
+            shaft = shaft.settled()
+            reduced_numbers(shaft)
+        except CaseError as error:
+            raise table.fault("modes" if modes is not None else "elements", str(error)) from None
+        shown = [(d.name, d.station) for d in disks]
+        shown += [(f"{m.name}_{name}", w.station) for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
+        return rotor.Rotor(
+            shaft, frozenset(table.numbers), tuple(b.name for b in mine), tuple(b.alike for b in mine),
+            self.reference_base(name) if turning else None, tuple(shown),
+        )  # fmt: skip
+
+
+def _defaults(fields: Sequence[Field]) -> dict[str, str]:
+    """Choices of a table that says none."""
+    return {one.key: one.choices[0] for one in fields if isinstance(one, Choice)}

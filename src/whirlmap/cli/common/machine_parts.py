@@ -1,0 +1,186 @@
+"""What `show` says of a machine from parts: shafts, bearings at rest, meshes, kept modes and what their truncation costs."""
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+import typer
+
+from whirlmap.analysis.linear.truncation import FAST, truncation
+from whirlmap.cli.common import report
+from whirlmap.errors import RangeError
+from whirlmap.machines.assembly import Machine
+from whirlmap.machines.parts.part import Coupled
+from whirlmap.machines.parts.teeth import Teeth
+from whirlmap.machines.shafts import mode_names
+from whirlmap.units import convert
+
+if TYPE_CHECKING:
+    from whirlmap.integrate.system import System
+
+
+#: Difference of the tooth force at rest from the transmitted load, over the latter, from which `show` warns.
+CARRIED = 0.05
+
+
+def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | None) -> dict[str, Any]:
+    """Parts of a machine as plain data in SI; ``rest`` is its static equilibrium, None where there is none."""
+    settled = system.machine
+    assert settled is not None
+    given, values = settled.given, {name: float(value) for name, value in system.values.items()}
+    numbers = {p: values[p.name] for p in system.model.parameters}
+    if rest is not None:
+        numbers |= {state: rest[state.name] for state in system.model.states}
+    force, results = settled.quantities["force_unit"][0], settled.quantities
+
+    def output(name: str, size: float = 1.0) -> float | None:
+        return None if rest is None else size * float(system.model.outputs[name].expression.subs(numbers))
+
+    shafts, places = [], dict[tuple[str, int], float]()
+    for rotor in machine.rotors:
+        shaft, modes = rotor.shaft, rotor.shaft.reduced
+        places |= {(shaft.name, i): float(z) for i, z in enumerate(shaft.positions)}
+        unit = 1.0 if not shaft.lumped else float(np.sqrt(given[f"shaft.{shaft.name}.K"] / given[f"shaft.{shaft.name}.m"]))
+        shafts.append({
+            "name": shaft.name, "speed": results[f"speed_{shaft.name}"][0], "mass": given[f"shaft.{shaft.name}.m"],
+            "centre": shaft.centre, "stiffness": given[f"shaft.{shaft.name}.K"], "lumped": shaft.lumped,
+            "elements": [
+                {"z": float(z), "L": e.L, "d": e.d, "d_i": e.d_i}
+                for z, e in zip(shaft.positions, shaft.elements, strict=False)
+            ],
+            "disks": [{"name": d.name, "z": places[shaft.name, d.station], "m": d.m, "I_p": d.I_p} for d in shaft.disks],
+            "modes": [
+                {"name": name, "frequency": unit * float(w)}
+                for name, w in zip(mode_names(modes), modes.frequency, strict=True)
+            ],
+            "twisting": 0 if rotor.base is None else shaft.twisting.count,
+        })  # fmt: skip
+    bearings = []
+    for b in machine.bearings:
+        ux, uy = (numbers.get(q) for q in b.u)
+        bearings.append({
+            "name": b.name, "shaft": b.shaft, "z": places[b.shaft, b.station], "kind": b.kind, "film": b.film, "arc": b.arc,
+            "support": b.support, "alike": b.alike, **{key: given[f"bearing.{b.name}.{key}"] for key in ("R", "L", "c")},
+            "load": output(f"load_{b.name}", force), "eccentricity": output(f"eps_{b.name}"),
+            "direction": None if ux is None or uy is None else float(np.degrees(np.arctan2(uy, ux))),
+        })  # fmt: skip
+    meshes = [
+        {
+            "name": m.name, "driver": m.driver.shaft, "driven": m.driven.shaft,
+            "frequency": results[f"frequency_{m.name}"][0],
+            "z": [places[w.shaft, w.station] for w in (m.driver, m.driven)],
+            "teeth": [int(given[f"mesh.{m.name}.{key}"]) for key in ("z_driver", "z_driven")],
+            "module": given.get(f"mesh.{m.name}.module"), "kind": m.kind, "theta": values.get(m.theta.name, 0.0),
+            "load": None if m.kind != "line" else force * values[f"F_0_{m.name}"],
+            "rest": None if m.kind != "line" or rest is None else force * _tooth_force(machine, m, numbers),
+        }
+        for m in machine.meshes
+    ]  # fmt: skip
+    return {
+        "reference": machine.reference, "shafts": shafts, "bearings": bearings, "meshes": meshes,
+        "supports": [
+            {"name": s.name, "bearings": list(s.bearings), "mass": given[f"support.{s.name}.m"]} for s in machine.supports
+        ],
+        "unbalances": [{"name": u.name, "shaft": u.shaft, "z": places[u.shaft, u.station]} for u in machine.unbalances],
+        "couplings": [{"name": c.name, "shaft": c.shaft, "z": places[c.shaft, c.station]} for c in machine.couplings],
+        "truncation": _truncation(system),
+    }  # fmt: skip
+
+
+def _tooth_force(machine: Machine, mesh: Teeth, numbers: Mapping[Any, float]) -> float:
+    """Force of the teeth at rest with their mean stiffness, over K_0 c_0."""
+    coupled = Coupled()
+    for rotor in machine.rotors:
+        rotor.couple(coupled)
+    delta = mesh.deflection(coupled)[0].subs({**numbers, mesh.E: 0.0})
+    return max(float(delta), 0.0) * numbers[mesh.Lambda]
+
+
+def _truncation(system: "System") -> dict[str, Any]:
+    try:
+        found = truncation(system)
+    except RangeError as error:
+        return {"why_not": str(error)}
+    assert found is not None
+    worst = int(np.argmax(found.error / found.allowed)) if found.error.size else None
+    return {
+        "why_not": "", "holds": found.holds, "modes": int(found.error.size), "fastest": found.fastest,
+        "largest_error": 0.0 if worst is None else float(found.error[worst]),
+        "frequency": None if worst is None else float(abs(found.eigenvalues[worst])),
+        "allowed": None if worst is None else float(found.allowed[worst]),
+    }  # fmt: skip
+
+
+def warnings_of(parts: dict[str, Any]) -> list[str]:
+    """What strains the reduction."""
+    found, made = parts["truncation"], list[str]()
+    for m in parts["meshes"]:
+        if m["rest"] is not None and abs(m["rest"] - m["load"]) > CARRIED * m["load"]:
+            made.append(
+                f"tooth_load: mesh {m['name']} carries {m['rest']:.4g} N at rest, not the transmitted {m['load']:.4g} N,"
+                ' for its shafts turn uniformly and their centres part; torsion = "free" with couplings lets them turn'
+            )
+    if found["why_not"]:
+        return [*made, f"truncation: what the omitted modes cost was not computed: {found['why_not']}"]
+    if not found["holds"]:
+        at, error, allowed = found["frequency"], found["largest_error"], found["allowed"]
+        made.append(
+            f"truncation: the mode at {at:.3g} times the clock's speed is off by {error:.2%}, above {allowed:.0%};"
+            " keep more modes of the shafts, modes = N"
+        )
+    if found["fastest"] > FAST:
+        made.append(
+            f"truncation: a journal answers {found['fastest']:.3g} times as fast as the fastest shaft turns, and steps"
+            " follow it; fewer modes of the shafts, modes = N, make it slower"
+        )
+    return made
+
+
+def print_parts(parts: dict[str, Any]) -> None:
+    """Tables of shafts, bearings and meshes."""
+    rows: list[tuple[str, ...]] = [
+        (s["name"], _rpm(s["speed"]), _number(s["mass"], "kg"), _number(s["stiffness"] / 1e6, "N/um"), _modes(s))
+        for s in parts["shafts"]
+    ]
+    columns = ("shaft", "speed", "mass", "stiffness on rigid bearings", "kept modes of a plane, Hz, free and at standstill")
+    tables = [report.table("Shafts", columns, rows, numbers=(1, 2, 3))]
+    of_bearing = ("bearing", "shaft", "film", "on", "clearance", "load at rest", "eccentricity", "direction")
+    tables.append(report.table("Bearings", of_bearing, [_bearing(b) for b in parts["bearings"]], numbers=(4, 5, 6, 7)))
+    if parts["meshes"]:
+        of_mesh = ("mesh", "teeth", "tooth passing", "tooth load", "at rest", "phase")
+        tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5)))
+    report.show(*tables)
+    found = parts["truncation"]
+    if not found["why_not"]:
+        typer.echo(
+            f"truncation: {found['modes']} modes below 2.5 times the highest shaft speed, against all matrices of the"
+            f" shafts: largest error {found['largest_error']:.2g}; fastest rate {found['fastest']:.3g} times that speed"
+        )
+
+
+def _bearing(b: dict[str, Any]) -> tuple[str, ...]:
+    name = b["name"] + (f" (x{b['alike']})" if b["alike"] > 1 else "")
+    numbers = (_number(b["c"] * 1e6, "um"), _number(b["load"], "N"), _number(b["eccentricity"], ""))
+    return (name, b["shaft"], f"{b['film']}, {b['arc']}", b["support"] or "ground", *numbers, _number(b["direction"], "deg"))
+
+
+def _mesh(m: dict[str, Any]) -> tuple[str, ...]:
+    teeth = f"{m['driver']} {m['teeth'][0]} : {m['teeth'][1]} {m['driven']}"
+    passing, phase = m["frequency"] / (2 * np.pi), float(np.degrees(m["theta"])) % 360
+    loads = (_number(m["load"], "N"), _number(m["rest"], "N"))
+    return (m["name"], teeth, _number(passing, "Hz"), *loads, _number(phase, "deg"))
+
+
+def _modes(shaft: dict[str, Any]) -> str:
+    elastic = [f"{m['frequency'] / (2 * np.pi):.4g}" for m in shaft["modes"] if m["frequency"] > 0]
+    rigid = len(shaft["modes"]) - len(elastic)
+    twisting = f"; {shaft['twisting']} of rotation" if shaft["twisting"] else ""
+    return f"{rigid} rigid{', ' + ', '.join(elastic) if elastic else ''}{twisting}"
+
+
+def _rpm(speed: float) -> str:
+    return f"{convert(speed, 'rad/s', 'rpm'):.5g} rpm"
+
+
+def _number(value: float | None, unit: str) -> str:
+    return "" if value is None else f"{value:.4g} {unit}".strip()
