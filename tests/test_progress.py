@@ -121,7 +121,7 @@ def test_a_terminal_gets_a_bar_with_the_time_left(monkeypatch):
 S = np.linspace(0.5, 1.0, 4)
 LONG = {
     "simulate": lambda p: whirlmap.simulate(whirlmap.load("duffing"), periods=40, transient=20, progress=p),
-    "section": lambda p: whirlmap.section(whirlmap.load("duffing"), periods=20, progress=p),
+    "section": lambda p: whirlmap.section(whirlmap.load("duffing"), points=20, progress=p),
     "bifurcation": lambda p: whirlmap.bifurcation_diagram(whirlmap.load("duffing"), "gamma", [0.2, 0.3], progress=p),
     "map": lambda p: whirlmap.regime_map(whirlmap.load("duffing"), {"gamma": [0.2, 0.3]}, chunk=1, progress=p),
     "draws": lambda p: whirlmap.tolerance_sweep(whirlmap.load("duffing"), {"gamma": "normal:1%"}, 2, progress=p),
@@ -129,7 +129,9 @@ LONG = {
     "attractors": lambda p: whirlmap.attractors(whirlmap.load("duffing", gamma=0.2), starts=8, progress=p),
     "basins": lambda p: whirlmap.basins(whirlmap.load("duffing", gamma=0.2), {"x": [-1, 1], "v": [-1, 1]}, progress=p),
     "speeds": lambda p: whirlmap.safe_speeds(whirlmap.load("machines/jeffcott-rig"), S, 0.5, follow=False, progress=p),
-    "exponents": lambda p: whirlmap.lyapunov_spectrum(whirlmap.load("duffing"), periods=320, transient=20, progress=p),
+    "exponents": lambda p: whirlmap.lyapunov_spectrum(
+        whirlmap.load("duffing"), common_periods=320, transient=20, progress=p
+    ),
     "diagnose": lambda p: whirlmap.diagnose(whirlmap.load("duffing", gamma=0.2), max_periods=64, progress=p),
     "waterfall": lambda p: whirlmap.waterfall(whirlmap.load("duffing"), "gamma", [0.2, 0.3], "x", progress=p),
 }

@@ -19,7 +19,7 @@ from contest.problems import Problem
 from contest.scalar_code import ScalarCode, evaluate_inputs, scalar_code
 from whirlmap.errors import InputError
 from whirlmap.kernels.methods import RK4
-from whirlmap.kernels.running.lanes import Waves
+from whirlmap.kernels.running.lanes import HarmonicTables
 
 Array = NDArray[np.float64]
 
@@ -105,7 +105,7 @@ class CRun:
         made = scalar_code(problem.model)
         self.problem, self.steps, self.lanes = problem, steps, lanes
         self._function = _compiled(source(made, lanes))
-        self.waves = Waves.of(problem.orders, np.array([steps]), tuple(sorted({float(c) for c in RK4.c})))
+        self.waves = HarmonicTables.of(problem.orders, np.array([steps]), tuple(sorted({float(c) for c in RK4.c})))
         fill = np.minimum(np.arange(-(-problem.points // lanes) * lanes), problem.points - 1)
         self.start = self._blocks(problem.x0[:, fill])
         self.p = self._blocks(evaluate_inputs(made.hoisted, problem.values)[:, fill])

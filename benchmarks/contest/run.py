@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from contest.c_reference import CRun, compiler
 from contest.problems import Problem, gear_pair
 from contest.ratios import Point, ratio
-from contest.taylor import FIT_OVER_TOLERANCE, TaylorRun, Waves, heyoka, taylor_system
+from contest.taylor import FIT_OVER_TOLERANCE, HarmonicsAs, TaylorRun, heyoka, taylor_system
 from contest.turns import Contender, scipy_run, take_turns, whirlmap_run
 from whirlmap.errors import InputError
 from whirlmap.integrate.accuracy import LADDER, choose_steps
@@ -53,7 +53,7 @@ class Plan:
         Turns of each contender.
     tolerances : tuple of float
         Of heyoka.
-    taylor : tuple of (batch, waves)
+    taylor : tuple of (batch, harmonics_as)
         Forms of heyoka.
     scipy_tolerances : tuple of float
     scipy_repeats : int
@@ -65,7 +65,7 @@ class Plan:
     scipy_points: int = 64
     rounds: int = 15
     tolerances: tuple[float, ...] = tuple(10.0**-k for k in range(3, 13))
-    taylor: tuple[tuple[int, Waves], ...] = ((1, "time"), (4, "time"), (8, "time"), (8, "states"))
+    taylor: tuple[tuple[int, HarmonicsAs], ...] = ((1, "time"), (4, "time"), (8, "time"), (8, "states"))
     scipy_tolerances: tuple[float, ...] = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10)
     scipy_repeats: int = 2
     c_lanes: tuple[int, ...] = (1, 8, 32)
@@ -133,7 +133,7 @@ def reference_ends(problem: Problem, *, substitute: bool = False) -> Array:
     """End states of the reference solution, shape (state, point): heyoka at 1e-15, or DOP853 where that is asked for."""
     if substitute:
         return scipy_run(problem, "DOP853", SUBSTITUTE)()[1]
-    return TaylorRun(problem, taylor_system(problem, waves="time"), tolerance=REFERENCE, batch=1)()[1]
+    return TaylorRun(problem, taylor_system(problem, harmonics_as="time"), tolerance=REFERENCE, batch=1)()[1]
 
 
 def whirlmap_contenders(problem: Problem, exact: Array, say: Say) -> list[Contender]:
@@ -163,9 +163,9 @@ def taylor_contenders(problem: Problem, plan: Plan, say: Say) -> list[Contender]
     """Heyoka in all forms of the plan."""
     out = []
     for tolerance in plan.tolerances:
-        for batch, waves in plan.taylor:
-            system = taylor_system(problem, waves=waves, fit_error=FIT_OVER_TOLERANCE * tolerance)
-            who = "heyoka" if waves == "time" else "heyoka, harmonics as states"
+        for batch, harmonics_as in plan.taylor:
+            system = taylor_system(problem, harmonics_as=harmonics_as, fit_error=FIT_OVER_TOLERANCE * tolerance)
+            who = "heyoka" if harmonics_as == "time" else "heyoka, harmonics as states"
             run = TaylorRun(problem, system, tolerance=tolerance, batch=batch)
             out.append(Contender(who, problem, tolerance, batch, run))
         film = f", film fit of {system.fit.name}" if system.fit else ""

@@ -23,7 +23,7 @@ from whirlmap.errors import InputError, ModelError
 from whirlmap.kernels.lowering.lower import Hoisted, hoist, split_harmonics
 
 Array = NDArray[np.float64]
-Waves = Literal["states", "time"]
+HarmonicsAs = Literal["states", "time"]
 
 #: How far the film's fit may be off, in units of the tolerance asked of heyoka. A tenth of that is not more accurate after
 #: 8T and takes a few per cent longer; ten times that loses a digit.
@@ -66,12 +66,12 @@ class TaylorSystem:
     fit: FilmFit | None
 
 
-def taylor_system(problem: Problem, *, waves: Waves = "states", fit_error: float | None = None) -> TaylorSystem:
+def taylor_system(problem: Problem, *, harmonics_as: HarmonicsAs = "states", fit_error: float | None = None) -> TaylorSystem:
     """Translate a problem's equations.
 
     Parameters
     ----------
-    waves : {"states", "time"}
+    harmonics_as : {"states", "time"}
         Harmonics as states of their own, or as cosines and sines of heyoka's time.
     fit_error : float, optional
         Largest error of the fitted film where psi > 0; `FINEST_FIT` where absent.
@@ -88,7 +88,7 @@ def taylor_system(problem: Problem, *, waves: Waves = "states", fit_error: float
         equations = translate.with_film(fit)
     elif model.tables:
         raise ModelError(f"{model.name} reads tables, which have no form for heyoka here")
-    extra = translate.harmonics(waves)
+    extra = translate.harmonics(harmonics_as)
     rates = [(translate.variables[s.name], translate(equations[s])) for s in model.states]
     start = np.zeros(model.dimension + len(extra))
     start[model.dimension :: 2] = 1.0
@@ -152,12 +152,12 @@ class _Translator:
         """Translate an expression of states, parameters and harmonics."""
         return self.lowered(hoist(split_harmonics(sympify(expression), self.model.harmonics), self.hoisted))
 
-    def harmonics(self, waves: Waves) -> list[tuple[Any, Any]]:
+    def harmonics(self, harmonics_as: HarmonicsAs) -> list[tuple[Any, Any]]:
         """Name the cosine and sine of each harmonic; returns the equations of those that became states."""
         hy, extra = self.hy, []
         for i, frequency in enumerate(self.model.harmonics):
             w = self(sympify(frequency))
-            if waves == "time":
+            if harmonics_as == "time":
                 c, s = hy.cos(w * hy.time), hy.sin(w * hy.time)
             else:
                 c, s = hy.expression(f"wave_c{i}"), hy.expression(f"wave_s{i}")
@@ -252,11 +252,11 @@ def rates(problem: Problem, system: TaylorSystem, time: float, x: Array) -> Arra
     """Heyoka's rates of the model's states, shape (state, point), to hold against the reference kernel."""
     hy = heyoka()
     variables = [variable for variable, _ in system.equations]
-    waves = np.zeros((system.start.size - x.shape[0], x.shape[1]))
-    if waves.size:
+    harmonics_as = np.zeros((system.start.size - x.shape[0], x.shape[1]))
+    if harmonics_as.size:
         frequencies = [order * 2 * np.pi / problem.period for order in map(float, problem.orders)]
         for i, w in enumerate(frequencies):
-            waves[2 * i], waves[2 * i + 1] = np.cos(w * time), np.sin(w * time)
+            harmonics_as[2 * i], harmonics_as[2 * i + 1] = np.cos(w * time), np.sin(w * time)
     function = hy.cfunc([rate for _, rate in system.equations[: x.shape[0]]], vars=variables)
     inputs = evaluate_inputs(system.hoisted, problem.values)
-    return np.asarray(function(np.concatenate([x, waves]), pars=inputs, time=np.full(x.shape[1], time)))
+    return np.asarray(function(np.concatenate([x, harmonics_as]), pars=inputs, time=np.full(x.shape[1], time)))

@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import whirlmap
-from whirlmap.assumptions.strain import Strain
-from whirlmap.assumptions.strained import repeated, strained
+from whirlmap.assumptions.violation import Violation
+from whirlmap.assumptions.violations import repeated, violations
 from whirlmap.errors import CaseError
 from whirlmap.integrate.system import System
 
@@ -22,11 +22,11 @@ def system(case, **changes):
     return whirlmap.load(case, **changes)
 
 
-def found(here, diagrams=None) -> dict[str, Strain]:
-    strains = strained(here, diagrams)
-    assert len({s.name for s in strains}) == len(strains)
-    assert all(s.sentence.endswith(".") for s in strains)
-    return {s.name: s for s in strains}
+def found(here, diagrams=None) -> dict[str, Violation]:
+    those = violations(here, diagrams)
+    assert len({s.name for s in those}) == len(those)
+    assert all(s.sentence.endswith(".") for s in those)
+    return {s.name: s for s in those}
 
 
 def diagram(eps_1, eps_2=None, *, s=None, start_found=None, **attributes):
@@ -50,37 +50,37 @@ def test_a_machine_within_its_assumptions_strains_the_mesh_load_alone():
 
 
 def test_no_torque_holds_the_teeth_together():
-    strain = found(system(MACHINE), CALM)["mesh_load"]
-    assert (strain.value, strain.limit) == (0.0, pytest.approx(1e8 * 5e-6))
-    assert "500 N" in strain.sentence
+    violation = found(system(MACHINE), CALM)["mesh_load"]
+    assert (violation.value, violation.limit) == (0.0, pytest.approx(1e8 * 5e-6))
+    assert "500 N" in violation.sentence
 
 
 @pytest.mark.parametrize(("length", "trips"), [("12.4 mm", False), ("12.6 mm", True), ("30 mm", True)])
 def test_short_bearing(length, trips):
-    strains = found(system(MACHINE, s=0.5, L_1=length), CALM)
-    assert ("slenderness_1" in strains) == trips
-    assert "slenderness_2" not in strains
+    violations = found(system(MACHINE, s=0.5, L_1=length), CALM)
+    assert ("slenderness_1" in violations) == trips
+    assert "slenderness_2" not in violations
     if trips:
-        assert strains["slenderness_1"].value == pytest.approx(float(length.split()[0]) / 50)
+        assert violations["slenderness_1"].value == pytest.approx(float(length.split()[0]) / 50)
 
 
 @pytest.mark.parametrize(("deepest", "trips"), [(0.89, False), (0.91, True), (0.999, True)])
 def test_eccentricity(deepest, trips):
-    strains = found(system(MACHINE, s=0.5), diagram([0.4, np.nan, deepest, 0.5], s=[0.3, 0.4, 0.45, 0.5]))
-    assert ("eccentricity_1" in strains) == trips
-    assert "eccentricity_2" not in strains
+    violations = found(system(MACHINE, s=0.5), diagram([0.4, np.nan, deepest, 0.5], s=[0.3, 0.4, 0.45, 0.5]))
+    assert ("eccentricity_1" in violations) == trips
+    assert "eccentricity_2" not in violations
     if trips:
-        assert strains["eccentricity_1"].value == deepest
-        assert "at s = 0.45" in strains["eccentricity_1"].sentence
+        assert violations["eccentricity_1"].value == deepest
+        assert "at s = 0.45" in violations["eccentricity_1"].sentence
 
 
 def test_eccentricity_is_sought_in_all_results():
     parameters = json.dumps({"psi": {"value": 0.1}})
     runs = {1e-3: CALM, 0.1: diagram([0.3, 0.4], [0.5, 0.95], parameters=parameters)}
     for given in (runs, list(runs.values())):
-        strain = found(system(MACHINE, s=0.5), given)["eccentricity_2"]
-        assert strain.value == 0.95
-        assert "s = 0.6, psi = 0.1" in strain.sentence
+        violation = found(system(MACHINE, s=0.5), given)["eccentricity_2"]
+        assert violation.value == 0.95
+        assert "s = 0.6, psi = 0.1" in violation.sentence
     both_ways = xr.concat([diagram([0.4, 0.93]).assign_coords(direction="up"), diagram([0.4, 0.92])
                            .assign_coords(direction="down")], dim="direction")  # fmt: skip
     assert "up, s = 0.6" in found(system(MACHINE, s=0.5), both_ways)["eccentricity_1"].sentence
@@ -93,30 +93,30 @@ def test_results_without_eccentricities_say_nothing_about_them():
 
 def test_film_reynolds_number():
     here = system(MACHINE, s=0.5, mu="0.0004 Pa*s")
-    strain = found(here, CALM)["film_reynolds_1"]
+    violation = found(here, CALM)["film_reynolds_1"]
     omega = sqrt(4e6 / 10) * 0.6  # the diagram goes further than the system
-    assert strain.value == pytest.approx(870 * omega * 25e-3 * 50e-6 / 0.0004)
-    assert strain.limit == pytest.approx(41.2 * sqrt(500))
-    assert "870 kg/m3 assumed" in strain.sentence
+    assert violation.value == pytest.approx(870 * omega * 25e-3 * 50e-6 / 0.0004)
+    assert violation.limit == pytest.approx(41.2 * sqrt(500))
+    assert "870 kg/m3 assumed" in violation.sentence
     assert "film_reynolds_1" not in found(system(MACHINE, s=0.5), CALM)
 
 
 def test_inertia_of_the_oil_at_the_mesh_frequency():
-    strain = found(system(MACHINE), CALM)["film_inertia"]  # s = 0.8175
-    assert strain.value == pytest.approx(870 * 0.8175 * sqrt(4e5) * 20 * 50e-6**2 / 0.02)
-    assert strain.value > strain.limit == 1.0
+    violation = found(system(MACHINE), CALM)["film_inertia"]  # s = 0.8175
+    assert violation.value == pytest.approx(870 * 0.8175 * sqrt(4e5) * 20 * 50e-6**2 / 0.02)
+    assert violation.value > violation.limit == 1.0
     assert "film_inertia" not in found(system(MACHINE, s=0.72), CALM)
     assert "film_inertia" in found(system(MACHINE, s=0.5), diagram([0.5, 0.5], s=[0.5, 0.74]))
 
 
 @pytest.mark.parametrize(("wall", "trips"), [("2.4 mm", False), ("2.45 mm", True), ("6 mm", True)])
 def test_thickness_of_the_ring(wall, trips):
-    strains = found(system(MACHINE, s=0.5, H=wall), CALM)
-    assert ("ring_1" in strains) == trips
+    violations = found(system(MACHINE, s=0.5, H=wall), CALM)
+    assert ("ring_1" in violations) == trips
     if trips:
         x = pi * float(wall.split()[0]) / 12
-        assert strains["ring_1"].value == pytest.approx(x)
-        assert f"{tanh(x) / x:.3g}" in strains["ring_1"].sentence
+        assert violations["ring_1"].value == pytest.approx(x)
+        assert f"{tanh(x) / x:.3g}" in violations["ring_1"].sentence
 
 
 def test_a_ring_that_lets_nothing_through_may_be_thick():
@@ -135,23 +135,23 @@ def test_fixed_arc_in_forward_whirl():
 
 def test_fixed_arc_of_the_print():
     """Journals that spin with the mesh whirl more slowly than half of it under their unbalances."""
-    strains = found(system(LITERAL), CALM)
-    assert strains["fixed_arc_1"].value == strains["fixed_arc_2"].value == 2.0
-    assert "outwards" not in strains["fixed_arc_1"].sentence  # without h^3 there is no such force
+    violations = found(system(LITERAL), CALM)
+    assert violations["fixed_arc_1"].value == violations["fixed_arc_2"].value == 2.0
+    assert "outwards" not in violations["fixed_arc_1"].sentence  # without h^3 there is no such force
     assert "fixed_arc_1" not in found(system(LITERAL, E=0), CALM)
 
 
 def test_clocks_of_the_paper_are_those_of_four_and_eight_teeth():
     for case in (REFERENCE, LITERAL):
-        strains = found(system(case), CALM)
-        assert (strains["teeth_1"].value, strains["teeth_1"].limit) == (4.0, 20.0)
-        assert (strains["teeth_2"].value, strains["teeth_2"].limit) == (8.0, 40.0)
+        violations = found(system(case), CALM)
+        assert (violations["teeth_1"].value, violations["teeth_1"].limit) == (4.0, 20.0)
+        assert (violations["teeth_2"].value, violations["teeth_2"].limit) == (8.0, 40.0)
 
 
 def test_journals_and_gear_of_the_print_turn_on_clocks_of_their_own():
-    strains = found(system(LITERAL), CALM)
-    assert (strains["spin_1"].value, strains["spin_2"].value) == (4.0, 8.0)
-    assert strains["gear_sense"].value == 0.5
+    violations = found(system(LITERAL), CALM)
+    assert (violations["spin_1"].value, violations["spin_2"].value) == (4.0, 8.0)
+    assert violations["gear_sense"].value == 0.5
     assert not {"spin_1", "spin_2", "gear_sense"} & set(found(system(REFERENCE), CALM))
     assert found(system(MACHINE, r_g="1/2"), CALM)["gear_sense"].value == 0.5
 
@@ -163,15 +163,15 @@ def test_few_teeth():
 
 
 def test_a_damper_that_does_not_turn_is_no_contradiction_but_carries_no_weight():
-    strains = found(system(MACHINE, s=0.5, j_p=0, j_g=0))
-    assert "spin_1" not in strains
-    assert (strains["static_equilibrium"].value, strains["static_equilibrium"].limit) == (0.0, 1.0)
+    violations = found(system(MACHINE, s=0.5, j_p=0, j_g=0))
+    assert "spin_1" not in violations
+    assert (violations["static_equilibrium"].value, violations["static_equilibrium"].limit) == (0.0, 1.0)
 
 
 def test_static_equilibria_of_a_diagram():
-    strain = found(system(MACHINE, s=0.5), diagram([0.5] * 4, start_found=[0, 1, 1, 1]))["static_equilibrium"]
-    assert strain.value == 0.75
-    assert "1 of 4" in strain.sentence
+    violation = found(system(MACHINE, s=0.5), diagram([0.5] * 4, start_found=[0, 1, 1, 1]))["static_equilibrium"]
+    assert violation.value == 0.75
+    assert "1 of 4" in violation.sentence
 
 
 def dimensionless(**changes):
@@ -181,12 +181,12 @@ def dimensionless(**changes):
 
 
 def test_symbols_alone_are_judged_as_far_as_they_go():
-    strains = found(dimensionless())
-    assert set(strains) == {"mesh_load", "fixed_arc_1", "fixed_arc_2", "teeth_1", "teeth_2", "not_evaluated"}
-    assert strains["mesh_load"].limit == pytest.approx(25 * 0.1)
-    assert "K_p c" in strains["mesh_load"].sentence
-    assert strains["teeth_1"].limit == 12
-    unknown = strains["not_evaluated"]
+    violations = found(dimensionless())
+    assert set(violations) == {"mesh_load", "fixed_arc_1", "fixed_arc_2", "teeth_1", "teeth_2", "not_evaluated"}
+    assert violations["mesh_load"].limit == pytest.approx(25 * 0.1)
+    assert "K_p c" in violations["mesh_load"].sentence
+    assert violations["teeth_1"].limit == 12
+    unknown = violations["not_evaluated"]
     assert isnan(unknown.value)
     assert isnan(unknown.limit)
     for words in ("length over diameter", "Reynolds", "porous ring", "largest eccentricity"):
@@ -198,7 +198,7 @@ def test_symbols_alone_are_judged_as_far_as_they_go():
 
 def test_only_the_gear_pair_is_judged():
     with pytest.raises(CaseError, match="duffing"):
-        strained(whirlmap.load("duffing"))
+        violations(whirlmap.load("duffing"))
 
 
 def test_a_computed_diagram_is_read():
@@ -206,9 +206,9 @@ def test_a_computed_diagram_is_read():
     here = system(REFERENCE, psi=0.1)
     ds = whirlmap.bifurcation_diagram(here, "s", [2.0, 3.27], settling=quick)
     deepest = float(ds["maximum"].sel(quantity="eps_2").max())
-    strains = found(here, ds)
-    assert ("eccentricity_2" in strains) == (deepest > 0.9)
-    assert "not_evaluated" not in strains
+    violations = found(here, ds)
+    assert ("eccentricity_2" in violations) == (deepest > 0.9)
+    assert "not_evaluated" not in violations
 
 
 # --- the mesh along its line of action ---------------------------------------------------------------------
@@ -226,9 +226,9 @@ def test_a_torque_that_holds_the_teeth_together_is_no_strain():
 
 
 def test_without_torsion_films_that_give_way_unload_the_teeth():
-    strain = found(system(TURBO, torsion="none"), CALM)["mesh_load"]
-    assert strain.value < strain.limit
-    assert "torsion = rigid_rotors" in strain.sentence
+    violation = found(system(TURBO, torsion="none"), CALM)["mesh_load"]
+    assert violation.value < violation.limit
+    assert "torsion = rigid_rotors" in violation.sentence
 
 
 def test_a_journal_that_rests_near_its_wall():
@@ -262,22 +262,22 @@ RIG = "machines/jeffcott-rig"
     ],
 )
 def test_a_rotor_strains_what_its_numbers_say(changes, names):
-    strains = found(system(RIG, VG=22, **changes))
-    assert set(strains) - {"not_evaluated", "oil_temperature", "rest_eccentricity"} == names
+    violations = found(system(RIG, VG=22, **changes))
+    assert set(violations) - {"not_evaluated", "oil_temperature", "rest_eccentricity"} == names
 
 
 @pytest.mark.parametrize("case", [MACHINE, RIG])
 def test_the_density_of_the_oil_counts_beside_a_viscosity(case):
-    strains = found(system(case, mu="0.0005 Pa*s", rho="1000 kg/m^3"))
-    assert "(oil of 1000 kg/m3)" in strains["film_inertia"].sentence
+    violations = found(system(case, mu="0.0005 Pa*s", rho="1000 kg/m^3"))
+    assert "(oil of 1000 kg/m3)" in violations["film_inertia"].sentence
 
 
 def test_vortices_in_the_film_of_a_fast_rotor():
-    strains = found(system(RIG, mu="0.001 Pa*s", speed="30000 rpm"))
+    violations = found(system(RIG, mu="0.001 Pa*s", speed="30000 rpm"))
     w = 30000 * pi / 30
-    assert strains["film_reynolds"].value == pytest.approx(850 * w * 0.0125 * 1e-4 / 0.001)
-    assert strains["film_reynolds"].limit == pytest.approx(41.2 * sqrt(125))
-    assert strains["film_inertia"].value == pytest.approx(850 * w * 1e-8 / 0.001)
+    assert violations["film_reynolds"].value == pytest.approx(850 * w * 0.0125 * 1e-4 / 0.001)
+    assert violations["film_reynolds"].limit == pytest.approx(41.2 * sqrt(125))
+    assert violations["film_inertia"].value == pytest.approx(850 * w * 1e-8 / 0.001)
 
 
 def test_the_end_of_a_sweep_that_strains_most_is_said_once():

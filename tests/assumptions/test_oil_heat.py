@@ -8,8 +8,8 @@ from scipy.integrate import quad
 
 import whirlmap
 from whirlmap.assumptions.oil_heat import HEAT_CAPACITY, heat_balance, oil_heat, why_none
-from whirlmap.assumptions.strain import Facts
-from whirlmap.assumptions.strained import strained
+from whirlmap.assumptions.violation import Facts
+from whirlmap.assumptions.violations import violations
 from whirlmap.models.lubricant import by_grade, by_two_points
 
 RIG, TURBO, AERO = "machines/jeffcott-rig", "machines/turbo-gearbox", "machines/aero-damper"
@@ -51,13 +51,13 @@ def test_each_law_gives_the_viscosity_of_the_warmer_oil():
 def test_it_is_a_strain_from_a_fifth_of_the_viscosity_on():
     for speed in ("6000 rpm", "20000 rpm"):
         here = whirlmap.load(RIG, speed=speed, L="9 mm", mu="0.02 Pa*s")
-        found = {s.name: s for s in strained(here)}
+        found = {s.name: s for s in violations(here)}
         lost = oil_heat(Facts.of(here, []))[""].thinning
         assert ("oil_temperature" in found) == (lost > 0.2) == (speed == "20000 rpm")
     text = found["oil_temperature"].sentence
     assert "2e+04 rpm" in text and "exp(-0.03 dT)" in text and "no grade" in text
-    strain = {s.name: s for s in strained(whirlmap.load(TURBO))}["oil_temperature_1"]
-    assert "65 degC" in strain.sentence and "Walther" in strain.sentence
+    violation = {s.name: s for s in violations(whirlmap.load(TURBO))}["oil_temperature_1"]
+    assert "65 degC" in violation.sentence and "Walther" in violation.sentence
 
 
 def test_a_damper_heats_nothing_and_a_porous_ring_is_not_judged():

@@ -1,4 +1,4 @@
-"""No verdict without its assumptions: commands repeat in a line each what `show` says is strained."""
+"""No verdict without its assumptions: commands repeat in a line each what `show` says is violated."""
 
 import json
 import shlex
@@ -35,7 +35,7 @@ def test_a_command_says_that_the_bearing_is_not_short(command):
     assert any("length of 0.68 diameters" in text for text in said)
     assert {t for t in shown if "diameters" in t} <= set(said)
     lines = [line for line in result.stderr.splitlines() if "assumption" in line]
-    assert lines == [f"assumption strained: {text}" for text in said]
+    assert lines == [f"assumption violated: {text}" for text in said]
 
 
 def test_a_model_without_bearings_has_none_to_strain():

@@ -70,7 +70,7 @@ def test_noise_is_undecided(tmp_path, name):
         (b"", "--column y --rate 1", "found nothing"),
         (b"t,y\n", "--column y --rate 1", "no rows of numbers"),
         (b"t,y\n1,2\n2,x\n", "--column y --rate 1", "line 3: found 'x'"),
-        (b"t,y\n1,2\n2\n", "--column y --rate 1", "line 3: found 1 columns"),
+        (b"t,y\n1,2\n2\n", "--column y --rate 1", "line 3: found 1 column,"),
         (b"t,y\n1,2\n2,nan\n", "--column y --rate 1", "line 3: found 'nan'"),
         (b"t,y\n1,2\n", "--column z --rate 1", "no column 'z'"),
         (b"t,y\n1,2\n", "--column 3 --rate 1", "no column '3'"),

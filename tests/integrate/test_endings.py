@@ -6,20 +6,20 @@ from rotors import at_rest, ensemble, gear_pair, solved
 
 from whirlmap.equations import Model, Output, Parameter, State, Stop, cos, t
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.rescue import Rescue
+from whirlmap.integrate.step_retry import StepRetry
 from whirlmap.integrate.system import System
 from whirlmap.results.status import Status
 
 
 def spy_on_mending(monkeypatch):
     """Collect the points of every failed step."""
-    points, mend = [], Rescue.mend
+    points, mend = [], StepRetry.retry
 
     def spy(self, members, *rest):
         points.extend(members.tolist())
         return mend(self, members, *rest)
 
-    monkeypatch.setattr(Rescue, "mend", spy)
+    monkeypatch.setattr(StepRetry, "retry", spy)
     return points
 
 

@@ -186,7 +186,7 @@ def sound(tmp_path_factory):
     [
         ("kernels/writing/vector.py", "return number(_real(e))", "return number(_real(e) + 1)"),
         ("kernels/lowering/formulas.py", "[normal_form(e) for e in", "[2 * normal_form(e) for e in"),
-        ("integrate/rescue.py", "[getattr(stop, field) for", "[-getattr(stop, field) for"),
+        ("integrate/step_retry.py", "[getattr(stop, field) for", "[-getattr(stop, field) for"),
         ("equations/identity.py", "Known = dict", "Known  = dict"),
     ],
     ids=lambda text: text if text.endswith(".py") else "",

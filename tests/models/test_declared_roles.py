@@ -9,7 +9,7 @@ import pytest
 from typer.testing import CliRunner
 
 import whirlmap
-from whirlmap.assumptions.strained import strained
+from whirlmap.assumptions.violations import violations
 from whirlmap.cli.main import app
 from whirlmap.errors import CaseError, RangeError
 from whirlmap.plot.common.diagnosis_parts import journal_of
@@ -108,10 +108,10 @@ def test_pictures_know_the_journal_the_velocities_and_the_symbol(motion, system)
 
 
 def test_assumptions_of_its_journals_and_its_unbalance_are_judged(system):
-    heavy = {s.name: s for s in strained(system.replace(b=1.5, oil=0.02))}
+    heavy = {s.name: s for s in violations(system.replace(b=1.5, oil=0.02))}
     assert heavy["unbalance_b"].sentence.startswith("The centre of mass of the spool is 1.5 clearances")
     assert heavy["rest_eccentricity_axle"].sentence.startswith("Journal axle rests")
-    fast = {s.name: s for s in strained(system.at_speed(3.0))}
+    fast = {s.name: s for s in violations(system.at_speed(3.0))}
     assert fast["speed_max"].value == pytest.approx(3.0 * np.sqrt(9.81 / 1e-4), rel=1e-12)
 
 
@@ -155,7 +155,7 @@ def test_the_same_model_without_roles_runs_and_says_what_is_missing(plain, syste
     with pytest.raises(RangeError, match="spool declares no speed"):
         whirlmap.safe_speeds(bare, [1.0, 2.0], 1.0)
     with pytest.raises(CaseError, match="declares none: expected an output with"):
-        strained(bare)
+        violations(bare)
 
 
 def test_roles_are_no_part_of_what_a_model_is(plain, system):

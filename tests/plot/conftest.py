@@ -21,7 +21,7 @@ def chaos(diagnosed: xr.Dataset) -> dict[str, xr.Dataset]:
     system = load("duffing", gamma=0.5, delta=0.3, alpha=-1, beta=1, omega=1.2)
     parts = {
         "series": simulate(system, periods=128, transient=100, every=4),
-        "section": section(system, periods=2000, transient=100),
+        "section": section(system, points=2000, transient=100),
         "lyapunov": diagnosed,
     }
     cloud = parts["section"]["section"].values[0]
@@ -34,7 +34,7 @@ def periodic() -> dict[str, xr.Dataset]:
     system = load("duffing", gamma=0.2, delta=0.3, alpha=-1, beta=1, omega=1.2)
     return {
         "series": simulate(system, periods=40, transient=200, every=2),
-        "section": section(system, periods=600, transient=200),
+        "section": section(system, points=600, transient=200),
     }
 
 

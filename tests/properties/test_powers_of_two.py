@@ -73,9 +73,9 @@ def test_labels_and_numbers_are_the_same_to_the_bit(made):
 
 def test_spectra_are_the_same_to_the_bit():
     ours, _, _ = duffing(1.0, 1.0)
-    one = lyapunov_spectrum(ours, transient=50, periods=100, starts=2)
+    one = lyapunov_spectrum(ours, transient=50, common_periods=100, starts=2)
     for length, time in UNITS:
-        other = lyapunov_spectrum(duffing(length, time)[0], transient=50, periods=100, starts=2)
+        other = lyapunov_spectrum(duffing(length, time)[0], transient=50, common_periods=100, starts=2)
         for name in ("lyapunov", "lyapunov_error"):
             np.testing.assert_array_equal(other[name].values * time, one[name].values)
 

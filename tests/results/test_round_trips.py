@@ -30,9 +30,9 @@ def signal():
 KINDS = {
     "simulate": lambda: whirlmap.simulate(duffing(), periods=2),
     "ended": lambda: whirlmap.simulate(whirlmap.load("duffing", delta=-2.0, alpha=1.0, beta=0.0), periods=30),
-    "section": lambda: whirlmap.section(duffing(), periods=4, transient=8, starts=2),
-    "section unforced": lambda: whirlmap.section(whirlmap.load("lorenz"), periods=4, transient=8),
-    "lyapunov_spectrum": lambda: whirlmap.lyapunov_spectrum(duffing(), transient=10, periods=16, starts=2),
+    "section": lambda: whirlmap.section(duffing(), points=4, transient=8, starts=2),
+    "section unforced": lambda: whirlmap.section(whirlmap.load("lorenz"), points=4, transient=8),
+    "lyapunov_spectrum": lambda: whirlmap.lyapunov_spectrum(duffing(), transient=10, common_periods=16, starts=2),
     "floquet_multipliers": lambda: whirlmap.floquet_multipliers(duffing(), [0.9, 0.1], duffing().period),
     "power_spectrum": lambda: whirlmap.power_spectrum(signal(), rate=32),
     "full_spectrum": lambda: whirlmap.full_spectrum(signal(), signal()[::-1], rate=32),

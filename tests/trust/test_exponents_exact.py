@@ -124,7 +124,7 @@ SLAVED = Model(name="slaved_duffing", states=(x, v, r), parameters=(A, k), harmo
 @pytest.mark.parametrize("k_", some([0.02, 8.0, 60.0], [60.0]))
 def test_a_slaved_state_of_a_chaotic_motion(k_):
     """-k exactly, beside the two exponents of Duffing's oscillator, whose sum is -0.3."""
-    value, error = spectrum(whirlmap.load(SLAVED, A=0.5, k=k_), periods=1600)
+    value, error = spectrum(whirlmap.load(SLAVED, A=0.5, k=k_), common_periods=1600)
     assert np.abs(value + k_).min() < 1e-6 * (k_ + 1)
     at = int(np.argmin(np.abs(value + k_)))
     rest, errors = np.delete(value, at), np.delete(error, at)
@@ -137,7 +137,8 @@ def test_a_slaved_state_of_a_chaotic_motion(k_):
 def test_lorenz(periods):
     """0.9056, 0 and -14.572, of sum -41/3 exactly."""
     model = FLOWS["lorenz"][0]
-    value, error = spectrum(whirlmap.load(model, s=10, b=8 / 3, r=28, start={"x": 1, "y": 1, "z": 1}), periods=periods)
+    system = whirlmap.load(model, s=10, b=8 / 3, r=28, start={"x": 1, "y": 1, "z": 1})
+    value, error = spectrum(system, common_periods=periods)
     assert np.all(np.abs(value - [0.9056, 0, -14.5723]) < 3 * error + 2e-4)
     assert value.sum() == pytest.approx(-41 / 3, abs=1e-5)
     assert error[0] < 0.02
@@ -163,7 +164,7 @@ def test_the_mean_divergence_comes_out_again():
 def test_a_torus():
     """Forced van der Pol: the largest exponent is zero; the sum is the mean of mu (1 - x^2)."""
     system = whirlmap.load("van_der_pol", mu=1.0, A=0.5, omega=1.387)
-    value, error = spectrum(system, periods=1600)
+    value, error = spectrum(system, common_periods=1600)
     assert abs(value[0]) < 3 * error[0] + 1e-6
     assert value.sum() == pytest.approx(TORUS, abs=3 * np.hypot(*error) + 3e-4)
     ds = whirlmap.diagnose(system)
@@ -233,7 +234,7 @@ CHAOS_ACROSS_JUMPS = ["chaos-pendulum", "chaos-stop", "chaos-belt"]
 @pytest.mark.parametrize("name", CHAOS_ACROSS_JUMPS)
 def test_chaos_across_kinks_and_jumps(name):
     case, truth = BY_NAME[name], NUMBERS[name]
-    found = spectrum(load(case.models[0], case.values, case.start), count=1, periods=1600)
+    found = spectrum(load(case.models[0], case.values, case.start), count=1, common_periods=1600)
     if isinstance(found, Refused):
         assert case.jumps and found.names_the_jump
         return
@@ -247,7 +248,7 @@ def test_duffings_multipliers():
     system = whirlmap.load("duffing", **values, start={"x": 2.0, "v": 0.0})
     ds = whirlmap.diagnose(system)
     n = int(ds["period_T"])
-    orbit = duffing.at(**values).described(whirlmap.section(system, transient=600, periods=n)["section"].values[0, 0], n)
+    orbit = duffing.at(**values).described(whirlmap.section(system, transient=600, points=n)["section"].values[0, 0], n)
     agree((ds["lyapunov"].values, ds["lyapunov_error"].values), orbit.exponents, period=np.pi, error_below=5e-2, floor=1e-6)
     found = whirlmap.floquet_multipliers(system, orbit.z, n * np.pi)
     value = found["real"].values + 1j * found["imaginary"].values

@@ -114,7 +114,7 @@ def test_period_and_extremes(name):
     """Crossings of the section, as far apart as the truth's; extremes of the first state."""
     known, system = CYCLES[name], loaded(name)
     given = {"steps": 2048} if name == "brusselator-stiff" else {}  # what begins far from a fast turn says nothing of it
-    found = whirlmap.section(system, periods=120, transient=400, **given)
+    found = whirlmap.section(system, points=120, transient=400, **given)
     times = found["crossing_time"].values[0]
     times = times[np.isfinite(times)]
     assert times[-1] - times[-1 - known.returns] == pytest.approx(known.period, rel=2e-6)
@@ -205,7 +205,7 @@ def test_cycles_with_kinks_and_jumps(name):
     assert said == "1T"
     found = np.array([ds[q].values[0] for q in ("minimum", "maximum")])
     np.testing.assert_allclose(found, [low, high], rtol=0, atol=EXTREME * np.ptp([low, high], axis=0).max())
-    times = whirlmap.section(system, periods=60, transient=100)["crossing_time"].values[0]
+    times = whirlmap.section(system, points=60, transient=100)["crossing_time"].values[0]
     times = times[np.isfinite(times)]
     assert times[-1] - times[-2] == pytest.approx(period, rel=1e-5)
 
@@ -213,7 +213,7 @@ def test_cycles_with_kinks_and_jumps(name):
 def test_the_free_bilinear_oscillator_keeps_time():
     """Without damping every motion has the period pi + pi/sqrt(k), whatever its size: time between crossings, 40 turns."""
     system = whirlmap.load(unforced_models.BILINEAR_CYCLE, mu=0.0, k=9.0, start={"x": 0.7, "v": 0.0})
-    times = whirlmap.section(system, periods=30, transient=1)["crossing_time"].values[0]
+    times = whirlmap.section(system, points=30, transient=1)["crossing_time"].values[0]
     times = times[np.isfinite(times)]
     np.testing.assert_allclose(np.diff(times), np.pi * (1 + 1 / 3), rtol=1e-6)
 

@@ -1,1 +1,1 @@
-"""Assumptions of the machine models, and which of them a system or its results violate (`strained.strained`)."""
+"""Assumptions of the machine models, and which of them a system or its results violate (`violations.violations`)."""

@@ -19,7 +19,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from math import exp, inf, pi, sqrt
 
-from whirlmap.assumptions.strain import BearingNumbers, Facts, Strain
+from whirlmap.assumptions.violation import BearingNumbers, Facts, Violation
 from whirlmap.models.lubricant import HOTTEST, by_grade, by_two_points
 from whirlmap.units import convert
 
@@ -97,12 +97,12 @@ def oil_heat(facts: Facts) -> dict[str, OilHeat]:
     return found
 
 
-def strains(facts: Facts) -> Iterator[Strain]:
+def violations(facts: Facts) -> Iterator[Violation]:
     """Oil that is not the same everywhere in the film."""
     heat = oil_heat(facts)
     for bearing in facts.bearings:
         if (one := heat.get(bearing.name)) and one.thinning > CHANGE:
-            yield Strain(f"oil_temperature{bearing.name}", one.thinning, CHANGE, _sentence(bearing, one, facts.inputs))
+            yield Violation(f"oil_temperature{bearing.name}", one.thinning, CHANGE, _sentence(bearing, one, facts.inputs))
 
 
 def why_none(facts: Facts) -> str:

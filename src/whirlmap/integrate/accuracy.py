@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from whirlmap.equations.model import Model
 from whirlmap.errors import counted
 from whirlmap.integrate.ensemble import Ensemble
-from whirlmap.integrate.trials import Trials
+from whirlmap.integrate.rung_runs import RungRuns
 
 Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -119,7 +119,7 @@ def choose_steps(
         Successive common periods, from the present state on and as they are integrated, over each of which the error counts:
         the largest is met.
     span : int
-        Common periods of each trial.
+        Common periods of each run.
     observe : callable, optional
         ``observe(ensemble, periods)`` runs points on and gives numbers of their motion, shape (number, point), whose
         differences count as well: times over T at which a section is crossed, for a motion that stands still between fast
@@ -131,10 +131,10 @@ def choose_steps(
 
     Notes
     -----
-    A trial does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact on two
-    rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within some
-    steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A point
-    that has lost its order goes on to `KINKED` steps, or to the accuracy.
+    A run on a rung does not redo failed steps: a point that fails on a rung tries the next one. A point that ends in contact
+    on two rungs running, at times that differ by less than the accuracy of one T, takes the first; one that diverges, within
+    some steps (`ALIKE`) of the same time on all rungs from one to another `DIVERGES` times as high, takes the latter. A
+    point that has lost its order goes on to `KINKED` steps, or to the accuracy.
     """
     members = np.arange(ensemble.points) if members is None else members
     n = members.size
@@ -151,10 +151,10 @@ def choose_steps(
     running = ensemble.running[members]
     verdict[running] = StepVerdict.stiff
     history, kinked = np.full((len(ladder), n), np.nan), np.zeros(n, dtype=bool)
-    trials = Trials(ensemble, members, sections, span, observe, progress)
+    runs = RungRuns(ensemble, members, sections, span, observe, progress)
     if least is not None:  # most points meet it with the steps that they have: all of these in two runs
         at = np.flatnonzero(running)
-        own, finer = (trials.run(at, np.array(ladder)[first[at] + k]) for k in (0, 1))
+        own, finer = (runs.run(at, np.array(ladder)[first[at] + k]) for k in (0, 1))
         found, away = own.difference(finer)
         met = ~away & (found <= accuracy)
         error[at[met]] = begun[at[met]] = found[met]
@@ -164,11 +164,11 @@ def choose_steps(
     for i, rung in enumerate(ladder[1:]):
         entering = np.flatnonzero(running & (first == i))
         if entering.size:
-            new = trials.run(entering, ladder[i])
+            new = runs.run(entering, ladder[i])
             left, before = np.concatenate([left, entering]), new if before is None else before.joined(new)
         if not left.size or before is None:
             continue
-        now = trials.run(left, rung)
+        now = runs.run(left, rung)
         found, away = before.difference(now)
         # A method that is unstable diverges at about the same time with any steps, up to those with which it is not.
         since[left] = np.where(away, np.minimum(since[left], ladder[i]), np.inf)

@@ -29,9 +29,9 @@ Array = NDArray[np.float64]
 Integers = NDArray[np.int64]
 
 
-#: Longest common period, in T, over which a trial looks; where it is longer, a trial takes one turn of the slowest harmonic,
-#: but at least `TRIAL` of them.
-LONG_TRIAL, TRIAL = 1000, 128
+#: Longest common period, in T, that a run on a rung takes; where it is longer, it takes one turn of the slowest harmonic,
+#: but at least `RUNG` of them.
+LONG_RUNG, RUNG = 1000, 128
 
 #: Comparing an array with a member of an enumeration takes five times as long.
 OK = np.int8(Status.ok)
@@ -65,7 +65,7 @@ class Ensemble:
         Threads; all cores where absent. The numbers do not depend on it.
     redo : bool
         Whether steps that failed are redone with shorter ones. Where not, a point ends at its first failed step, as
-        unresolved unless the step plainly ended behind a stop: enough for a trial of the steps.
+        unresolved unless the step plainly ended behind a stop: enough for a run on a rung.
     accuracy : float, optional
         What the steps were chosen for (`choose_steps`); absent where they were given.
     beyond : array, shape (state, point), optional
@@ -87,7 +87,7 @@ class Ensemble:
     end_time : array, shape (point,)
         When a point ended (NaN while it runs), in the model's time.
     end_stop : array of int, shape (point,)
-        Which of the model's stops ended it, or behind them which pole of its equations (`rescue.end_named`); else -1.
+        Which of the model's stops ended it, or behind them which pole of its equations (`step_retry.end_named`); else -1.
     turns, ahead : array of int, shape (point,)
         Periods T that each point has run, and steps that it stands ahead of them.
     point_steps, point_orth : arrays of int, shape (point,)
@@ -208,12 +208,12 @@ class Ensemble:
         return self.strobe == self.common_multiple
 
     @property
-    def trial_periods(self) -> int:
-        """Number of T over which a trial of the steps looks: the common period, where that is not too long."""
-        if self.common_multiple <= LONG_TRIAL:
+    def rung_periods(self) -> int:
+        """Number of T that a run on a rung takes: the common period, where that is not too long."""
+        if self.common_multiple <= LONG_RUNG:
             return self.common_multiple
         slowest = max(ceil(1 / abs(order)) for order in self.orders if order)
-        return min(max(slowest, TRIAL), LONG_TRIAL)
+        return min(max(slowest, RUNG), LONG_RUNG)
 
     def limit(self, limits: Array) -> None:
         """Set the sizes beyond which states have diverged, shape (state, point)."""

@@ -8,8 +8,8 @@ from whirlmap.equations.model import Model
 from whirlmap.integrate.division import variants
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.harmonics import periods
-from whirlmap.integrate.rescue import stop_function
 from whirlmap.integrate.scales import largest_of, likeness
+from whirlmap.integrate.step_retry import stop_function
 from whirlmap.integrate.system import System
 
 Array = NDArray[np.float64]

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.equations.model import Model
-from whirlmap.integrate.rescue import Rescue
+from whirlmap.integrate.step_retry import StepRetry
 from whirlmap.integrate.workers import stop_if_given_up
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.running.lanes import Inputs, LaneKernel, Waves, blocked, lane_kernel, slopes_for, unblocked
+from whirlmap.kernels.running.lanes import HarmonicTables, Inputs, LaneKernel, blocked, lane_kernel, slopes_for, unblocked
 from whirlmap.kernels.running.reference import reference_outputs
 from whirlmap.kernels.writing.event_location import FINE, pieces
 from whirlmap.kernels.writing.routine import LANES
@@ -80,14 +80,14 @@ class Group:
         self.steps = ensemble.point_steps[members]
         self.h = ensemble.period[members] / self.steps
         self._packed: tuple[Points, dict[str, Any]] = np.zeros(0, dtype=np.intp), {}  # of the last call
-        self.rescue = Rescue(
+        self.step_retry = StepRetry(
             model, ensemble.method, ensemble.tangents, ensemble.values[:, members], limits, redo=ensemble.redo
         )
 
     @cached_property
-    def waves(self) -> Waves:
+    def harmonic_tables(self) -> HarmonicTables:
         """Tables of the harmonics; ensembles are often made for their states alone."""
-        return Waves.of(self.ensemble.orders, self.steps, self.kernel.source.nodes)
+        return HarmonicTables.of(self.ensemble.orders, self.steps, self.kernel.source.nodes)
 
     def advance(
         self, local: Points, to_do: Integers, save: Fraction | int, record: Record, place: Points, *, between: bool,
@@ -133,8 +133,8 @@ class Group:
         """Arguments of some points that stay the same, in blocks; they are often those of the call before."""
         last, blocks = self._packed
         if not (blocks and np.array_equal(last, local)):
-            waves = self.waves.rows(self.steps[local])
-            blocks = {"h": blocked(self.h[None, local]), "waves": self.waves.table, **self.inputs.blocks(local)}
+            waves = self.harmonic_tables.rows(self.steps[local])
+            blocks = {"h": blocked(self.h[None, local]), "waves": self.harmonic_tables.table, **self.inputs.blocks(local)}
             blocks |= {name: blocked(rows) for name, rows in waves.items()}
             self._packed = local, blocks  # at once: another thread may have other points
         return blocks
@@ -147,8 +147,8 @@ class Group:
         failed, part = run.failed[block, 0, lane], run.reached[block, 0, lane]
         run.failed[block, 0, lane] = -1
         h, steps, y = self.h[members], self.steps[members], np.ascontiguousarray(run.y[block, :, lane].T)
-        angles = self.waves.angles(steps, e.turns[points], e.ahead[points] + failed, part)
-        outcome = self.rescue.mend(members, y, angles, (1 - part) * h, run.cause[block, 0, lane])
+        angles = self.harmonic_tables.angles(steps, e.turns[points], e.ahead[points] + failed, part)
+        outcome = self.step_retry.retry(members, y, angles, (1 - part) * h, run.cause[block, 0, lane])
         run.y[block, :, lane] = y.T
         ended = outcome.status != Status.ok
         e.status[points[ended]] = outcome.status[ended]
@@ -167,7 +167,7 @@ class Group:
     def _fold(self, members: Points, block: Points, lane: Points, run: _Run) -> None:
         """Fold the end of a mended step into the statistics, as the kernel does with its own steps."""
         x = run.y[block, : self.ensemble.model.dimension, lane].T
-        rows = np.concatenate([x, reference_outputs(self.rescue.model)(x, self.rescue.values[:, members])]).T
+        rows = np.concatenate([x, reference_outputs(self.step_retry.model)(x, self.step_retry.values[:, members])]).T
         sums = run.sums[block, :, :, lane]  # a copy, (point, kind, row)
         less = rows - sums[:, 0]
         sums[:, 1] = np.minimum(sums[:, 1], rows)
@@ -234,7 +234,7 @@ class _Run:
         last = np.minimum(self.first + length, self.total)
         kernel.advance(
             blocks=self.blocks, count=self.count, y=self.y, **self.inputs, first=self.first, last=last, active=self.active,
-            begin=blocked(self.group.waves.begin(self.steps, e.turns[points], done)), failed=self.failed,
+            begin=blocked(self.group.harmonic_tables.begin(self.steps, e.turns[points], done)), failed=self.failed,
             save_every=self.save_every, saves=self.saved.shape[1], saved=self.saved, orth_every=self.orth_every,
             events=self.growth.shape[1], growth=self.growth, folded=self.folded, sums=self.sums, cause=self.cause,
             reached=self.reached, tally=self.tally, pieces=self.pieces, work=kernel.work(),

@@ -1,6 +1,7 @@
 """How functions take options: as the two values, or by their parts as keywords, which is shorter to write."""
 
-from collections.abc import Callable, Iterable
+import warnings
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, Field, fields, replace
 from functools import wraps
 from inspect import Parameter, signature
@@ -59,13 +60,13 @@ DEFAULTS: dict[str, Any] = {"labelling": LABELLING, "integration": INTEGRATION, 
 
 
 def takes_options(
-    bar: str | None = None, **shown: str
+    bar: str | None = None, *, former: Mapping[str, str] | None = None, **shown: str
 ) -> Callable[[Callable[P, R]], Callable[P, R]]:
     """Have a function take its options by their parts too, and ``progress=True`` show a bar of this name.
 
     The function has the keywords ``labelling`` or ``integration``, ``execution``, maybe ``storage``; it gets them whole,
     whatever was given, with a callable for ``progress``. ``shown`` are options of `Progress`. ``cluster`` goes with
-    ``storage``.
+    ``storage``. ``former`` are keywords that have another name now; the former one works for one release, with a warning.
     """
 
     def decorate(function: Callable[P, R]) -> Callable[P, R]:
@@ -79,6 +80,11 @@ def takes_options(
 
         @wraps(function)
         def taking(*args: P.args, **given: P.kwargs) -> R:
+            for old, new in (former or {}).items():
+                if old in given and new not in given:
+                    told = f"{function.__name__}({old}=...) is {function.__name__}({new}=...) now"
+                    warnings.warn(told, DeprecationWarning, stacklevel=2)
+                    given[new] = given.pop(old)
             whole: dict[str, Any] = _resolved(function.__name__, given, held, known)
             execution = whole["execution"]
             if execution.cluster is not None and "storage" not in held:

@@ -138,15 +138,15 @@ def test_stretches_of_a_record_change_nothing(monkeypatch):
 def test_trials_do_not_wait_for_the_common_period():
     system, done = hunting(), []
     ensemble, _ = make_ensemble(system, steps=16)
-    assert ensemble.trial_periods == 128
+    assert ensemble.rung_periods == 128
     choose_steps(ensemble, 1e-6, progress=done.append)
     assert max(done) == 128
 
 
 def test_trials_of_several_sections_at_different_phases(monkeypatch):
     """The error over three stretches is the largest of those over each, from where the motion stands then."""
-    monkeypatch.setattr(ensembles, "TRIAL", 5)
-    monkeypatch.setattr(ensembles, "LONG_TRIAL", 20)
+    monkeypatch.setattr(ensembles, "RUNG", 5)
+    monkeypatch.setattr(ensembles, "LONG_RUNG", 20)
     ensemble, _ = make_ensemble(hunting(zeta=0.02), steps=24)
     together = choose_steps(ensemble, 1e-9, sections=3)
     each = []

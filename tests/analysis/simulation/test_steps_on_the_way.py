@@ -56,7 +56,7 @@ def test_what_no_steps_of_the_ladder_follow_is_said():
 
 @pytest.mark.parametrize("transient", [0, 3])
 def test_a_section_goes_on_with_more_steps(transient):
-    ds = whirlmap.section(waking(30.0), periods=20, transient=transient)
+    ds = whirlmap.section(waking(30.0), points=20, transient=transient)
     assert (ds["status"] == Status.ok).all()
     assert np.isfinite(ds["section"]).all()
 

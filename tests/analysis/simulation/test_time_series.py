@@ -24,7 +24,7 @@ def test_a_transient_is_a_shift():
 
 def test_roessler_cycle_of_the_chaosbook():
     """The one-loop cycle at c = 5.7 is unstable; at c = 2.5 it is stable and its crossings are one period apart."""
-    ds = whirlmap.section(whirlmap.load("roessler", c=2.5), periods=30, transient=400)
+    ds = whirlmap.section(whirlmap.load("roessler", c=2.5), points=30, transient=400)
     times = ds["crossing_time"].values[0]
     gaps = np.diff(times[np.isfinite(times)])
     np.testing.assert_allclose(gaps, gaps[0], rtol=1e-7)  # fourth-order crossings of a settled cycle

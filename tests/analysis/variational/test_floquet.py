@@ -57,7 +57,7 @@ def test_multipliers_below_1e_30_are_good_to_many_digits():
     core[0, 0], core[3, 3], core[4, 4] = 1.1, 1e-3, 1e-5
     core[1:3, 1:3] = 0.5 * np.array([[c, -s], [s, c]])
     chain = [bases[(k + 1) % 8] @ core @ np.linalg.inv(bases[k]) for k in range(8)]
-    logs, angles = eigenvalues_of_products(np.array(chain)[None])
+    logs, angles = (found[0] for found in eigenvalues_of_products(np.array(chain)[None]))
     order = np.argsort(-logs)
     np.testing.assert_allclose(logs[order], 8 * np.log([1.1, 0.5, 0.5, 1e-3, 1e-5]), rtol=1e-9)
     assert np.sort(np.abs(angles))[-2:] == pytest.approx(8.0 - 2 * np.pi)  # eight turns of 1 rad
@@ -68,7 +68,7 @@ def test_the_gear_pairs_twenty_multipliers():
     system = whirlmap.load("gear-psfd/reference", s=3.27, psi=1e-4)
     x = whirlmap.simulate(system, transient=1600, periods=8)["x"].values[-1]
     ds = floquet_multipliers(system, x, system.common_period)
-    exponents = whirlmap.lyapunov_spectrum(system, transient=60, periods=32, starts=2)["lyapunov"].values
+    exponents = whirlmap.lyapunov_spectrum(system, transient=60, common_periods=32, starts=2)["lyapunov"].values
     rates = ds["log_modulus"].values / system.common_period
     assert int(ds.stable) == 1
     np.testing.assert_allclose(rates[:2], exponents[:2], rtol=2e-3)
@@ -79,3 +79,13 @@ def test_impossible_orbits_are_refused():
     system = whirlmap.load("duffing")
     with pytest.raises(RangeError, match="positive time"):
         floquet_multipliers(system, np.zeros(2), 0.0)
+
+
+def test_multipliers_of_zero_stay_zero(monkeypatch):
+    """A motion that sticks forgets its velocity: the logarithm of that multiplier is minus infinity, whatever the steps."""
+    orbit, logs = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, -1.0]]), np.array([-0.1, -np.inf])
+    monkeypatch.setattr("whirlmap.analysis.variational.floquet._round", lambda *_: (orbit, logs, np.zeros(2)))
+    system = whirlmap.load("duffing")
+    found = floquet_multipliers(system, np.zeros(2), system.period)
+    np.testing.assert_array_equal(found["log_modulus"], logs)
+    np.testing.assert_array_equal(found["log_modulus_error"], [0.0, 0.0])

@@ -41,7 +41,7 @@ def turned(values, seed=1, *, normal=True):
 )
 @pytest.mark.parametrize("normal", [True, False])
 def test_exponents_far_below_minus_37_over_T_are_right(values, period, normal):
-    ds = lyapunov_spectrum(linear(turned(values, normal=normal), period), transient=40, periods=48, starts=2)
+    ds = lyapunov_spectrum(linear(turned(values, normal=normal), period), transient=40, common_periods=48, starts=2)
     found, error = ds["lyapunov"].values, ds["lyapunov_error"].values
     assert found == pytest.approx(values, rel=2e-6, abs=1e-9)
     assert (np.abs(found - values) <= 3 * error + 1e-12 * np.abs(values).max()).all()
@@ -75,7 +75,7 @@ def test_rates_that_vary_round_the_period_contract_by_their_mean():
         equations={x: -0.3 * x + 0.2 * y + e * cos(w * t), y: -(20 + 15 * sin(w * t)) * y},
     )  # fmt: skip
     system = System(model, {"w": 1.0, "e": 1.0})
-    ds = lyapunov_spectrum(system, transient=40, periods=48, starts=2)
+    ds = lyapunov_spectrum(system, transient=40, common_periods=48, starts=2)
     assert ds["lyapunov"].values == pytest.approx([-0.3, -20], rel=1e-6)
     ensemble, _ = make_ensemble(system, {"e": [1.0]})
     mean, error = mean_divergence(ensemble, 8)

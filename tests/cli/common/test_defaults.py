@@ -18,9 +18,10 @@ FUNCTIONS = {
     "simulate": ("simulate", {}), "diagnose": ("diagnose", {"exponents": "exponent_count"}),
     "bifurcation": ("bifurcation_diagram", {}), "map": ("regime_map", {}), "attractors": ("attractors", {}),
     "basins": ("basins", {}), "speeds": ("safe_speeds", {}), "improve": ("improve", {}), "campbell": ("campbell", {}),
+    "continue": ("continue_orbit", {}),
 }  # fmt: skip
 #: Options that have nothing to do with a keyword of the same name, or whose default is text that stands for it.
-APART = {("improve", "limit"), ("speeds", "limit"), ("speeds", "tolerance"), ("diagnose", "time")}
+APART = {("improve", "limit"), ("speeds", "limit"), ("diagnose", "time"), ("continue", "resume")}
 
 
 def defaults(function):

@@ -10,7 +10,7 @@ from whirlmap.errors import ModelError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import RK4
-from whirlmap.kernels.running.lanes import Waves, blocked, lane_kernel
+from whirlmap.kernels.running.lanes import HarmonicTables, blocked, lane_kernel
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.models import family
 from whirlmap.results.status import Status
@@ -76,7 +76,7 @@ def run(system, x, *, first, last, active, sentinel=0.0, count=0):
     per_T, events = np.full(LANES, 20), max(last)
     h = np.full((1, 1, LANES), system.period / 20)
     inputs = kernel.inputs(np.repeat(system.vector[:, None], LANES, axis=1)).blocks(np.arange(LANES))
-    waves = Waves.of(system.orders, per_T, kernel.source.nodes)
+    waves = HarmonicTables.of(system.orders, per_T, kernel.source.nodes)
     begin = waves.begin(per_T, np.zeros(LANES, dtype=np.int64), np.broadcast_to(first, LANES))
     kernel.advance(
         blocks=1, count=count, y=y, h=h, **inputs, waves=waves.table, begin=blocked(begin),

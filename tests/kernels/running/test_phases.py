@@ -10,7 +10,7 @@ from whirlmap.equations import Model, Parameter, State, Stop, cos, sin, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.kernels.running import lanes
-from whirlmap.kernels.running.lanes import Waves
+from whirlmap.kernels.running.lanes import HarmonicTables
 from whirlmap.results.status import Status
 
 x, v = State("x", "1", "deflection"), State("v", "1", "its rate")
@@ -66,7 +66,7 @@ def test_counted_phases_are_those_of_a_table(monkeypatch, tangents):
     for longest in (lanes.LONGEST, 1):
         monkeypatch.setattr(lanes, "LONGEST", longest)
         ensemble, _ = make_ensemble(system, steps=16, tangents=tangents)
-        assert ensemble._groups[0].waves.far.tolist() == [[int(longest == 1)]] * 3
+        assert ensemble._groups[0].harmonic_tables.far.tolist() == [[int(longest == 1)]] * 3
         first = ensemble.advance(9, extremes="between")
         ensemble.advance(11)
         found.append((ensemble.x, ensemble.vectors, *first.extremes.values()))
@@ -89,7 +89,7 @@ def test_an_end_is_located_at_the_exact_phase_however_late():
 
 def test_angles_within_a_step():
     steps, turns, done = np.full(2, 48), np.array([0, 10**8]), np.array([0, 7])
-    waves = Waves.of((Fraction(1), GOLDEN, LONG), steps, (0.0, 0.5))
+    waves = HarmonicTables.of((Fraction(1), GOLDEN, LONG), steps, (0.0, 0.5))
     step, part = steps * turns + done, np.array([0.25, 0.75])
     for row, order in zip(waves.angles(steps, turns, done, part), waves.orders, strict=True):
         turns = [order * (n + Fraction(p)) / 48 % 1 for n, p in zip(step.tolist(), part.tolist(), strict=True)]
@@ -99,4 +99,4 @@ def test_angles_within_a_step():
 
 def test_orders_that_cannot_be_counted_are_refused():
     with pytest.raises(RangeError, match="smaller integers"):
-        Waves.of((Fraction(1), Fraction(1, 10**18)), np.array([100]), (0.0,))
+        HarmonicTables.of((Fraction(1), Fraction(1, 10**18)), np.array([100]), (0.0,))

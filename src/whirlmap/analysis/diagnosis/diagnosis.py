@@ -31,7 +31,7 @@ from whirlmap.analysis.variational.exponents_with_section import TangentRun, exp
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.harmonics import common_multiple_attribute
-from whirlmap.integrate.rescue import end_named
+from whirlmap.integrate.step_retry import end_named
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import BLOCKS, LABELLING, Integration, Labelling
 from whirlmap.options.execution import EXECUTION, Execution

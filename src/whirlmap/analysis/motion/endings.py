@@ -23,8 +23,8 @@ from numpy.typing import NDArray
 
 from whirlmap.integrate.accuracy import StepVerdict, choose_steps
 from whirlmap.integrate.ensemble import Ensemble
+from whirlmap.integrate.rung_runs import ALIKE, motion_sizes
 from whirlmap.integrate.scales import start_sizes
-from whirlmap.integrate.trials import ALIKE, motion_sizes
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]

@@ -10,7 +10,7 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.harmonics import common_multiple_attribute
-from whirlmap.integrate.rescue import end_named
+from whirlmap.integrate.step_retry import end_named
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import Integration
 from whirlmap.options.execution import Execution

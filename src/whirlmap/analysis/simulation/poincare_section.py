@@ -26,11 +26,11 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 
 
-@takes_options("section")
+@takes_options("section", former={"periods": "points"})
 def section(
     system: System,
     *,
-    periods: int = 500,
+    points: int = 500,
     transient: int | None = None,
     once_per: str = "T",
     starts: int = 1,
@@ -44,7 +44,7 @@ def section(
     ----------
     system : System
         Its values and start states count.
-    periods : int
+    points : int
         Section points; for an unforced model, typical times in which crossings are collected.
     transient : int, optional
         T dropped before; where absent, 200 turns of the slowest clock (`settled_periods`).
@@ -83,35 +83,35 @@ def section(
     if once_per not in ("T", "common"):
         raise RangeError(f"once_per is 'T' or 'common', not {once_per!r}")
     transient = settled_periods(system) if transient is None else transient
-    refuse_counts(periods=(periods, 1), transient=(transient, 0), starts=(starts, 1))
+    refuse_counts(points=(points, 1), transient=(transient, 0), starts=(starts, 1))
     ensemble, _ = one_point(system, integration, execution, starts)
     progress = execution.progress
     every = ensemble.common_multiple if system.model.forced and once_per == "common" else 1
-    refuse_counts(**{"T of the section": (periods * every, 1)})
+    refuse_counts(**{"T of the section": (points * every, 1)})
     start, began, passed = ensemble.x.copy(), ensemble.turns.copy(), transient
     ensemble.advance(transient, progress=progress)
     confirm_run(ensemble, start, began, transient)
     if transient and check_steps(ensemble, progress):
         ensemble.advance(transient, progress=progress)
         passed += transient
-    points, times = _section_points(ensemble, periods, every, progress)
-    if confirm_run(ensemble, start, began, passed + periods * every):
+    found, times = _section_points(ensemble, points, every, progress)
+    if confirm_run(ensemble, start, began, passed + points * every):
         ensemble = restarted(ensemble, np.arange(starts), start, began, ensemble.point_steps)
         ensemble.advance(passed, progress=progress)
-        points, times = _section_points(ensemble, periods, every, progress)
+        found, times = _section_points(ensemble, points, every, progress)
     data = {} if times is None else {"crossing_time": variable(("run", "period"), times, "time", "time of the crossing")}
     data |= {
         "steps": variable("run", ensemble.point_steps, "1/T", "steps per T"),
         "section": variable(
-            ("run", "period", "state"), points, "1", "section point", unit_of_each=units_of_states(system.model)
+            ("run", "period", "state"), found, "1", "section point", unit_of_each=units_of_states(system.model)
         ),
         "status": status_variable("run", ensemble.status),
     }
     ds = xr.Dataset(
         data,
         coords={
-            "run": np.arange(points.shape[0]),
-            "period": np.arange(1, points.shape[1] + 1),
+            "run": np.arange(found.shape[0]),
+            "period": np.arange(1, found.shape[1] + 1),
             "state": names_coordinate("state", system.states, "state"),
         },
     )

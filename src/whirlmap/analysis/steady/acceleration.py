@@ -14,7 +14,7 @@ integrated from there. It has converged only if all of these hold:
 Otherwise the state before is restored, and integration continues as without the attempt.
 
 The multipliers cost as much as 13 to 17 common periods for the twenty states of the gear pair, so they are asked last, of
-all points together that have passed the rest (`Trials.refuse_unproved`).
+all points together that have passed the rest (`Attempts.refuse_unproved`).
 """
 
 from dataclasses import dataclass
@@ -89,7 +89,7 @@ def _distances(
                 distance[j] = max(distance[j], step(points, at, first, states, period, size))
 
 
-class Trials:
+class Attempts:
     """Points of a pool under an extrapolation attempt, and the states to which failed ones are restored.
 
     Parameters

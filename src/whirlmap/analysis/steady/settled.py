@@ -25,7 +25,7 @@ class Settled:
     scale : array, shape (state, point)
         Size of each state since the look before the last (`integrate.scales`), times how wide the tolerance is.
     waited : array of int
-        Common periods run, trials included.
+        Common periods run, extrapolation attempts included.
     accelerated : array of bool
         Whether convergence was accelerated.
     moved : array, shape (state, point)

@@ -22,7 +22,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.analysis.steady.acceleration import Trials
+from whirlmap.analysis.steady.acceleration import Attempts
 from whirlmap.analysis.steady.extrapolation import DIFFERENCES
 from whirlmap.analysis.steady.periodicity import period_of
 from whirlmap.analysis.steady.return_search import search_windows
@@ -94,7 +94,7 @@ def settle(
         )
         assert segment.extremes is not None
         pool.take(stretch, segment.saved, segment.extremes["minimum"], segment.extremes["maximum"])
-    refused = pool.trials.refuse_unproved()
+    refused = pool.attempts.refuse_unproved()
     kept = np.setdiff1d(np.arange(ensemble.points), refused)
     if refused.size:
         part = ensemble.subset(refused)
@@ -110,18 +110,18 @@ def settle(
     {
         "active": "ints", "chosen": "int", "slot": "ints", "saved": "doubles", "rows": "ints",
         "states": "int", "low": "doubles", "high": "doubles", "least": "doubles", "most": "doubles", "history": "doubles",
-        "ring": "int", "ran": "ints", "waited": "ints", "trial": "ints", "trial_points": "doubles", "trial_rows": "int",
-        "trial_ran": "ints",
+        "ring": "int", "ran": "ints", "waited": "ints", "attempt": "ints", "attempt_points": "doubles",
+        "attempt_rows": "int", "attempt_ran": "ints",
     },
 )  # fmt: skip
 def _take_over(
     active: Integers, chosen: int, slot: Integers, saved: Array, rows: Integers, states: int, low: Array, high: Array,
-    least: Array, most: Array, history: Array, ring: int, ran: Integers, waited: Integers, trial: Integers,
-    trial_points: Array, trial_rows: int, trial_ran: Integers,
+    least: Array, most: Array, history: Array, ring: int, ran: Integers, waited: Integers, attempt: Integers,
+    attempt_points: Array, attempt_rows: int, attempt_ran: Integers,
 ) -> None:  # fmt: skip
     """Take over ``rows`` section points of each active point, shape (row, state, active), and the extremes (state, active).
 
-    Points under an attempt have theirs in ``trial_points``, the others in ``history``.
+    Points under an attempt have theirs in ``attempt_points``, the others in ``history``.
     """
     for j in range(chosen):
         p = active[j]
@@ -135,12 +135,12 @@ def _take_over(
         for r in range(rows[j]):
             for k in range(states):
                 x = saved[(r * states + k) * chosen + j]
-                if trial[p] > 0:
-                    trial_points[(at * trial_rows + trial_ran[p] + 1 + r) * states + k] = x
+                if attempt[p] > 0:
+                    attempt_points[(at * attempt_rows + attempt_ran[p] + 1 + r) * states + k] = x
                 else:
                     history[(at * ring + (ran[p] + r) % ring) * states + k] = x
-        if trial[p] > 0:
-            trial_ran[p] += rows[j]
+        if attempt[p] > 0:
+            attempt_ran[p] += rows[j]
         else:
             ran[p] += rows[j]
 
@@ -161,14 +161,14 @@ class _Pool:
         self.largest = np.empty((self.size, states))  # magnitude since the beginning
         self.slot = np.full(n, -1, dtype=np.intp)
         self.free = list(range(self.size))
-        self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of trials
+        self.ran, self.looked = (np.zeros(n, dtype=np.int64) for _ in range(2))  # common periods without those of attempts
         self.next = looks(self.ran, longest)
         self.settled = Settled.none(ensemble)
         self.cyclic = {int(k): float(period[k]) for k in np.flatnonzero(np.isfinite(period))}
         self.windows = np.array(windows(settling))
         self.tolerance = np.array([settling.tolerance])
         self._own, self._size, self._room = np.empty(states), np.empty(states), np.empty(max(self.history.shape[1], states))
-        self.trials = Trials(ensemble, self.slot, self.size, every=ROUND, tolerance=settling.tolerance, period=period)
+        self.attempts = Attempts(ensemble, self.slot, self.size, every=ROUND, tolerance=settling.tolerance, period=period)
         self.fill()
 
     def fill(self) -> None:
@@ -191,16 +191,16 @@ class _Pool:
     def stretch(self) -> Integers:
         """Common periods until each active point is due for a check."""
         at = self.active
-        return np.where(self.trials.multiple[at] > 0, self.trials.left(at), self.next[at] - self.ran[at])
+        return np.where(self.attempts.multiple[at] > 0, self.attempts.left(at), self.next[at] - self.ran[at])
 
     def take(self, rows: Integers, saved: Array, low: Array, high: Array) -> None:
         """Take over so many section points of each active point, and the extremes, and check them."""
-        at, trials = self.active, self.trials
+        at, attempts = self.active, self.attempts
         _take_over(
             active=at, chosen=at.size, slot=self.slot, saved=saved, rows=rows, states=self.period.size, low=low, high=high,
             least=self.low, most=self.high, history=self.history, ring=self.history.shape[1], ran=self.ran,
-            waited=self.settled.waited, trial=trials.multiple, trial_points=trials.points,
-            trial_rows=trials.points.shape[1], trial_ran=trials.ran,
+            waited=self.settled.waited, attempt=attempts.multiple, attempt_points=attempts.points,
+            attempt_rows=attempts.points.shape[1], attempt_ran=attempts.ran,
         )  # fmt: skip
         done = self.look(at, self.ensemble.running[at])
         if done.any():
@@ -210,7 +210,7 @@ class _Pool:
 
     def look(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Look at points that are due; returns which of them are done."""
-        s, trying = self.settled, self.trials.multiple[at] > 0
+        s, trying = self.settled, self.attempts.multiple[at] > 0
         s.scale[:, at] = self.sizes(at, running)
         s.moved[:, at] = np.fmax(s.moved[:, at], (self.high[self.slot[at]] - self.low[self.slot[at]]).T)
         self.beyond(at[~running & ~trying & (self.ensemble.status[at] == Status.diverged)])
@@ -218,7 +218,7 @@ class _Pool:
         self.forget(at)
         plain = at
         if trying.any():
-            passed, multiple, distance = self.trials.look(at[trying], s.scale)
+            passed, multiple, distance = self.attempts.look(at[trying], s.scale)
             s.multiple[passed], s.distance[passed], s.accelerated[passed] = multiple, distance, True
             plain = at[~trying]
         self.search(plain if running.all() else at[~trying & running])
@@ -226,7 +226,7 @@ class _Pool:
         self.next[plain] = looks(self.ran[plain], self.longest[plain])
         done: NDArray[np.bool_] = ~running | (s.multiple[at] > 0) | (self.ran[at] >= self.longest[at])
         if self.accelerate:
-            self.trials.begin(at[~done & ~trying], self.ran, self.history, s.scale)
+            self.attempts.begin(at[~done & ~trying], self.ran, self.history, s.scale)
         return done
 
     def sizes(self, at: NDArray[np.intp], running: NDArray[np.bool_]) -> Array:

@@ -105,14 +105,14 @@ def ends_of_approaches(
     history : array, shape (place, ring, state)
         Section points, each in the row of its number, as far as the ring goes.
     needed : array of int
-        Common periods that a trial takes, by multiple.
+        Common periods that an attempt takes, by multiple.
     scale : array, shape (state, all points)
         Range of each state.
 
     Returns
     -------
     multiple : array of int, shape like ``due``
-        Return in common periods over which the approach is seen, the shortest; 0 where it is none, or not worth a trial.
+        Return in common periods over which the approach is seen, the shortest; 0 where it is none, or not worth an attempt.
     x : array, shape (due, state)
     leading : array
         Largest modulus of the multipliers that it shows.

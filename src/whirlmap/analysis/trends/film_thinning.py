@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.indicators.birkhoff import rotation_numbers
 from whirlmap.analysis.indicators.section_coordinates import largest_extents, moving_coordinates
 from whirlmap.equations.model import Model
-from whirlmap.integrate.rescue import stop_function
+from whirlmap.integrate.step_retry import stop_function
 
 Array = NDArray[np.float64]
 

@@ -114,9 +114,9 @@ def rate_of_rest(ensemble: Ensemble, points: Points, x: Array) -> Array:
     -----
     Where the Jacobian does not change with time it is the largest real part of its eigenvalues; else it comes from the
     largest multiplier over a common period, which is no more accurate than the steps. Forcing without a reasonable common
-    period has no multipliers: the same number over `Ensemble.trial_periods` gives the rate, where it falls clearly.
+    period has no multipliers: the same number over `Ensemble.rung_periods` gives the rate, where it falls clearly.
     """
-    rounds = 1 if ensemble.returns else ensemble.trial_periods
+    rounds = 1 if ensemble.returns else ensemble.rung_periods
     time = rounds * ensemble.strobe * ensemble.period[points]
     growth = _largest_real_part(ensemble, points, x) * time
     moving = np.isnan(growth)

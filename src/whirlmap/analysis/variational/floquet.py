@@ -12,7 +12,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.scales import scales, unit_sizes
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import DOP853
-from whirlmap.kernels.running.lanes import LaneKernel, Waves, blocked, lane_kernel, unblocked
+from whirlmap.kernels.running.lanes import HarmonicTables, LaneKernel, blocked, lane_kernel, unblocked
 from whirlmap.kernels.writing.event_location import FINE
 from whirlmap.kernels.writing.routine import LANES
 from whirlmap.results.findings import Findings, gives_dataset
@@ -90,7 +90,8 @@ def floquet_multipliers(
     for _ in range(DOUBLINGS):
         segments *= 2
         orbit, finer, argument = _round(system, start, duration, segments * whole, each)
-        found = np.abs(finer - log_modulus)
+        with np.errstate(invalid="ignore"):  # multipliers of zero, of a motion that sticks, stay what they are
+            found = np.where(finer == log_modulus, 0.0, np.abs(finer - log_modulus))
         stalled = not (found < error).any()
         log_modulus, error = finer, found
         if stalled or (found <= CLOSE * np.maximum(1.0, np.abs(finer))).all():
@@ -149,7 +150,7 @@ class _Segment:
 
     name: str
     kernel: LaneKernel
-    waves: Waves
+    harmonic_tables: HarmonicTables
     inputs: dict[str, Any]
     per_T: int
     steps: int
@@ -160,7 +161,7 @@ class _Segment:
         n = system.model.dimension
         kernel = lane_kernel(system.plain_model(), DOP853, slopes="along", kind="locked")
         inputs = kernel.inputs(np.repeat(system.vector[:, None], n, axis=1)).blocks(np.arange(n))
-        waves = Waves.of(system.orders or (), np.array([per_T]), kernel.source.nodes)
+        waves = HarmonicTables.of(system.orders or (), np.array([per_T]), kernel.source.nodes)
         inputs |= {name: blocked(rows) for name, rows in waves.rows(np.full(n, per_T)).items()}
         return cls(system.model.name, kernel, waves, {"h": blocked(np.full((1, n), h)), **inputs}, per_T, steps)
 
@@ -172,11 +173,12 @@ class _Segment:
         first, active, failed, cause, last, never, pieces = (
             np.full((blocks, 1, LANES), value, dtype=np.int64) for value in (0, 1, -1, 0, steps, steps + 1, FINE)
         )
-        phases = self.waves.begin(np.full(n, self.per_T), np.zeros(n, dtype=np.int64), np.full(n, begin))
+        phases = self.harmonic_tables.begin(np.full(n, self.per_T), np.zeros(n, dtype=np.int64), np.full(n, begin))
         self.kernel.advance(
-            blocks=blocks, count=1, y=run, **self.inputs, waves=self.waves.table, begin=blocked(phases), first=first,
-            last=last, active=active, failed=failed, save_every=never, saves=0, saved=np.zeros(0), orth_every=never,
-            events=0, growth=np.zeros(0), folded=0, sums=np.zeros(0), cause=cause, reached=np.zeros((blocks, 1, LANES)),
+            blocks=blocks, count=1, y=run, **self.inputs, waves=self.harmonic_tables.table, begin=blocked(phases),
+            first=first, last=last, active=active, failed=failed, save_every=never, saves=0, saved=np.zeros(0),
+            orth_every=never, events=0, growth=np.zeros(0), folded=0, sums=np.zeros(0), cause=cause,
+            reached=np.zeros((blocks, 1, LANES)),
             tally=np.zeros((blocks, 2, LANES)), pieces=pieces, work=self.kernel.work(),
         )  # fmt: skip
         if (failed >= 0).any():

@@ -95,13 +95,13 @@ def in_phase(rates: Array, cycle: int = 1) -> Array:
     return _swing(np.ascontiguousarray(_over_cycles(rates, cycle).mean(axis=2).T))
 
 
-@takes_options("exponents")
+@takes_options("exponents", former={"periods": "common_periods"})
 def lyapunov_spectrum(
     system: System,
     *,
     count: int | None = None,
     transient: int = 200,
-    periods: int = 400,
+    common_periods: int = 400,
     starts: int = 8,
     integration: Integration = INTEGRATION,
     execution: Execution = EXECUTION,
@@ -115,7 +115,7 @@ def lyapunov_spectrum(
         Its values and start states count.
     count : int, optional
         Number of exponents, largest first; all of them where absent.
-    transient, periods : int
+    transient, common_periods : int
         Common periods dropped, and counted (T where the common period is longer than 128 T; for an unforced model: typical
         times).
     starts : int
@@ -166,7 +166,7 @@ def lyapunov_spectrum(
     ensemble.advance(max(transient - align, 0) * ensemble.strobe, progress=progress)
     carried = tuned(ensemble, FINE, returns=True)
     ensemble = carried.ensemble
-    rates = exponents(ensemble, periods, align=align, progress=progress)
+    rates = exponents(ensemble, common_periods, align=align, progress=progress)
     if count > 1 and (ensemble.status == Status.sticks).any():
         raise RangeError(
             f"{system.model.name} sticks to a surface at which its rates jump: its largest exponent alone can be had,"
@@ -185,10 +185,10 @@ def lyapunov_spectrum(
         order = np.argsort(-value)  # nearly equal exponents may come out of the kernel in either order
         value, means, rates = value[order], means[order], rates[:, order]
         error = missed(value, error[order], divergence, spread, system.model.dimension)
-        running = np.cumsum(rates[:, :, good].mean(axis=2), axis=0) / np.arange(1, periods + 1)[:, None]
+        running = np.cumsum(rates[:, :, good].mean(axis=2), axis=0) / np.arange(1, common_periods + 1)[:, None]
     else:
         value = error = np.full(count, np.nan)
-        running = np.full((periods, count), np.nan)
+        running = np.full((common_periods, count), np.nan)
     phase = variable((), 0.0 if system.model.forced else np.nan, "1/time", "exponent of the forcing's phase, left out above")
     ds = xr.Dataset(
         {
@@ -202,12 +202,12 @@ def lyapunov_spectrum(
             "divergence": variable((), divergence, "1/time", "mean divergence, which all exponents add up to"),
             "divergence_error": variable((), spread, "1/time", "one standard error of it"),
         },
-        coords={"period": np.arange(1, periods + 1), "exponent": np.arange(1, count + 1), "run": np.arange(starts)},
+        coords={"period": np.arange(1, common_periods + 1), "exponent": np.arange(1, count + 1), "run": np.arange(starts)},
     )
     return with_attributes(
         ds,
         run_attributes(
-            system, ensemble, transient=transient, periods=periods,
+            system, ensemble, transient=transient, periods=common_periods,
             **({"common_period": system.common_period} if system.repeats else {}),
         ),
     )  # fmt: skip

@@ -15,7 +15,7 @@ from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.states_shown import swing_of
-from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.cli.common.violated import say_assumptions
 from whirlmap.errors import RangeError, counted, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in

@@ -15,7 +15,7 @@ from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
-from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.cli.common.violated import say_assumptions
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.in_units import shown_in
 from whirlmap.integrate.own_units import in_parameters, refuse_twice

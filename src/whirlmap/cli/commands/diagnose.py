@@ -15,7 +15,7 @@ from whirlmap.cli.common.options import INTEGRATION
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.series_texts import options_given
-from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.cli.common.violated import say_assumptions
 from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.harmonics import LONGEST

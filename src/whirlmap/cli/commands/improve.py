@@ -16,7 +16,7 @@ from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.speed_report import sizes_of
-from whirlmap.cli.common.strains import say_strains
+from whirlmap.cli.common.violated import say_violations
 from whirlmap.equations import hints
 from whirlmap.errors import InputError, RangeError, counted
 from whirlmap.integrate.dimensions import Dimensions
@@ -70,7 +70,7 @@ def improve(
     files = destination.write(ds, lambda made: pictures.improve(scales, made))
     report.say_doubts(ds.attrs)
     facts, own = summary(scales, ds), float(system.values[system.speed])
-    facts["assumptions"] = say_strains(_ends(make, ranges, units, (low / own, high / own)))
+    facts["assumptions"] = say_violations(_ends(make, ranges, units, (low / own, high / own)))
     if json:
         report.print_json({**facts, "files": files})
     else:

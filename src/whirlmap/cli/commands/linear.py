@@ -14,7 +14,7 @@ from whirlmap.analysis.linear.stability_threshold import NoThresholdError, stabi
 from whirlmap.cli.common import report
 from whirlmap.cli.common.assignments import ranges
 from whirlmap.cli.common.opening import open_system
-from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.cli.common.violated import say_assumptions
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.equilibrium import rest_state
 from whirlmap.integrate.own_units import in_parameters

@@ -20,7 +20,7 @@ from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
 from whirlmap.cli.common.states_shown import swing_of
 from whirlmap.cli.common.store_status import say_status
-from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.cli.common.violated import say_assumptions
 from whirlmap.errors import InputError, RangeError, counted, nearest
 from whirlmap.integrate.accuracy import StepVerdict
 from whirlmap.integrate.dimensions import Dimensions

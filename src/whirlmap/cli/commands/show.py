@@ -12,8 +12,8 @@ from sympy import sympify
 from whirlmap.analysis.linear.linearisation import standing
 from whirlmap.analysis.linear.truncation import machine_of
 from whirlmap.assumptions.oil_heat import oil_heat, why_none
-from whirlmap.assumptions.strain import Facts
-from whirlmap.assumptions.strained import judged, repeated
+from whirlmap.assumptions.violation import Facts
+from whirlmap.assumptions.violations import judged, repeated
 from whirlmap.cli.common import report
 from whirlmap.cli.common.machine_parts import describe_parts, print_parts, warnings_of
 from whirlmap.cli.common.opening import open_system

@@ -11,7 +11,7 @@ from whirlmap.cli.common.assignments import tolerances_of
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.strains import say_assumptions
+from whirlmap.cli.common.violated import say_assumptions
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.options.computed import Labelling
 from whirlmap.options.execution import Execution

@@ -106,7 +106,7 @@ def _compiled(model: Model, method: Method, slopes: Slopes, kind: Time, estimate
 
 
 @dataclass(frozen=True)
-class Waves:
+class HarmonicTables:
     """Harmonic tables: cosines and sines at every stage time of each cycle, for several numbers of steps per T.
 
     A harmonic of order p/q (over the fastest one) repeats after q periods T, so its table has q times the steps per T;
@@ -136,7 +136,7 @@ class Waves:
     turns: Array
 
     @classmethod
-    def of(cls, orders: tuple[Fraction, ...], steps: Integers, nodes: tuple[float, ...]) -> "Waves":
+    def of(cls, orders: tuple[Fraction, ...], steps: Integers, nodes: tuple[float, ...]) -> "HarmonicTables":
         """Tabulate harmonics of the given orders, for all numbers of steps per T among ``steps``.
 
         Raises

@@ -75,7 +75,7 @@ def advance(module: ir.Module, sizes: Sizes, method: Method, nodes: tuple[float,
     starts, lengths,      (harmonics) integers each: where the table of each harmonic begins, steps of its cycle, and the
     strides, begin, far   step of it at ``first``. Of a harmonic with ``far``, whose cycle is too long for that, the table
                           holds the turns from a step's begin to its stage times and to its end; its phase is a whole number
-                          of ``lengths``-th parts of a turn, and moves on by ``strides`` of them in a step (`Waves`)
+                          of ``lengths``-th parts of a turn, and moves on by ``strides`` of them in a step (`HarmonicTables`)
     turns                 (harmonics) angle of each harmonic in one step
     first, last,          (1) integers each
     active, failed

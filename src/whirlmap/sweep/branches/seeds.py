@@ -252,7 +252,7 @@ class Beginning:
         begin = self.system.replace(start=dict(zip(self.system.states, map(float, x), strict=True)))
         wait = CROSSINGS
         while True:
-            crossed = section(begin, transient=0, periods=wait, accuracy=1e-10, execution=self.execution).isel(run=0)
+            crossed = section(begin, transient=0, points=wait, accuracy=1e-10, execution=self.execution).isel(run=0)
             times = crossed["crossing_time"].values
             times = times[np.isfinite(times)]
             if times.size > returns or wait >= MOST_CROSSINGS:

@@ -11,7 +11,7 @@ from typing import Any
 
 from jinja2 import Environment, StrictUndefined
 
-from whirlmap.assumptions.strained import strained
+from whirlmap.assumptions.violations import violations
 from whirlmap.studies.gear_psfd.claims.claims import claims
 from whirlmap.studies.gear_psfd.reproduction.edition_data import EditionData
 from whirlmap.studies.gear_psfd.reproduction.verdicts import ClaimVerdict
@@ -59,7 +59,7 @@ def write_report(
             meaning=MEANING,
             equations=_equations(),
             parameters=[(e.edition.name, _parameters(e)) for e, _ in done],
-            strains=[(e.edition.name, strained(e.system, e.diagrams.values())) for e, _ in done],
+            violations=[(e.edition.name, violations(e.system, e.diagrams.values())) for e, _ in done],
             provenance=[(e.edition.name, _provenance(e)) for e, _ in done],
             pictures=pictures,
             quality=quality,

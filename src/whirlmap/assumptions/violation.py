@@ -23,13 +23,13 @@ Results = Union["xr.Dataset", Mapping[Any, "xr.Dataset"], "Iterable[xr.Dataset]"
 
 
 @dataclass(frozen=True)
-class Strain:
+class Violation:
     """One assumption of the model that does not hold.
 
     Attributes
     ----------
     name : str
-        What is strained: ``"slenderness_1"``, ``"mesh_load"``, ...; ``"not_evaluated"`` stands for all that
+        What is violated: ``"slenderness_1"``, ``"mesh_load"``, ...; ``"not_evaluated"`` stands for all that
         could not be looked at.
     value, limit : float
         What was found, and where the assumption ends; NaN where there is no number.
@@ -52,7 +52,7 @@ class Strain:
 class BearingNumbers:
     """Dimensions and oil of one bearing in SI, and the speed of its journal over the clock's.
 
-    ``name`` is what strains end in: ``"_1"``, or nothing where all bearings are alike. ``words`` name it in a sentence.
+    ``name`` is what violations end in: ``"_1"``, or nothing where all bearings are alike. ``words`` name it in a sentence.
     """
 
     name: str
@@ -68,7 +68,7 @@ class BearingNumbers:
 
 @dataclass(frozen=True)
 class JournalName:
-    """Name of the output that is a journal's eccentricity, what strains of it end in, and what a sentence calls it."""
+    """Name of the output that is a journal's eccentricity, what violations of it end in, and what a sentence calls it."""
 
     output: str
     name: str

@@ -45,7 +45,7 @@ class RetryResult:
     stop: NDArray[np.int8]
 
 
-class Rescue:
+class StepRetry:
     """Repeats failed steps of one kernel batch, all that failed together.
 
     1. A lane whose step ends finite, at open gaps, but beyond its limits (`scales.limits`), has diverged; where there are
@@ -66,7 +66,7 @@ class Rescue:
         self.limits, self.near = limits, NEAR if model.bound is not None else GROWN / GROWTH
         self.singular = bool(pole_function(model)(list(np.zeros(model.dimension)), list(np.zeros(len(model.parameters)))))
 
-    def mend(
+    def retry(
         self, members: NDArray[np.intp], y: Array, origin: Array, h: Array, cause: NDArray[np.int64]
     ) -> RetryResult:
         """Redo the step of some points from ``y``, shape (row, point); ``y`` of those that go on is replaced.

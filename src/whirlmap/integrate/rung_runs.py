@@ -20,7 +20,7 @@ ALIKE = 4
 FEW = 8
 
 
-class Trials:
+class RungRuns:
     """Runs of points over some stretches, with any steps, from the section points of their motion.
 
     A stretch is a common period of the forcing, or where that is too long as many T as show its slowest harmonic; successive
@@ -32,7 +32,7 @@ class Trials:
         observe: Callable[[Ensemble, int], Array] | None, progress: Callable[[int], None] | None,
     ) -> None:  # fmt: skip
         self.ensemble, self.members, self.observe, self.progress = ensemble, members, observe, progress
-        self.stretch = ensemble.trial_periods
+        self.stretch = ensemble.rung_periods
         self.periods, self.sections = span * self.stretch, sections
         self.starts = ensemble.x[None, :, members]
         if sections > 1:
@@ -40,14 +40,14 @@ class Trials:
             saved = along.advance((sections - 1) * self.stretch, save_periods=self.stretch, progress=progress).saved
             self.starts = np.concatenate([self.starts, saved])
 
-    def run(self, points: NDArray[np.intp], steps: int | Integers) -> "Trial":
+    def run(self, points: NDArray[np.intp], steps: int | Integers) -> "RungRun":
         """Run some of the members, given by their place among them, with the same steps or each with its own."""
         together = self.stretch == self.ensemble.common_multiple
         blocks = [np.arange(self.sections)] if together else [np.array([k]) for k in range(self.sections)]
         first, *others = [self._run(points, steps, block) for block in blocks]
         return first.beside(others) if others else first
 
-    def _run(self, points: NDArray[np.intp], steps: int | Integers, sections: NDArray[np.intp]) -> "Trial":
+    def _run(self, points: NDArray[np.intp], steps: int | Integers, sections: NDArray[np.intp]) -> "RungRun":
         """Run points from some of their sections, which are at the same phase of the forcing."""
         steps = steps if isinstance(steps, int) else np.tile(steps, sections.size)
         e, at = self.ensemble, np.tile(self.members[points], sections.size)
@@ -65,11 +65,11 @@ class Trials:
         run = part.advance(self.periods, save_periods=1, extremes=True, progress=self.progress)
         end = part.end_time / part.period - begin
         sizes = motion_sizes(part, run, x)
-        return Trial(steps, run.saved, sizes, part.status, end, seen, sections.size)
+        return RungRun(steps, run.saved, sizes, part.status, end, seen, sections.size)
 
 
 @dataclass(frozen=True)
-class Trial:
+class RungRun:
     """Some points with some steps; ``size`` is what differences are divided by. Columns are sections by points."""
 
     steps: int | Integers
@@ -80,10 +80,10 @@ class Trial:
     seen: Array
     sections: int
 
-    def keep(self, which: NDArray[np.intp]) -> "Trial":
+    def keep(self, which: NDArray[np.intp]) -> "RungRun":
         """Some of the points, by their places, in that order."""
         k = (np.arange(self.sections)[:, None] * (self.status.size // self.sections) + which).ravel()
-        return Trial(
+        return RungRun(
             self.steps, self.saved[:, :, k], self.size[:, k], self.status[k], self.end[k], self.seen[:, k], self.sections
         )  # fmt: skip
 
@@ -91,7 +91,7 @@ class Trial:
         """Size of each point's motion, shape (state, point)."""
         return np.asarray(self.size.reshape(len(self.size), self.sections, -1).max(axis=1))
 
-    def beside(self, others: "list[Trial]") -> "Trial":
+    def beside(self, others: "list[RungRun]") -> "RungRun":
         """The same points from later sections too."""
         every = [self, *others]
         rows = max(len(t.seen) for t in every)
@@ -100,9 +100,9 @@ class Trial:
         saved, size, status, end = (
             np.concatenate([getattr(t, n) for t in every], axis=-1) for n in ("saved", "size", "status", "end")
         )
-        return Trial(steps, saved, size, status, end, np.concatenate(seen, axis=-1), sum(t.sections for t in every))
+        return RungRun(steps, saved, size, status, end, np.concatenate(seen, axis=-1), sum(t.sections for t in every))
 
-    def joined(self, other: "Trial") -> "Trial":
+    def joined(self, other: "RungRun") -> "RungRun":
         """These points, and others with the same steps."""
 
         def both(a: NDArray, b: NDArray) -> NDArray:
@@ -113,9 +113,9 @@ class Trial:
         saved, size, status, end = (both(getattr(self, n), getattr(other, n)) for n in names)
         rows = max(len(self.seen), len(other.seen))
         seen = both(*(np.pad(t.seen, ((0, rows - len(t.seen)), (0, 0)), constant_values=np.nan) for t in (self, other)))
-        return Trial(other.steps, saved, size, status, end, seen, self.sections)
+        return RungRun(other.steps, saved, size, status, end, seen, self.sections)
 
-    def difference(self, finer: "Trial") -> tuple[Array, NDArray[np.bool_]]:
+    def difference(self, finer: "RungRun") -> tuple[Array, NDArray[np.bool_]]:
         """Largest scaled difference of every point, infinite where only one of the two ended, or either failed.
 
         And where both diverged, or failed, at the same time.
@@ -131,7 +131,7 @@ class Trial:
         apart = np.abs(self.end - finer.end)
         contact = (self.status == Status.contact) & (finer.status == Status.contact)
         # The end of a divergence is known to some steps only; one within a few steps may be the method's own. A pole is met
-        # by steps that fail, which a trial does not redo.
+        # by steps that fail, which a run on a rung does not redo.
         gone = (Status.diverged, Status.unresolved)
         diverged = np.isin(self.status, gone) & np.isin(finer.status, gone)
         diverged &= (apart <= ALIKE / self.steps) & (self.end >= FEW / self.steps)
