@@ -264,3 +264,11 @@ def test_a_wall_behind_a_stop_ends_the_run_where_it_is():
     e, _ = run(model, {"k": 2.0, "w": 1.0}, (0.0, 1.0), 4, 2)  # 1 to the step, then 1 = s + s^2
     assert e.status[0] == Status.contact
     assert e.end_time[0] == pytest.approx(1 + (np.sqrt(5) - 1) / 2, abs=1e-9)
+
+
+def test_vectors_stay_finite_where_a_slide_is_left_and_crossed_at_no_speed():
+    """A pendulum with dry friction, in chaos: some slides end where the rate across the surface is zero to the last bit."""
+    pendulum = friction(F * sign(v) + k * v + sin(x) - x, "pendulum", (k,))
+    starts = np.array([np.linspace(-2, 2, 512), np.full(512, 0.1)])
+    e, _ = run(pendulum, {"F": 0.15, "k": 0.1, "A": 1, "w": 2 / 3}, starts, 16, 150, tangents=1)
+    assert (e.status == Status.ok).all() and np.isfinite(e.vectors).all()

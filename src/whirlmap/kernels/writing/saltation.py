@@ -248,7 +248,9 @@ class SurfaceStep:
             for k, jump in enumerate(self.jumps):
                 if jump:
                     across = b.select(here[k], r.load(self.d2, k), across)
-            factor = b.select(jumped, r.div(across, speed), zero)
+            # A slide that is left may be crossed again at once, at no speed: its vectors lie in the surface, and stay.
+            moves = b.and_(jumped, b.fcmp_ordered("!=", speed, zero))
+            factor = b.select(moves, r.div(across, speed), zero)
             with r.loop(n) as i:
                 change = r.mul(factor, r.sub(r.load(self.f2, i), r.load(self.f1, i)))
                 r.store(b.select(jumped, r.add(r.load(vector, i), change), r.load(vector, i)), vector, i)
