@@ -40,11 +40,14 @@ class Event:
     at : Corrected
     surface : str
         Which switching a grazing orbit touches.
+    contacts : int
+        How many contacts of the orbit begin or end within the step in which it lies.
     """
 
     kind: str
     at: Corrected
     surface: str = ""
+    contacts: int = 1
 
 
 class StepTooLongError(Exception):

@@ -38,29 +38,30 @@ class Extreme:
     maximum: bool
 
 
-def grazings_between(a: Corrected, b: Corrected, *, alone: bool = True) -> Generator[Ask, Corrected | Lost, list[Event]]:
-    """Grazing orbits between two points of a branch.
+def grazings_between(a: Corrected, b: Corrected) -> Generator[Ask, Corrected | Lost, list[Event]]:
+    """Grazing orbits between two points of a branch: of each surface the first.
+
+    An orbit over many turns has as many contacts, which begin one after the other within a narrow range: what begins or ends
+    within one step counts as ``contacts`` of one event.
 
     Raises
     ------
     StepTooLongError
-        Two of them in one step, where ``alone``; or one that is not found.
+        One that is not found.
     """
     orbits = a.equations
     if not isinstance(orbits, PeriodicOrbits) or not orbits.system.model.switchings:
         return []
     events: list[Event] = []
-    for name, before, after in zip(orbits.system.model.switchings, extremes(a), extremes(b), strict=True):
-        for one in before:
-            other = _like(after, one)
-            if other is None or np.sign(other.value) == np.sign(one.value):
-                continue
-            if events and alone:
-                raise StepTooLongError
-            at = yield from located(a, b, _height(list(orbits.system.model.switchings).index(name), one))
-            if at is None:
-                raise StepTooLongError
-            events.append(Event("grazing", at, name))
+    for k, (name, before, after) in enumerate(zip(orbits.system.model.switchings, extremes(a), extremes(b), strict=True)):
+        pairs = [(one, other) for one in before if (other := _like(after, one)) is not None]
+        changed = [(one.value / (one.value - other.value), one) for one, other in pairs if one.value * other.value < 0]
+        if not changed:
+            continue
+        at = yield from located(a, b, _height(k, min(changed, key=lambda each: each[0])[1]))
+        if at is None:
+            raise StepTooLongError
+        events.append(Event("grazing", at, name, len(changed)))
     return events
 
 

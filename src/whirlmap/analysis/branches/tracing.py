@@ -255,7 +255,7 @@ def _between(a: Corrected, b: Corrected, *, alone: bool) -> Generator[Ask, Corre
     if isinstance(a.equations, EventCurve):
         return (yield from points_between(a, b))
     events = yield from events_between(a, b, alone=alone)
-    return events + (yield from grazings_between(a, b, alone=alone))
+    return events + (yield from grazings_between(a, b))
 
 
 def _came_back(first: Corrected, a: Corrected, b: Corrected, points: int) -> Generator[Ask, Corrected | Lost, Any]:

@@ -232,6 +232,7 @@ def _event(system: System, ds: "xr.Dataset", events: "xr.Dataset", i: int, perio
         "multipliers": [[m.real, m.imag] for m in _multipliers(events, i)],
         "period": period,
         "surface": str(events["surface"].values[i]) or None,
+        "contacts": int(events["contacts"].values[i]) if str(events["surface"].values[i]) else None,
     }
 
 
@@ -278,11 +279,14 @@ def _print_events(ds: "xr.Dataset", varied: "list[_Varied]") -> None:
     for i in range(events.sizes["event"]):
         kind, surface = word(ds, "event_kind", events["kind"].values[i]), str(events["surface"].values[i])
         critical = sorted(_multipliers(events, i), key=lambda m: abs(abs(m) - 1) if abs(m) else np.inf)[:SHOWN]
+        contacts = int(events["contacts"].values[i])
+        touched = f" of {surface}" + (f", {contacts} contacts" if contacts > 1 else "") if surface else ""
         rows.append((
-            str(int(events["branch"].values[i])), kind + (f" of {surface}" if surface else ""),
+            str(int(events["branch"].values[i])), kind + touched,
             *(f"{float(v.shown(events)[i]):.12g}" for v in varied), ", ".join(map(_written, critical)),
         ))  # fmt: skip
-    title = "Events: " + ", ".join(f"{count} {kind}" for kind, count in Counter(r[1] for r in rows).items())
+    counts = Counter(row[1].partition(",")[0] for row in rows)
+    title = "Events: " + ", ".join(f"{count} {kind}" for kind, count in counts.items())
     heads = [report.with_unit(v.given, v.unit) for v in varied]
     columns = ("branch", "kind", *heads, "multipliers nearest to the circle")
     report.show(report.table(title, columns, rows[:60], numbers=range(2, 2 + len(heads))))

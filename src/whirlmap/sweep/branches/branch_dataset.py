@@ -107,8 +107,8 @@ def events_of(ds: xr.Dataset) -> xr.Dataset:
     Returns
     -------
     xr.Dataset
-        Over ``event``: ``kind``, ``branch``, ``after``, ``surface``, ``section(event, state)``, ``log_modulus`` and
-        ``argument`` (event, multiplier), and the varied parameters as coordinates.
+        Over ``event``: ``kind``, ``branch``, ``after``, ``surface``, ``contacts``, ``section``, ``log_modulus``
+        and ``argument``, and the varied parameters as coordinates.
     """
     kept = ds[[str(name) for name in ds.data_vars if str(name).startswith("event_")]]
     made = kept.rename({name: str(name).removeprefix("event_") for name in kept.data_vars})
@@ -160,6 +160,10 @@ def _events(
         "event_branch": variable("event", np.array(numbers, dtype=np.int64), "1", "branch that it lies on"),
         "event_after": variable("event", np.array(after, dtype=np.int64), "1", "index, along it, of the point before it"),
         "event_surface": variable("event", np.array([e.surface for _, _, e in events], dtype=str), "1", "switching grazed"),
+        "event_contacts": variable(
+            "event", np.array([e.contacts for _, _, e in events], dtype=np.int64), "1",
+            "contacts of a grazing orbit that begin or end within the step",
+        ),
         "event_section": variable(
             ("event", "state"), np.array([c.point.x[0] for c in at]).reshape(len(at), system.model.dimension), "1",
             "state at phase zero, or on the section", unit_of_each=_units(system),

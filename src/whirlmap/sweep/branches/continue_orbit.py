@@ -102,7 +102,7 @@ def continue_orbit(
         ``stable``, ``unstable``, ``log_modulus(point, multiplier)`` and ``argument``, extremes of states and outputs as in
         diagrams, ``steps``, ``segments``, ``step_error``, ``duration``. Over ``branch``: ``kind``, ``period_T``,
         ``first_point``, ``end(branch, side)``. Over ``event``: ``event_kind``, ``event_branch``, the parameter as
-        ``event_NAME``, ``event_section``, ``event_log_modulus``, ``event_argument``, ``event_surface``.
+        ``event_NAME``, ``event_section``, ``event_log_modulus``, ``event_argument``, ``event_surface``, ``event_contacts``.
 
     Raises
     ------

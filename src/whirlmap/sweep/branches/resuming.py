@@ -68,8 +68,8 @@ def resumed(first: Beginning, ds: xr.Dataset) -> list[Branch]:
         points, located = found[begin : begin + count], found[begin + count : begin + count + mine.size]
         begin += count + mine.size
         words = [word(ds, "event_kind", code) for code in events["kind"].values[mine]]
-        surfaces, after = events["surface"].values[mine].tolist(), events["after"].values[mine].tolist()
-        made = [(i, Event(*each)) for i, each in zip(after, zip(words, located, surfaces, strict=True), strict=True)]
+        where, *rest = (events[name].values[mine].tolist() for name in ("after", "surface", "contacts"))
+        made = list(zip(where, map(Event, words, located, *rest), strict=True))
         out.append(_branch(ds, k, points, made))
     return out
 
