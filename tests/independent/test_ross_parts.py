@@ -59,7 +59,8 @@ def test_rotors_have_the_eigenvalues_of_ross(tmp_path, name):
     assert {k: v for k, v in asked.items() if k != "bearings"} == {k: kept["asked"][at][k] for k in asked if k != "bearings"}
     theirs = np.array([complex(*z) for z in kept["answered"][at]])
     theirs = theirs[(np.abs(theirs) < 2.5 * box.speed) & (theirs.imag > -1e-6)]
-    assert theirs.size >= 6
+    theirs = theirs[np.abs(theirs.real) > 1e-9 * np.abs(theirs)]  # without axial motion and torsion, which nothing damps
+    assert theirs.size >= 5
     ours = whirlmap.linear_analysis(system).eigenvalues * box.speed
     error, damping = np.abs(ours[None] - theirs[:, None]).min(axis=1) / np.abs(theirs), -theirs.real / np.abs(theirs)
     assert (error < np.where(damping < 0.3, 0.01, 0.03)).all(), np.stack([theirs / box.speed, error], axis=1)

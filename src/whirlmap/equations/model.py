@@ -76,8 +76,8 @@ class Model(Listed):
     speed : Parameter, optional
         The speed, which all frequencies of the machine are proportional to: what `speeds` judges and `campbell` counts by.
     alike : tuple of tuple of State
-        States whose sizes are compared with each other beside those that the expressions add up: modal coordinates of
-        shafts, each of which has a factor of its own in every sum.
+        States whose sizes are compared with each other beside those that the expressions add up: the coordinates of a
+        machine from parts, each of which has a factor of its own in every sum.
     journals : mapping of str to Journal
         Journals by their bearing, for orbits in their clearance.
     unbalances : mapping of str to Parameter

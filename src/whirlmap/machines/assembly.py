@@ -161,7 +161,7 @@ def assemble(
         clocks=_joined(one.clocks for one in told),
         swing=tuple(state for one in told for state in one.swing),
         bodies=_joined(one.bodies for one in told),
-        alike=(tuple(q for q in positions if not q.name.startswith("q")),),
+        alike=(tuple(positions),),
         speed=s,
         journals=_joined(one.journals for one in told),
         unbalances=_joined(one.unbalances for one in told),
