@@ -206,7 +206,6 @@ def test_energy_balances(system):
         ends = [both.energy(x + sign * k * step * rates) for k in (1, 2) for sign in (1, -1)]
         change = (8 * (ends[0] - ends[1]) - (ends[2] - ends[3])) / (12 * step)
         expected = both.power(t, x, rates)
-        # The energy is a polynomial of degree four, whose differences are exact.
-        rounding = 1e-16 * max(map(abs, ends)) / step
+        rounding = 1e-16 * max(map(abs, ends)) / step  # differences of a polynomial of degree four are exact
         assert change == pytest.approx(expected, rel=1e-10, abs=30 * rounding)
         assert abs(expected) > 1e6 * rounding

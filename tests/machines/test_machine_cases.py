@@ -24,8 +24,8 @@ def file(tmp_path):
 
 
 def test_dotted_names_reach_inputs_in_one_model(file):
-    stock = whirlmap.load(file)
-    changed = whirlmap.load(file, **{"bearing.free_end.c": "60 um", "support.pedestal.k": "2e8 N/m"})
+    changes = {"bearing.free_end.c": "60 um", "support.pedestal.k": "2e8 N/m"}
+    stock, changed = whirlmap.load(file), whirlmap.load(file, **changes)
     assert changed.model is stock.model
     assert float(changed.values["gamma_free_end"]) == pytest.approx(1.5)
     assert float(changed.values["kappa_x_pedestal"]) == pytest.approx(2 * float(stock.values["kappa_x_pedestal"]))
@@ -79,8 +79,8 @@ def test_power_counts_at_the_speed_of_the_driver(file):
 
 def test_a_file_extends_another_part_by_part(file, tmp_path):
     mine = tmp_path / "mine.toml"
-    bearing = '[[bearing]]\nname = "free_end"\nc = "50 um"\n'
-    mine.write_text(f'extends = "machine.toml"\n{bearing}[operation]\nspeed = "6000 rpm"\n')
+    own = '[[bearing]]\nname = "free_end"\nc = "50 um"\n[operation]\nspeed = "6000 rpm"\n'
+    mine.write_text('extends = "machine.toml"\n' + own)
     system, stock = whirlmap.load(mine), whirlmap.load(file)
     assert system.model is stock.model
     changed = {n for n in system.parameters if system.values[n] != stock.values[n]}

@@ -36,6 +36,7 @@ from whirlmap.machines.assembly import Machine, assemble
 from whirlmap.machines.fields import ABOVE, AT_LEAST, Choice, Field, Number, Text
 from whirlmap.machines.inputs import groups_of
 from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.statics import static_start
 from whirlmap.models.lubricant import KELVIN
 from whirlmap.models.operation import OPERATION, g, speed
 from whirlmap.units import read
@@ -304,6 +305,6 @@ def _family(machine: Machine, oils: tuple[tuple[str, tuple[Parameter, Parameter]
     """The family of one machine; the same parts give the same object, so that its kernels are found again."""
     return Family(
         name="machine",
-        declare=lambda: assemble(machine),
+        declare=lambda: assemble(machine, static_start(machine)),
         groups=groups_of(machine, dict(oils)),
     )

@@ -1,25 +1,23 @@
 """Parts of a machine from the tables of its file: shafts with disks, bearings, supports, meshes, unbalances, couplings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
-from decimal import Decimal
+from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 from sympy import Expr, Integer, cos
 
+from whirlmap.cases.machine_stations import Stations
 from whirlmap.cases.machine_tables import PartTable
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.assembly import Machine
-from whirlmap.machines.beams import MATERIALS, Element, Material
 from whirlmap.machines.fields import Choice, Field
 from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
 from whirlmap.machines.shafts import JOURNAL, ROTOR, Disk, Shaft, reduced_numbers
 from whirlmap.machines.train import Link, Train, train
 from whirlmap.units import read
 
-#: Two stations are one where they are nearer than this part of the shaft's length.
-SAME = 1e-9
 #: Dimensional inputs of a mesh that the train reads, by their keys.
 OF_TRAIN = ("z_driver", "z_driven", "beta_c", "T")
 
@@ -45,7 +43,11 @@ class Tables:
     torsion: bool
     oils: Mapping[str, tuple[Parameter, Parameter]]
     highest: float
-    elements: dict[str, list[Element]] = field(default_factory=dict)
+
+    @cached_property
+    def stations(self) -> Stations:
+        """Elements and stations of the shafts."""
+        return Stations(self.by_kind)
 
     def of(self, kind: str) -> list[PartTable]:
         """Tables of one kind."""
@@ -53,131 +55,11 @@ class Tables:
 
     def shaft(self, table: PartTable, key: str = "shaft") -> str:
         """Name of the shaft that a part is on."""
-        known = [one.name for one in self.of("shaft")]
-        name = table.texts[key]
-        if name not in known:
-            raise table.fault(key, f"found the shaft {name!r}, expected one of {', '.join(known)}.{nearest(name, known)}")
-        return name
+        return self.stations.shaft(table, key)
 
-    # --- shafts --------------------------------------------------------------------------------------------
-
-    def read_elements(self, table: PartTable) -> list[Element]:
-        """Beam elements of a shaft; none of a lumped rotor."""
-        listed = table.values.get("elements")
-        if listed is None:
-            table.needs(("m", "K"), "no elements", rotor.FIELDS)
-            return []
-        for key in ("m", "K", "J"):
-            if table.has(key):
-                raise table.fault(key, f"found {key} beside elements, from which it follows; expected one of them")
-        if not isinstance(listed, list) or not listed or not all(isinstance(one, Mapping) for one in listed):
-            raise table.fault("elements", 'found no list of elements, expected elements = [ { L = "120 mm", d = "70 mm" } ]')
-        material, made = self._material(table), list[Element]()
-        for number, one in enumerate(listed, start=1):
-            piece = PartTable("shaft", table.name, one, table.sources)
-            piece.take(rotor.ELEMENT)
-            L, d, d_i = piece.fixed["L"], piece.fixed["d"], piece.fixed.get("d_i", 0.0)
-            if d_i >= d:
-                raise table.fault("elements", f"found d_i = {d_i * 1e3:g} mm and d = {d * 1e3:g} mm in element {number},"
-                                              " expected an inner diameter below the outer one")  # fmt: skip
-            pieces = piece.whole("n", 1, 1)
-            made += [Element(L / pieces, d, d_i, material)] * pieces
-        return made
-
-    def _material(self, table: PartTable) -> Material:
-        name, own = table.texts.get("material"), table.fixed
-        if name is not None:
-            if name not in MATERIALS:
-                raise table.fault("material", f"found the material {name!r}, expected {', '.join(MATERIALS)}, or E,"
-                                              " nu (or G) and"
-                                              f" rho.{nearest(name, MATERIALS)}")  # fmt: skip
-            given = [key for key in ("E", "G", "nu", "rho") if key in own]
-            if given:
-                raise table.fault(given[0], f"found {given[0]} beside material = {name!r}, expected one of them")
-            return MATERIALS[name]
-        table.needs(("E", "rho"), "no material", rotor.FIELDS)
-        if ("G" in own) == ("nu" in own):
-            raise table.fault("", f"found {'both' if 'G' in own else 'neither'} of G and nu, expected one of them")
-        return Material(own["E"], own["G"] if "G" in own else own["E"] / (2 * (1 + own["nu"])), own["rho"])
-
-    def station(self, table: PartTable, shaft: str, value: Any, key: str = "at", *, lumped: int = ROTOR) -> int:
-        """Number of a station of a shaft; a distance between two ends divides the element there.
-
-        All distances of a machine are read before any number of a station is used: see `divide`.
-        """
-        elements = self.elements[shaft]
-        if not elements:
-            if value is not None:
-                raise table.fault(key, f"found the station {value!r} on the lumped rotor {shaft}, which has none to choose")
-            return lumped
-        if value is None:
-            raise table.fault("", f"found no {key}, expected a station of shaft {shaft}, 0 to"
-                                  f" {len(self._ends(shaft)) - 1}, or a"
-                                  ' distance from its first end such as "120 mm"')  # fmt: skip
-        if isinstance(value, int) and not isinstance(value, bool):
-            last = len(self._ends(shaft)) - 1
-            if not 0 <= value <= last:
-                raise table.fault(key, f"found station {value} on shaft {shaft}, expected 0 to {last}")
-            place = self._ends(shaft)[value]
-        else:
-            place = self._distance(table, shaft, value, key)
-        ends = [0.0]
-        for e in elements:
-            ends.append(ends[-1] + e.L)
-        return min(range(len(ends)), key=lambda i: abs(ends[i] - place))
-
-    def _ends(self, shaft: str) -> list[float]:
-        """Ends of the elements as the file has them, before distances divided some."""
-        return self._written[shaft]
-
-    _written: dict[str, list[float]] = field(default_factory=dict)
-
-    def _distance(self, table: PartTable, shaft: str, value: Any, key: str) -> float:
-        if isinstance(value, bool) or not isinstance(value, str | Mapping):
-            raise table.fault(key, f"found {value!r}, expected the number of a station or a distance with its unit")
-        text, unit = (value.get("value"), value.get("unit")) if isinstance(value, Mapping) else (value, None)
-        if not isinstance(text, str | int | float | Decimal):
-            raise table.fault(key, f"found {value!r}, expected the number of a station or a distance with its unit")
-        try:
-            place = float(read(text, "m", given=unit))
-        except CaseError as error:
-            raise table.fault(key, f"{error} (distance from the first end of shaft {shaft})") from None
-        length = sum(e.L for e in self.elements[shaft])
-        if not -SAME * length <= place <= length * (1 + SAME):
-            raise table.fault(
-                key, f"found {place * 1e3:g} mm on shaft {shaft}, expected 0 to its length of {length * 1e3:g} mm"
-            )
-        return place
-
-    def divide(self) -> None:
-        """Read the elements of all shafts, and divide those in which a part stands at a distance."""
-        for table in self.of("shaft"):
-            self.elements[table.name] = self.read_elements(table)
-            self._written[table.name] = [0.0]
-            for e in self.elements[table.name]:
-                self._written[table.name].append(self._written[table.name][-1] + e.L)
-        for kind in ("disk", "bearing", "unbalance", "coupling"):
-            for table in self.of(kind):
-                self._divide_at(table, self.shaft(table), table.values.get("at"))
-        for table in self.of("mesh"):
-            at = table.values.get("at")
-            if at is not None and (not isinstance(at, list) or len(at) != 2):
-                raise table.fault("at", f"found {at!r}, expected two stations: of the driver and of the driven shaft")
-            for key, value in zip(("driver", "driven"), at or (None, None), strict=True):
-                self._divide_at(table, self.shaft(table, key), value)
-
-    def _divide_at(self, table: PartTable, shaft: str, value: Any) -> None:
-        elements = self.elements[shaft]
-        if not elements or value is None or isinstance(value, int):
-            return
-        place, begin = self._distance(table, shaft, value, "at"), 0.0
-        length = sum(e.L for e in elements)
-        for i, e in enumerate(elements):
-            if begin + SAME * length < place < begin + e.L - SAME * length:
-                ahead = Element(place - begin, e.d, e.d_i, e.material)
-                elements[i : i + 1] = [ahead, Element(e.L - ahead.L, e.d, e.d_i, e.material)]
-                return
-            begin += e.L
+    def station(self, table: PartTable, shaft: str, value: Any, *, lumped: int = ROTOR) -> int:
+        """Number of a station of a shaft."""
+        return self.stations.station(table, shaft, value, lumped=lumped)
 
     # --- all of it -----------------------------------------------------------------------------------------
 
@@ -189,7 +71,7 @@ class Tables:
         CaseError
             Whatever is wrong with one of them, naming file, table and key.
         """
-        self.divide()
+        self.stations.divide()
         links = [self._link(table) for table in self.of("mesh")]
         try:
             turning = train(self.reference, [one.name for one in self.of("shaft")], links)
@@ -368,7 +250,7 @@ class Tables:
                                      " two_alike = 2")  # fmt: skip
         disks = []
         for one in (t for t in self.of("disk") if t.texts["shaft"] == name):
-            if not self.elements[name]:
+            if not self.stations.elements[name]:
                 raise one.fault("shaft", f"found a disk on the lumped rotor {name}, expected its mass in m")
             own = one.fixed
             disks.append(
@@ -378,11 +260,11 @@ class Tables:
         pressed = {w.station for w in wheels} | {u.station for u in unbalances if u.shaft == name}
         turning = self.torsion and self.reference_base(name) != 0
         twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()
-        if turning and not self.elements[name]:
+        if turning and not self.stations.elements[name]:
             table.needs(("J",), 'torsion = "free"', rotor.FIELDS)
         modes = table.whole("modes", 0, 0) if "modes" in table.values else None
         shaft = Shaft(
-            name, tuple(self.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
+            name, tuple(self.stations.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
             tuple(sorted(twisted)), tuple(b.station for b in mine),
         )  # fmt: skip
         try:

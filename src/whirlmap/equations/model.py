@@ -49,6 +49,9 @@ class Model(Listed):
         Whether a run starts from the states' own start values, or from the static equilibrium with all forcing off.
     start_where_none : mapping of State to float
         Added to the states' start values where no equilibrium is found.
+    near_equilibrium : callable, optional
+        ``near_equilibrium(values) -> states``, arrays by name: where the search for the equilibrium begins, before it is
+        tried from ``start_where_none``. States that are left out are zero.
     equilibrium : mapping of State to Expr
         The static equilibrium in parameters, where the rates have no derivative at it, so that it is not found from them.
         States that are left out are zero; empty for all other models.
@@ -72,6 +75,9 @@ class Model(Listed):
         or one of a torsion.
     speed : Parameter, optional
         The speed, which all frequencies of the machine are proportional to: what `speeds` judges and `campbell` counts by.
+    alike : tuple of tuple of State
+        States whose sizes are compared with each other beside those that the expressions add up: the coordinates of a
+        machine from parts, each of which has a factor of its own in every sum.
     journals : mapping of str to Journal
         Journals by their bearing, for orbits in their clearance.
     unbalances : mapping of str to Parameter
@@ -97,6 +103,7 @@ class Model(Listed):
     typical_time: Expr | float = 1.0
     start: Literal["states", "equilibrium"] = "states"
     start_where_none: Mapping[State, float] = field(default_factory=dict)
+    near_equilibrium: Callable[[Mapping[str, Any]], Mapping[str, Any]] | None = None
     equilibrium: Mapping[State, Expr] = field(default_factory=dict)
     bound: float | None = None
     tables: tuple[Table, ...] = ()
@@ -107,6 +114,7 @@ class Model(Listed):
     swing: tuple[State, ...] = ()
     bodies: Mapping[str, tuple[State, ...]] = field(default_factory=dict)
     speed: Parameter | None = None
+    alike: tuple[tuple[State, ...], ...] = ()
     journals: Mapping[str, Journal] = field(default_factory=dict)
     unbalances: Mapping[str, Parameter] = field(default_factory=dict)
     assumptions: str = ""
@@ -209,7 +217,7 @@ class Model(Listed):
             "the teeth": [] if self.teeth is None else [self.teeth],
             "the clocks": list(self.clocks.values()),
             "the roles": [*filter(None, [self.speed]), *self.unbalances.values(), *of_journals],
-            "the coordinates": [*self.swing, *(q for u in (*self.bodies.values(), *journals) for q in u)],
+            "the coordinates": [*self.swing, *(q for u in (*self.bodies.values(), *journals, *self.alike) for q in u)],
             "the equilibrium": list(self.equilibrium.values()),
             "the section": [self.section.surface] if self.section else [],
             "the typical time": [self.typical_time],

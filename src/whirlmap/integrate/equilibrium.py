@@ -47,7 +47,16 @@ def start_states(model: Model, values: Array) -> tuple[Array, NDArray[np.bool_]]
     if model.start == "states":
         return fixed, np.ones(n, dtype=bool)
     offset = np.array([model.start_where_none.get(s, 0.0) for s in model.states])[:, None]
-    x, found = equilibrium(model, values, fixed + offset)
+    if model.near_equilibrium is None:
+        x, found = equilibrium(model, values, fixed + offset)
+        return np.where(found, x, fixed + offset), found
+    near = model.near_equilibrium({p.name: row for p, row in zip(model.parameters, values, strict=True)})
+    guess = np.stack([np.broadcast_to(near.get(s.name, 0.0), (n,)) for s in model.states]).astype(float)
+    x, found = equilibrium(model, values, np.where(np.isfinite(guess).all(axis=0), guess, fixed + offset))
+    left = np.flatnonzero(~found)
+    if left.size:
+        again, there = equilibrium(model, values[:, left], (fixed + offset)[:, left])
+        x[:, left], found[left] = again, there
     return np.where(found, x, fixed + offset), found
 
 

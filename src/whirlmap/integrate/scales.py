@@ -11,8 +11,9 @@ therefore compared with a size that has the same one, and that changes with it:
    one where what counts is the motion as a whole (errors of steps, displacements of start states).
 
 Alike are states that the model adds up or compares: two of them that stand in one sum with the same factor and the same
-power (x^2 + y^2, x - y), or that are declared with the same unit other than "1". States that nothing links have sizes of
-their own. All of this changes in proportion when the unit of a length or of time changes, so that the labels stay.
+power (x^2 + y^2, x - y), or that are declared with the same unit other than "1", or as alike. States that nothing links
+have sizes of their own. All of this changes in proportion when the unit of a length or of time changes, so that the labels
+stay.
 """
 
 from collections.abc import Iterable, Sequence
@@ -71,7 +72,7 @@ class Likeness:
 def likeness(model: Model) -> Likeness:
     """Find which states of a model are alike, from its expressions."""
     found = remembered(
-        f"likeness\n{model_digest(model)}", lambda: _likeness(model),
+        f"likeness\n{model_digest(model)}{_declared(model)}", lambda: _likeness(model),
         lambda data: isinstance(data, dict) and set(data) == {"coordinate", "group", "order", "factor"},
     )  # fmt: skip
     whole = {name: np.array(found[name], dtype=np.int64) for name in ("coordinate", "group", "order")}
@@ -180,6 +181,11 @@ def _rows_of(kind: bytes) -> tuple[Integers, ...]:
 # --- what the expressions say --------------------------------------------------------------------------------
 
 
+def _declared(model: Model) -> str:
+    """What a model declares to be alike, for the name of the entry in the cache."""
+    return "".join(f"\nalike {' '.join(s.name for s in some)}" for some in model.alike)
+
+
 def _likeness(model: Model) -> dict[str, list[Any]]:
     states = list(model.states)
     index: dict[Any, int] = {s: k for k, s in enumerate(states)}
@@ -206,7 +212,9 @@ def _likeness(model: Model) -> dict[str, list[Any]]:
 
 
 def _linked(model: Model, states: list[Any]) -> Iterable[tuple[int, int]]:
-    """Pairs of states that some sum holds with the same factor and power, or that have the same unit."""
+    """Pairs of states that some sum holds with the same factor and power, that have the same unit, or are declared alike."""
+    for some in model.alike:
+        yield from ((states.index(some[0]), states.index(s)) for s in some[1:])
     for a, s in enumerate(states):
         for b in range(a):
             if s.unit == states[b].unit != "1":

@@ -1,6 +1,6 @@
 """Assembly: from the parts of a machine to its `Model`, in three passes (unknowns, coupled variables, rates)."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -102,12 +102,16 @@ class Machine:
         return {b.name: b.bearing() for b in self.bearings}
 
 
-def assemble(machine: Machine) -> Model:
+def assemble(
+    machine: Machine, near: Callable[[Mapping[str, Any]], Mapping[str, Any]] | None = None
+) -> Model:
     """Write the equations of a machine.
 
     Parameters
     ----------
     machine : Machine
+    near : callable, optional
+        Where the search for the static equilibrium begins: see `Model`.
 
     Returns
     -------
@@ -149,6 +153,7 @@ def assemble(machine: Machine) -> Model:
         films=_joined(one.films for one in told),
         teeth=Min(*teeth) if teeth else None,
         start="equilibrium",
+        near_equilibrium=near,
         start_where_none=_joined(one.start_where_none for one in told),
         bound=1e6,
         tables=tuple({table.name: table for one in told for table in one.tables}.values()),
@@ -156,6 +161,7 @@ def assemble(machine: Machine) -> Model:
         clocks=_joined(one.clocks for one in told),
         swing=tuple(state for one in told for state in one.swing),
         bodies=_joined(one.bodies for one in told),
+        alike=(tuple(positions),),
         speed=s,
         journals=_joined(one.journals for one in told),
         unbalances=_joined(one.unbalances for one in told),

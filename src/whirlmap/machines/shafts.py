@@ -20,7 +20,7 @@ Matrix = NDArray[np.float64]
 #: are all kept.
 LEAST, RANGE = 3, 6.0
 #: Residual flexibility over the shaft's own below which a journal would be as fast as rounding allows.
-FLEXIBLE = 1e-9
+FLEXIBLE = 1e-5
 #: Stations of a lumped rotor.
 ROTOR, JOURNAL = 0, 1
 
@@ -202,7 +202,7 @@ class Shaft:
         return reduce(whole, within if self.twists is None else self.twists, self.twisted, range(self.stations))
 
     def settled(self) -> "Shaft":
-        """The same with the modes that the highest speed asks for: one shape, whatever the speed is said to be."""
+        """The same with the numbers of modes that the highest speed asks for, so that speeds do not tell shafts apart."""
         twists = self.twisting.count - self.twisting.rigid - self.twisting.attached
         kept = self.reduced.count - self.reduced.rigid - self.reduced.attached
         return replace(self, modes=kept, twists=twists, fastest=0.0)
