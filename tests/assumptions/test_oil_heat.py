@@ -65,3 +65,10 @@ def test_a_damper_heats_nothing_and_a_porous_ring_is_not_judged():
     porous = Facts.of(whirlmap.load("gear-psfd/machine"), [])
     assert oil_heat(porous) == {} and "porous ring" in why_none(porous)
     assert set(heat("gear-psfd/machine", psi=0)) == {"_1", "_2"}
+
+
+def test_the_oil_of_a_bearing_has_its_own_numbers():
+    """A machine from parts names its oil: the grade is read there, and a case with one oil keeps plain names."""
+    for case in ("machines/two-shaft-gearbox", TURBO):
+        for bearing in Facts.of(whirlmap.load(case), []).bearings:
+            assert (bearing.oil["VG"], bearing.oil["T_oil"]) == (32, 65)

@@ -92,7 +92,7 @@ def oil_heat(facts: Facts) -> dict[str, OilHeat]:
         if omega == 0.0 or eps >= 1.0:
             continue
         power, flow, rise = heat_balance(bearing.mu, omega, bearing.R, bearing.L, bearing.c, eps)
-        thinning, law = _thinning(facts.inputs, bearing.mu, rise)
+        thinning, law = _thinning(bearing.oil, bearing.mu, rise)
         found[bearing.name] = OilHeat(bearing.name, omega, power, flow, rise, thinning, law)
     return found
 
@@ -102,7 +102,7 @@ def violations(facts: Facts) -> Iterator[Violation]:
     heat = oil_heat(facts)
     for bearing in facts.bearings:
         if (one := heat.get(bearing.name)) and one.thinning > CHANGE:
-            yield Violation(f"oil_temperature{bearing.name}", one.thinning, CHANGE, _sentence(bearing, one, facts.inputs))
+            yield Violation(f"oil_temperature{bearing.name}", one.thinning, CHANGE, _sentence(bearing, one, bearing.oil))
 
 
 def why_none(facts: Facts) -> str:

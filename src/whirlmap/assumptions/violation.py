@@ -53,6 +53,7 @@ class BearingNumbers:
     """Dimensions and oil of one bearing in SI, and the speed of its journal over the clock's.
 
     ``name`` is what violations end in: ``"_1"``, or nothing where all bearings are alike. ``words`` name it in a sentence.
+    ``oil`` are the other numbers that the case has of its oil, such as its grade, by their names without the oil's own.
     """
 
     name: str
@@ -64,6 +65,7 @@ class BearingNumbers:
     spin: float
     eccentricity: str
     rho: float | None
+    oil: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -153,7 +155,9 @@ class Facts:
             ending, words = ("", "The bearing") if len(declared) == 1 else (f"_{name}", f"Bearing {name}")
             R, L, c, mu = (self.inputs[q.name] for q in (b.R, b.L, b.c, b.mu))
             rho = self.inputs.get(b.rho.name)
-            found.append(BearingNumbers(ending, words, R, L, c, mu, self.value(b.spin), b.eccentricity, rho))
+            of = b.mu.name.removesuffix("mu")  # "" or "lubricant.", before every number of that oil
+            oil = {n.removeprefix(of): v for n, v in self.inputs.items() if n.startswith(of)}
+            found.append(BearingNumbers(ending, words, R, L, c, mu, self.value(b.spin), b.eccentricity, rho, oil))
         return tuple(found)
 
     def value(self, expression: Any) -> float:
