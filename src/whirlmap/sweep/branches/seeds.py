@@ -289,17 +289,26 @@ class Beginning:
 
 
 def finished(c: Corrected, accuracy: float) -> Corrected:
-    """The same solution with steps and segments that hold the accuracy; the parameter stays."""
+    """The same solution with segments and steps that hold the accuracy; the parameter stays.
+
+    Segments come first: what rounding becomes in one that stretches too much, no step takes away.
+    """
+    c = _in_segments(c)
     while isinstance(orbits := c.equations, PeriodicOrbits):
         error = float(orbits.step_error([c.point], [c.linear.weights])[0])
         c = replace(c, step_error=error)
-        more = [s for s in STEPS if s > orbits.steps]
+        more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(c.point.x) == 0]
         if error <= accuracy or not more:
             break
         again = correct([Ask(replace(orbits, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
         if isinstance(again, Lost):
             break
         c = again
+    return _in_segments(c)
+
+
+def _in_segments(c: Corrected) -> Corrected:
+    """The same solution in segments that do not stretch too much."""
     while too_long(c):
         run: Any = divided(c)
         try:
