@@ -20,6 +20,8 @@ Array = NDArray[np.float64]
 ITERATIONS, ROUNDING, STALLED = 12, 1e-12, 1e-7
 #: Scaled step at an iterate whose derivatives are as good as those at the solution, and next one that need not be taken.
 SOON, NEXT = 1e-6, 1e-11
+#: Scaled step at an iterate whose derivatives by the free parameters are near enough for a step to the next point.
+NEAR = 1e-3
 #: Largest scaled step in one iteration: beyond, the method has left the branch.
 FARTHEST = 3.0
 #: Condition number beyond which a matrix is singular.
@@ -39,7 +41,7 @@ class Ask:
     sizes : array, shape (unknown,)
     exact : bool
         Whether the derivatives must be those at the solution, as events need them; where not, those at an iterate that is
-        off by 1e-6 at most will do.
+        off by 1e-6 at most will do, and those by the free parameters at one that is off by 1e-3.
     """
 
     equations: Equations
@@ -101,7 +103,7 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
     Notes
     -----
     Newton's method with the exact matrices of the segments. What is found by differences (derivatives by free parameters) is
-    kept from an iterate that is off by 1e-6 at most; where derivatives need not be exact, from the first. A point is found
+    kept from an iterate that is off by 1e-6 at most; where derivatives need not be exact, by 1e-3. A point is found
     where a step is rounding, or no longer falls below 1e-7; where its derivatives need not be exact, already where a step is
     so small, and so much smaller than the one before, that the next would be. It is lost where a step is longer than
     `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
@@ -130,7 +132,7 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
                 length = np.linalg.norm(tangent / linear.sizes)
                 out[k] = Corrected(ask.equations, now[k], linear, tangent / length, sign, turn + 1)
                 continue
-            before[k], last[k] = size, linear if size <= SOON or not ask.exact else None
+            before[k], last[k] = size, linear if size <= (SOON if ask.exact else NEAR) else None
             stay.append(k)
         left = stay
         if not left:

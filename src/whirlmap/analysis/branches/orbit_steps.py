@@ -32,6 +32,8 @@ def coarser(b: Corrected, accuracy: float) -> Corrected:
 def fine_enough(b: Corrected, accuracy: float) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
     """The same point with steps and segments that hold its accuracy."""
     doubts: set[str] = set()
+    if too_long(b):  # steps of segments that stretch less
+        b = yield from divided(b)
     while isinstance(orbits := b.equations, PeriodicOrbits):
         error = float(orbits.step_error([b.point], [b.linear.weights])[0])
         b = replace(b, step_error=error)
@@ -77,17 +79,26 @@ def divided(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
 
 
 def finished(c: Corrected, accuracy: float) -> Corrected:
-    """The same solution with steps and segments that hold the accuracy; the parameter stays."""
+    """The same solution with segments and steps that hold the accuracy; the parameter stays.
+
+    Segments come first: what rounding becomes in one that stretches too much, no step takes away.
+    """
+    c = _in_segments(c)
     while isinstance(orbits := c.equations, PeriodicOrbits):
         error = float(orbits.step_error([c.point], [c.linear.weights])[0])
         c = replace(c, step_error=error)
-        more = [s for s in STEPS if s > orbits.steps]
+        more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(c.point.x) == 0]
         if error <= accuracy or not more:
             break
         again = correct([Ask(replace(orbits, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
         if isinstance(again, Lost):
             break
         c = again
+    return _in_segments(c)
+
+
+def _in_segments(c: Corrected) -> Corrected:
+    """The same solution in segments that do not stretch too much."""
     while too_long(c):
         run: Any = divided(c)
         try:

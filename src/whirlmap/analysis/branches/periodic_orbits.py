@@ -125,9 +125,9 @@ class PeriodicOrbits:
         weights = np.tile(sizes, count)
         every = np.concatenate([weights * sqrt(states), [point.duration] if timed else [], self.widths])
         if timed:
-            height, slope = self._section(point)
+            height, slope, moved = self._section(point)
             jacobian[:states, states] = by_time.T.ravel() / count
-            residual[states], jacobian[states, :n] = height, slope
+            residual[states], jacobian[states, :n], jacobian[states, states + 1 :] = height, slope, moved
             weights = np.append(weights, max(float(np.abs(slope * sizes).max()), np.finfo(float).tiny))
         if status != Status.ok:
             residual[:], jacobian[:] = np.nan, np.nan
@@ -186,22 +186,29 @@ class PeriodicOrbits:
 
     def _differences(self, runs: Lanes) -> Array:
         """Central differences of the ends by the free parameters, shape (free, state, lane)."""
-        count = self.widths.size
-        sizes = np.maximum(np.abs(runs.free), self.widths[:, None]) * DIFFERENCE
-        both = np.empty((count, 2, count, runs.share.size))
-        for k in range(count):
-            for side, sign in enumerate((1, -1)):
-                moved = runs.free.copy()
-                moved[k] += sign * sizes[k]
-                inside = self.allowed(moved)
-                moved[k, ~inside] = runs.free[k, ~inside]
-                both[k, side] = moved
+        count, both = self.widths.size, self._moved(runs.free)
         many = runs.repeated(2 * count)
         e = self.ensemble(many, free=both.transpose(2, 0, 1, 3).reshape(count, -1))
         self.run(e, many)
         ends = e.x.reshape(-1, count, 2, runs.share.size)
         apart = np.stack([both[k, 0, k] - both[k, 1, k] for k in range(count)])
         return np.asarray((ends[:, :, 0] - ends[:, :, 1]).transpose(1, 0, 2) / apart[:, None, :])
+
+    def _moved(self, free: Array) -> Array:
+        """Free parameters (free, lane) with each of them moved to either side, as far as the model takes it.
+
+        Shape (moved, side, free, lane).
+        """
+        sizes = np.maximum(np.abs(free), self.widths[:, None]) * DIFFERENCE
+        both = np.empty((len(free), 2, *free.shape))
+        for k in range(len(free)):
+            for side, sign in enumerate((1, -1)):
+                moved = free.copy()
+                moved[k] += sign * sizes[k]
+                inside = self.allowed(moved)
+                moved[k, ~inside] = free[k, ~inside]
+                both[k, side] = moved
+        return both
 
     def _by_time(self, runs: Lanes, ends: Array) -> Array:
         """Rates at the ends of the segments of cycles, shape (state, lane)."""
@@ -216,9 +223,10 @@ class PeriodicOrbits:
             out[:, at] = Evaluator.of(form, values[:, at], jacobian=False).rates(0.0, x[:, at], np.arange(at.size))
         return out
 
-    def _section(self, point: Unknowns) -> tuple[float, Array]:
-        """Height of a cycle's first state over the section, and its gradient."""
-        model, values = self.system.model, self.columns(point.free[:, None])[:, 0]
+    def _section(self, point: Unknowns) -> tuple[float, Array, Array]:
+        """Height of a cycle's first state over the section, its gradient, and its derivatives by the free parameters."""
+        model, x = self.system.model, point.x[0]
+        values = self.columns(point.free[:, None])[:, 0]
         place = model.section
         assert place is not None
         gradient = numpy_function(
@@ -226,8 +234,12 @@ class PeriodicOrbits:
             lambda: Formula([model.states, model.parameters], [diff(place.surface, s) for s in model.states]),
         )  # fmt: skip
         sign = 1.0 if place.direction == "rising" else -1.0
-        slope = sign * np.array([float(g) for g in gradient(list(point.x[0]), list(values))])
-        return float(surface_of(model)(point.x[0], values)), slope
+        slope = sign * np.array([float(g) for g in gradient(list(x), list(values))])
+        # Moved parameters lie on either side, one after the other: shape (free, side, free).
+        moved = self._moved(point.free[:, None])[..., 0]
+        heights = [[float(surface_of(model)(x, self.columns(f[:, None])[:, 0])) for f in pair] for pair in moved]
+        apart = [pair[0][k] - pair[1][k] for k, pair in enumerate(moved)]
+        return float(surface_of(model)(x, values)), slope, np.array([a - b for a, b in heights]) / apart
 
     def exponents(self, linear: Linear) -> tuple[Array, Array]:
         """Multipliers of one orbit: logarithms of moduli, largest first, and arguments, without that of a cycle's time.

@@ -231,7 +231,14 @@ def _stepped(a: Corrected, step: float, limits: Limits) -> Generator[Ask, Correc
         return None, Status.ok, ""
     if (beyond := limits.outside(b.point)).size:
         return (yield from _stepped_onto(a, b, limits, int(beyond[0])))
-    return b, Status.ok, ended
+    return _on_edge(b, limits, which) if ended else b, Status.ok, ended
+
+
+def _on_edge(b: Corrected, limits: Limits, which: int) -> Corrected:
+    """The same point with the free parameter at the end of its range, to which rounding brought it."""
+    free = b.point.free.copy()
+    free[which] = (limits.low if free[which] - limits.low[which] < limits.high[which] - free[which] else limits.high)[which]
+    return replace(b, point=b.point.at(*free))
 
 
 def _stepped_onto(
@@ -247,7 +254,7 @@ def _stepped_onto(
         return None, found.status if isinstance(found, Lost) else Status.ok, ""
     if found.tangent / a.linear.sizes @ (a.tangent / a.linear.sizes) < 0:
         found = turned(found, -1.0)
-    return found, Status.ok, "range"
+    return _on_edge(found, limits, which), Status.ok, "range"
 
 
 def _between(a: Corrected, b: Corrected, *, alone: bool) -> Generator[Ask, Corrected | Lost, list[Event]]:

@@ -17,6 +17,8 @@ Array = NDArray[np.float64]
 PASSES, STILL = 60, 1e-7
 #: Passes after which the blocks that are left are taken as they are, where they have not changed.
 ENOUGH = 8
+#: Ratio of the moduli of two eigenvalues from which they may share a block: the smaller is good to rounding over this.
+SHARED = 0.1
 
 
 def eigenvalues_of_products(matrices: Array) -> tuple[Array, Array]:
@@ -50,7 +52,8 @@ def eigenvalues_of_products(matrices: Array) -> tuple[Array, Array]:
             found = (0, *(i for i in range(1, n) if below[i:, :i].max() < STILL), n)
             since[one] = since[one] + 1 if found == edges[one] else 0
             edges[one] = found
-            small = max(np.diff(found)) <= 2
+            # Two that share a block, a pair as a rule, need no more passes; two that do not will part in some of them.
+            small = max(np.diff(found)) <= 2 and _even(triangles[one], turned[one], found)
             if not (since[one] and (small or since[one] >= ENOUGH)):
                 stay.append(one)
         left = np.array(stay, dtype=np.intp)
@@ -60,6 +63,16 @@ def eigenvalues_of_products(matrices: Array) -> tuple[Array, Array]:
         logs[one], angles[one] = _of_blocks(triangles[one], turned[one], edges[one])
     order = np.lexsort((-angles, -logs), axis=1)
     return np.take_along_axis(logs, order, axis=1), np.take_along_axis(angles, order, axis=1)
+
+
+def _even(triangles: Array, turned: Array, edges: tuple[int, ...]) -> bool:
+    """Whether the two eigenvalues of each block of two have moduli that may share it."""
+    for a, b in pairwise(edges):
+        if b - a == 2:
+            large, small = np.sort(_of_blocks(triangles[:, a:b, a:b], turned[a:b, a:b], (0, 2))[0])[::-1]
+            if not small >= large + np.log(SHARED):
+                return False
+    return True
 
 
 def _of_blocks(triangles: Array, turned: Array, edges: tuple[int, ...]) -> tuple[Array, Array]:

@@ -94,7 +94,8 @@ class Branch:
     def reasons(self) -> tuple[str, str]:
         """The same in words."""
         down, up = self._sides()
-        return down.why if down else "", up.why if up else ""
+        first = "the orbit that it doubled from" if self.halves is not None else "its first point"
+        return down.why if down else first, up.why if up else first
 
     def doubts(self) -> set[str]:
         """What could not be made sure."""

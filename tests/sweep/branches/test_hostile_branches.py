@@ -1,0 +1,216 @@
+"""Branches that are hard to follow, each against a truth of its own: no wrong event, no silent end, no endless run."""
+
+import numpy as np
+import pytest
+from tests.sweep.branches.exact_systems import cubic_rotor, forced_hopf
+from tests.sweep.branches.hostile_systems import (
+    dry_friction,
+    growing_cycle,
+    mirrored,
+    one_sided_spring,
+    oscillator_with_stop,
+    stretched,
+    two_frequencies,
+    unforced_amplitude,
+)
+from tests.sweep.branches.test_exact_branches import ends, found, kinds
+
+import whirlmap
+from whirlmap import continue_orbit
+from whirlmap.analysis.branches import tracing
+from whirlmap.errors import RangeError
+
+#: Each run is bounded in time.
+pytestmark = pytest.mark.timeout(240)
+
+
+def fold_of_the_hopf_oscillator(g):
+    """Detunings d > 0 of the folds: 2 rho^2 (1 - rho) = g^2, d^2 = -1 + 4 rho - 3 rho^2."""
+    rho = np.roots([2, -2, 0, g * g]).real
+    square = -1 + 4 * rho - 3 * rho**2
+    return np.sort(np.sqrt(square[(rho > 0) & (square > 0)]))
+
+
+def peak_reaches_one(F, zeta=0.1):
+    """Frequencies at which F/|1 - Omega^2 + 2 i zeta Omega| = 1, ascending."""
+    return np.sort(np.sqrt(np.roots([1, 4 * zeta * zeta - 2, 1 - F * F]).real))
+
+
+def test_an_isola_is_closed_and_followed_once():
+    """g^2 = 0.04 < 4/27: a loop about rho = 1, apart from the branch at small rho."""
+    ds = continue_orbit(forced_hopf(g=0.2, Omega=2.0), "Omega", (1.0, 3.0), begin=2.0)
+    assert ends(ds) == [["closed", "closed"]]
+    assert kinds(ds) == ["fold", "fold"]
+    (d,) = fold_of_the_hopf_oscillator(0.2)
+    np.testing.assert_allclose(np.sort(found(ds, "fold")[0]), [2 - d, 2 + d], rtol=1e-9)
+    points = np.column_stack([ds["Omega"].values, ds["section"].values[:, 0]])
+    rho = (points[:, 1:] ** 2).sum(axis=1)
+    np.testing.assert_allclose(rho * ((1 - rho) ** 2 + (points[:, 0] - 2) ** 2), 0.04, rtol=1e-9)
+    # The first point closes the line, and is the only one that is there twice.
+    np.testing.assert_allclose(points[-1], points[0], atol=1e-9)
+    apart = np.abs(points[:-1, None] - points[None, :-1]).max(axis=2) + np.eye(len(points) - 1)
+    assert apart.min() > 1e-6
+
+
+@pytest.mark.parametrize("longest", [0.02, 0.3])
+@pytest.mark.parametrize(("beyond", "events"), [(-1e-4, []), (-1e-9, []), (1e-5, ["fold", "fold"])])
+def test_a_branch_that_leaves_the_range_ends_there(beyond, events, longest):
+    """The upper fold of the cubic rotor lies just beyond the range, where the branch ends, or just within."""
+    fold = 1.295061081428043
+    ds = continue_orbit(cubic_rotor(Omega=0.6), "Omega", (0.6, fold + beyond), longest=longest)
+    assert ends(ds) == [["range", "range"]]
+    assert kinds(ds) == events
+    omega = ds["Omega"].values
+    assert omega.min() == 0.6
+    assert omega.max() == fold + beyond
+    square = (ds["section"].values[:, 0, :2] ** 2).sum(axis=1)
+    left = square * ((1 + 0.1 * square - omega**2) ** 2 + (0.1 * omega) ** 2)
+    np.testing.assert_allclose(left, 0.04 * omega**4, rtol=1e-9)
+
+
+@pytest.mark.parametrize("longest", [0.1, 1.0])
+def test_two_folds_near_a_cusp_are_seen_with_long_steps(longest):
+    """Both folds of the forced Hopf oscillator at g = 0.45, and the cusp of their curve."""
+    ds = continue_orbit(forced_hopf(g=0.45, Omega=2.05), "Omega", (2.0, 3.0), begin=2.05, longest=longest)
+    assert kinds(ds) == ["fold", "fold"]
+    np.testing.assert_allclose(np.sort(found(ds, "fold")[0]) - 2, fold_of_the_hopf_oscillator(0.45), rtol=1e-9)
+    z = 0.45 / (np.max(np.roots([1, -2, 1 + 0.05**2, -(0.45**2)]).real) - 1 + 0.05j)
+    vary = {"Omega": (2.0, 3.0), "g": (0.3, 0.7)}
+    curve = whirlmap.event_curve(
+        forced_hopf(g=0.45), vary, "fold", begin=2.05, orbit=(z.real, z.imag), longest=longest
+    )
+    k = kinds(curve).index("cusp")
+    assert curve["event_Omega"].values[k] - 2 == pytest.approx(np.sqrt(1 / 3), rel=1e-9)
+    assert curve["event_g"].values[k] == pytest.approx(np.sqrt(8 / 27), rel=1e-9)
+
+
+@pytest.mark.parametrize(("largest", "smallest"), [(1e8, 1e-12), (1.9, 1e-30), (1e8, 1e-30)])
+def test_multipliers_of_any_size(largest, smallest):
+    """Linear: exp(2 pi a/Omega) and exp(-2 pi b/Omega), to 1e-8 of themselves."""
+    a, b, omega = np.log(largest) / (2 * np.pi), -np.log(smallest) / (2 * np.pi), 0.9
+    p, q = -a / (a * a + omega**2), -omega / (b * b + omega**2)
+    system = stretched(a=a, b=b)
+    ds = continue_orbit(system, "Omega", (0.9, 1.2), begin=omega, orbit=(p + q / 2, -p / 3 + q))
+    assert ends(ds) == [["range", "range"]]
+    assert kinds(ds) == []
+    T = 2 * np.pi / ds["Omega"].values
+    np.testing.assert_allclose(ds["log_modulus"].values, np.column_stack([a * T, -b * T]), rtol=0, atol=1e-8)
+    assert ds["steps"].values.max() <= 512  # rounding that a long segment stretches asks for no more of them
+
+
+@pytest.mark.parametrize("F", [0.5, 0.2, 0.1990174])
+def test_orbits_that_graze(F):
+    """The linear orbit reaches the wall at both sides of the resonance; at last these lie within one step."""
+    ds = continue_orbit(one_sided_spring(F=F), "Omega", (0.3, 1.6))
+    np.testing.assert_allclose(np.sort(found(ds, "grazing")[0]), peak_reaches_one(F), rtol=1e-9)
+    assert set(kinds(ds)) <= {"grazing", "fold"}
+
+
+def test_just_below_the_wall_nothing_grazes():
+    """The peak of the resonance stays 1e-5 below the wall."""
+    assert kinds(continue_orbit(one_sided_spring(F=0.19899549), "Omega", (0.3, 1.6))) == []
+
+
+@pytest.mark.parametrize(("start", "longest"), [((0.5, 0.0), 0.02), ((0.5, 0.4), 0.02), ((0.5, 0.4), 0.5)])
+def test_a_pitchfork_is_a_branch_point_and_no_fold(start, longest):
+    """y = 0 loses its stability at the mean of x^2, 1/(2 (1 + Omega^2)) = 1/4; the other branch turns there."""
+    ds = continue_orbit(mirrored(mu=0.5), "mu", (0.0, 0.5), begin=0.5, orbit=start, longest=longest)
+    assert kinds(ds) == ["branch-point"]
+    assert found(ds, "branch-point")[0][0] == pytest.approx(0.25, abs=1e-7 if start[1] else 1e-10)
+    y = ds["section"].values[:, 0, 1]
+    assert (np.abs(y[[0, -1]]) > 0.1).all() == bool(start[1])
+    assert y[0] * y[-1] <= 0
+
+
+def test_the_speed_in_rpm_is_given_in_rpm_and_kept_in_own_numbers():
+    """The threshold of a rig: the same point against its own speed."""
+    rig = whirlmap.load("machines/jeffcott-rig")
+    ds = continue_orbit(rig, "speed", "4000 rpm:9000 rpm")
+    name = str(ds.attrs["varied"])
+    assert ends(ds) == [["range", "range"]]
+    (value,) = found(ds, "neimark-sacker")[0]
+    size = float(np.atleast_1d(ds.attrs["size_given"])[0])
+    assert (ds.attrs["given"], ds.attrs["unit_given"]) == ("speed", "rpm")
+    np.testing.assert_allclose(ds[name].values[[0, -1]] / size, [4000, 9000], rtol=1e-12)
+    own = continue_orbit(rig, name, (4000 * size, 9000 * size))
+    assert found(own, "neimark-sacker")[0][0] == pytest.approx(value, rel=1e-9)
+
+
+def test_a_forcing_without_common_period_is_refused():
+    """cos(Omega t) + cos(sqrt(2) Omega t): no orbit closes, and it is said."""
+    with pytest.raises(RangeError, match="no common period"):
+        continue_orbit(two_frequencies(), "Omega", (0.5, 1.5), orbit=(0.5,))
+
+
+def test_sliding_without_sticking_has_the_multipliers_of_the_jumps():
+    """Den Hartog's oscillator at f = 0.2, Omega = 0.7; SciPy with events, differences of the map: -0.583089 +- 0.288451i."""
+    ds = continue_orbit(dry_friction(), "Omega", (0.65, 0.75), begin=0.7)
+    k = int(np.abs(ds["Omega"].values - 0.7).argmin())
+    np.testing.assert_allclose(ds["section"].values[k, 0], [1.88885275, 0.29410056], atol=2e-8)
+    multipliers = np.exp(ds["log_modulus"].values[k] + 1j * ds["argument"].values[k])
+    truth = [-0.58308899 + 0.28845122j, -0.58308899 - 0.28845122j]
+    np.testing.assert_allclose(multipliers, truth, atol=1e-6)
+
+
+def test_twice_the_segments_give_the_same_events(monkeypatch):
+    """Folds of the cubic rotor with 8 and with 16 segments."""
+    few = continue_orbit(cubic_rotor(Omega=1.0), "Omega", (1.0, 1.5))
+    monkeypatch.setattr(tracing, "LANES", 2 * tracing.LANES)
+    monkeypatch.setattr(tracing, "WIDEST", 2 * tracing.WIDEST)
+    many = continue_orbit(cubic_rotor(Omega=1.0), "Omega", (1.0, 1.5))
+    assert many["segments"].values.max() == 2 * few["segments"].values.max()
+    assert kinds(few) == kinds(many)
+    np.testing.assert_allclose(many["event_Omega"].values, few["event_Omega"].values, rtol=1e-10)
+
+
+def test_a_cycle_whose_section_moves_with_the_parameter_is_followed_to_its_homoclinic_end():
+    """Lorenz' unstable cycle ends in the homoclinic orbit of the origin at rho = 13.926557; the end is said."""
+    near = {"begin": 20.0, "period": 1, "orbit": (1.7555102308, 2.189519035, 11.755379157)}
+    ds = continue_orbit(whirlmap.load("lorenz"), "rho", (13.5, 20.0), points=300, **near)
+    down, up = ends(ds)[0]
+    assert up == "range"
+    assert down == "steps"
+    assert 13.92655 < ds["rho"].values.min() < 14.0
+    assert kinds(ds) == []
+    assert (np.diff(ds["duration"].values) < 0).all()
+
+
+def test_a_cycle_that_grows_without_bound_ends_in_words():
+    """Radius 1/sqrt(mu), duration 2 pi: it is followed as far as there are points, and that is said."""
+    near = {"begin": 1.0, "orbit": (1.0, 0.0), "period": 1}
+    ds = continue_orbit(growing_cycle(), "mu", (-0.5, 1.0), points=300, **near)
+    assert ends(ds) == [["steps", "range"]]
+    assert "300 points" in ds.attrs["why"] or "shortest step" in ds.attrs["why"]
+    np.testing.assert_allclose(ds["section"].values[:, 0, 0] ** -2, ds["mu"].values, rtol=1e-9)
+    np.testing.assert_allclose(ds["duration"].values, 2 * np.pi, rtol=1e-9)
+
+
+@pytest.mark.parametrize("g", [0.0, 1e-9, 0.1])
+def test_the_threshold_of_a_linear_rotor_without_unbalance(g):
+    """mu = 2 zeta = 0.1, seen as a Neimark-Sacker point of the orbit at rest, or of a small one."""
+    ds = continue_orbit(unforced_amplitude(g=g), "mu", (0.0, 0.3))
+    assert kinds(ds) == ["neimark-sacker"]
+    assert found(ds, "neimark-sacker")[0][0] == pytest.approx(0.1, abs=1e-10)
+
+
+def test_a_parameter_at_its_declared_limit():
+    """zeta from 0, its least value: no orbit is asked for below; one that begins there goes up."""
+    system = whirlmap.load("gear_backlash", zeta=0.05, F_m=0.1, F_ah=0.02, Omega=0.8)
+    for begin in (0.1, 0.0):
+        ds = continue_orbit(system, "zeta", (0.0, 0.1), begin=begin, orbit=None if begin else (1.1, 0.0))
+        assert ends(ds) == [["range", "range"]]
+        zeta = ds["zeta"].values
+        assert (zeta[0], zeta[-1]) == (0.0, 0.1)
+        motion = 0.02 * 0.64 / (0.36 + 2j * zeta * 0.8)  # the teeth stay together: linear about x = 1.1
+        np.testing.assert_allclose(ds["section"].values[:, 0, 0], 1.1 + motion.real, rtol=1e-10)
+        np.testing.assert_allclose(ds["log_modulus"].values[:, 0], -zeta * 2 * np.pi / 0.8, atol=1e-9)
+
+
+@pytest.mark.parametrize(("begin", "which"), [(0.4, 0), (1.6, 1)])
+def test_contact_ends_a_branch_at_the_contact(begin, which):
+    """x reaches the stop at 1 where the linear amplitude does."""
+    ds = continue_orbit(oscillator_with_stop(Omega=begin), "Omega", (0.4, 1.6), begin=begin)
+    assert kinds(ds) == []
+    assert ends(ds) == [["range", "contact"] if which == 0 else ["contact", "range"]]
+    last = ds["Omega"].values.max() if which == 0 else ds["Omega"].values.min()
+    assert last == pytest.approx(peak_reaches_one(0.5)[which], rel=1e-9)
