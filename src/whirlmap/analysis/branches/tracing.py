@@ -15,6 +15,7 @@ from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_par
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between
 from whirlmap.analysis.branches.grazing import grazings_between
+from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.resonances import LAST, points_between
@@ -32,57 +33,12 @@ FINE = 1e-4
 ANGLE, AWAY = 0.25, 0.5
 #: Iterations at which a step grows, and at which it shrinks.
 FEW, MANY = 4, 7
-#: Distance from the end of a range, over its width, that is rounding.
-EDGE = 1e-10
 #: The steps of an orbit are checked at every such point, and where an event lies.
 CHECKED = 4
 #: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
 ROUND, SAME = 4, 1e-6
 #: Ends that are no fault, in words.
 ENDS = {"range": "the end of the range", "closed": "its first point"}
-
-
-@dataclass(frozen=True)
-class Limits:
-    """Where branches end, and how finely they are followed.
-
-    Attributes
-    ----------
-    low, high : array, shape (free,)
-        Ranges of the free parameters.
-    longest : float
-        Longest step in units of the range and of the sizes of the states.
-    points : int
-        Most points of a branch in one direction.
-    accuracy : float
-        Largest error of an orbit's segments, over the sizes of the states.
-    """
-
-    low: Array
-    high: Array
-    longest: float = 0.02
-    points: int = 2000
-    accuracy: float = 1e-12
-
-    @property
-    def width(self) -> float:
-        """Width of the first range."""
-        return float(self.high[0] - self.low[0])
-
-    def outside(self, point: Unknowns) -> NDArray[np.intp]:
-        """Which free parameters lie beyond their range, by more than rounding."""
-        beyond = EDGE * (self.high - self.low)
-        return np.flatnonzero((point.free < self.low - beyond) | (point.free > self.high + beyond))
-
-    def left(self, c: Corrected) -> tuple[int, float, float]:
-        """Which free parameter reaches its end first along the tangent, at which length, and that end."""
-        free = c.point.free
-        rates = c.tangent[-free.size :]
-        ends = np.where(rates > 0, self.high, self.low)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            lengths = np.where(rates == 0, np.inf, np.maximum((ends - free) / rates, 0.0))
-        k = int(lengths.argmin())
-        return k, float(lengths[k]), float(ends[k])
 
 
 @dataclass

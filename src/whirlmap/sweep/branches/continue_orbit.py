@@ -7,7 +7,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
-from whirlmap.analysis.branches.tracing import Limits
+from whirlmap.analysis.branches.limits import Limits
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.ranges import Range

@@ -10,8 +10,9 @@ import xarray as xr
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event
+from whirlmap.analysis.branches.limits import Limits
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
-from whirlmap.analysis.branches.tracing import Limits, Trace, stepping, trace
+from whirlmap.analysis.branches.tracing import Trace, stepping, trace
 from whirlmap.analysis.branches.unknowns import Unknowns
 from whirlmap.errors import RangeError
 from whirlmap.integrate.ranges import Range

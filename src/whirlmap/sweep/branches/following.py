@@ -9,9 +9,10 @@ import numpy as np
 
 from whirlmap.analysis.branches.corrector import Ask, Lost, along_parameter, correct
 from whirlmap.analysis.branches.events import Event
+from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import finished
 from whirlmap.analysis.branches.switching import APART, doubled
-from whirlmap.analysis.branches.tracing import EDGE, Limits, Trace, apart_in_halves, stepping, trace
+from whirlmap.analysis.branches.tracing import Trace, apart_in_halves, stepping, trace
 from whirlmap.sweep.branches.branch import Branch, rises
 from whirlmap.sweep.branches.measured_branches import BATCH, Measuring
 from whirlmap.sweep.branches.seeds import SAME, Seed
