@@ -288,7 +288,8 @@ class Beginning:
         for c in correct(asks):
             if isinstance(c, Lost) or not self.free.allowed(c.point.free[:, None])[0]:
                 continue
-            out.append(finished(c, self.accuracy))
+            c = finished(c, self.accuracy)
+            out.append(replace(c, point=c.point.at(*self.value)))  # without the rounding of Newton's method
         return out
 
     def _place(self) -> str:
