@@ -1,8 +1,9 @@
 """Orbits that touch a declared switching without crossing it: where a contact of each turn begins or ends.
 
 The height of the orbit over the surface is sampled at its steps; about each of its extremes a polynomial of degree 7 through
-8 samples gives the extreme itself. An orbit grazes where an extreme vanishes. The orbit has no kink there, and with 512
-samples in a period the polynomial is exact to rounding.
+8 samples gives the extreme itself. An orbit grazes where an extreme vanishes. Its own steps show whether that happens between
+two orbits; the place is found with 512 samples in each T. The orbit has no kink there, so that the polynomial is exact to
+rounding.
 """
 
 from collections.abc import Callable, Generator
@@ -21,7 +22,7 @@ from whirlmap.kernels.lowering.formulas import Formula, numpy_function
 
 Array = NDArray[np.float64]
 
-#: Samples of a return at least, for each of its T.
+#: Samples in each T with which a grazing orbit is located.
 SAMPLES = 512
 #: Samples through which a polynomial goes.
 POINTS = 8
@@ -53,12 +54,16 @@ def grazings_between(a: Corrected, b: Corrected) -> Generator[Ask, Corrected | L
     if not isinstance(orbits, PeriodicOrbits) or not orbits.system.model.switchings:
         return []
     events: list[Event] = []
-    for k, (name, before, after) in enumerate(zip(orbits.system.model.switchings, extremes(a), extremes(b), strict=True)):
+    own = zip(orbits.system.model.switchings, extremes(a, 0), extremes(b, 0), strict=True)
+    for k, (name, before, after) in enumerate(own):
         pairs = [(one, other) for one in before if (other := _like(after, one)) is not None]
         changed = [(one.value / (one.value - other.value), one) for one, other in pairs if one.value * other.value < 0]
         if not changed:
             continue
-        at = yield from located(a, b, _height(k, min(changed, key=lambda each: each[0])[1]))
+        test = _height(k, min(changed, key=lambda each: each[0])[1])
+        if not test(a) * test(b) < 0:  # it was the error of the coarse samples
+            continue
+        at = yield from located(a, b, test)
         if at is None:
             raise StepTooLongError
         events.append(Event("grazing", at, name, len(changed)))
@@ -67,7 +72,7 @@ def grazings_between(a: Corrected, b: Corrected) -> Generator[Ask, Corrected | L
 
 def _height(surface: int, like: Extreme) -> Callable[[Corrected], float]:
     def test(c: Corrected) -> float:
-        found = _like(extremes(c)[surface], like)
+        found = _like(extremes(c, SAMPLES)[surface], like)
         return np.nan if found is None else found.value
 
     return test
@@ -80,10 +85,10 @@ def _like(among: list[Extreme], one: Extreme) -> Extreme | None:
     return same[int(np.argmin(away))] if same and min(away) <= MOVES else None
 
 
-def extremes(c: Corrected) -> list[list[Extreme]]:
-    """Extremes of an orbit's height over each declared switching."""
+def extremes(c: Corrected, samples: int) -> list[list[Extreme]]:
+    """Extremes of an orbit's height over each declared switching, with so many samples in each T at least."""
     out = []
-    for row in heights(c):
+    for row in heights(c, samples):
         before, after = np.roll(row, 1), np.roll(row, -1)
         found = []
         for maximum, sign in ((True, 1.0), (False, -1.0)):
@@ -94,12 +99,15 @@ def extremes(c: Corrected) -> list[list[Extreme]]:
     return out
 
 
-def heights(c: Corrected) -> Array:
-    """Height of an orbit over each declared switching at equal times of one return, shape (surface, sample)."""
+def heights(c: Corrected, least: int) -> Array:
+    """Height of an orbit over each declared switching at equal times of one return, shape (surface, sample).
+
+    The times are those of its steps, or of a fraction of them, at ``least`` so many in each T.
+    """
     orbits = c.equations
     assert isinstance(orbits, PeriodicOrbits)
     model, runs = orbits.system.model, Lanes.of([c.point])
-    finer = max(-(-SAMPLES // orbits.steps), 1)
+    finer = max(-(-least // orbits.steps), 1)
     e = orbits.ensemble(runs, finer=finer)
     x = np.concatenate([runs.x[None], orbits.run(e, runs, save=True)])[:-1]
     samples = x.shape[0] * x.shape[2]
