@@ -1,9 +1,9 @@
 """Orbits that touch a declared switching without crossing it: where a contact of each turn begins or ends.
 
 The height of the orbit over the surface is sampled at its steps; about each of its extremes a polynomial of degree 7 through
-8 samples gives the extreme itself. An orbit grazes where an extreme vanishes. Its own steps show whether that happens between
-two orbits; the place is found with 512 samples in each T. The orbit has no kink there, so that the polynomial is exact to
-rounding.
+8 samples gives the extreme itself. An orbit grazes where an extreme vanishes. Its own steps show whether that happens
+between two orbits; the place is found with 512 samples in each T. The orbit has no kink there, so that the polynomial is
+exact to rounding.
 """
 
 from collections.abc import Callable, Generator
