@@ -57,7 +57,7 @@ def test_multipliers_below_1e_30_are_good_to_many_digits():
     core[0, 0], core[3, 3], core[4, 4] = 1.1, 1e-3, 1e-5
     core[1:3, 1:3] = 0.5 * np.array([[c, -s], [s, c]])
     chain = [bases[(k + 1) % 8] @ core @ np.linalg.inv(bases[k]) for k in range(8)]
-    logs, angles = eigenvalues_of_products(np.array(chain)[None])
+    (logs,), (angles,) = eigenvalues_of_products(np.array(chain)[None])
     order = np.argsort(-logs)
     np.testing.assert_allclose(logs[order], 8 * np.log([1.1, 0.5, 0.5, 1e-3, 1e-5]), rtol=1e-9)
     assert np.sort(np.abs(angles))[-2:] == pytest.approx(8.0 - 2 * np.pi)  # eight turns of 1 rad

@@ -34,6 +34,8 @@ Array = NDArray[np.float64]
 TRIED = 64
 #: Distance over the sizes of the states within which two orbits are one, and motion of an equilibrium over its size.
 SAME = 1e-5
+#: Least size of a state along a branch, over that at its first point.
+LEAST = 0.1
 #: T (typical times) over which crossings of a settled cycle are collected at first, and at most.
 CROSSINGS, MOST_CROSSINGS = 64, 65536
 
@@ -280,7 +282,8 @@ class Beginning:
         for c in correct(asks):
             if isinstance(c, Lost) or not self.free.allowed(c.point.free[:, None])[0]:
                 continue
-            out.append(finished(c, self.accuracy))
+            done = finished(c, self.accuracy)
+            out.append(replace(done, point=done.point.at(*self.value)))  # without the rounding of the last iteration
         return out
 
     def _place(self) -> str:
@@ -304,7 +307,11 @@ def finished(c: Corrected, accuracy: float) -> Corrected:
         if isinstance(again, Lost):
             break
         c = again
-    return _in_segments(c)
+    c = _in_segments(c)
+    if isinstance(orbits := c.equations, PeriodicOrbits):
+        floor = LEAST * c.linear.weights[: c.point.x.shape[1]]
+        c = replace(c, equations=replace(orbits, floor=floor if orbits.floor is None else orbits.floor))
+    return c
 
 
 def _in_segments(c: Corrected) -> Corrected:
