@@ -18,6 +18,8 @@ STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 307
 WIDEST = 96
 #: An error so much smaller than asked for allows fewer steps.
 SPARE = 1e-3
+#: Least size of a state along a branch, over that at its first point.
+LEAST = 0.1
 
 
 def coarser(b: Corrected, accuracy: float) -> Corrected:
@@ -94,7 +96,11 @@ def finished(c: Corrected, accuracy: float) -> Corrected:
         if isinstance(again, Lost):
             break
         c = again
-    return _in_segments(c)
+    c = _in_segments(c)
+    if isinstance(orbits := c.equations, PeriodicOrbits):
+        floor = LEAST * c.linear.weights[: c.point.x.shape[1]]
+        c = replace(c, equations=replace(orbits, floor=floor if orbits.floor is None else orbits.floor))
+    return c
 
 
 def _in_segments(c: Corrected) -> Corrected:

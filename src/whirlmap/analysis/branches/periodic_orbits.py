@@ -64,6 +64,8 @@ class PeriodicOrbits:
         Steps per T, or in one return of a cycle.
     method : Method
     workers : int, optional
+    floor : array, shape (state,), optional
+        Least sizes of the states: a branch passes through an orbit at which one of them vanishes.
     """
 
     system: System
@@ -75,11 +77,13 @@ class PeriodicOrbits:
     steps: int
     method: Method = DOP853
     workers: int | None = None
+    floor: Array | None = None
 
     @property
     def key(self) -> tuple[Any, ...]:
         """What tells equations whose points may be computed together from others."""
-        return self.columns, self.periods, self.steps, self.method.name
+        least = b"" if self.floor is None else self.floor.tobytes()
+        return self.columns, self.periods, self.steps, self.method.name, least
 
     @property
     def steps_of_return(self) -> int:
@@ -97,7 +101,7 @@ class PeriodicOrbits:
         e = self.ensemble(runs, tangents=True)
         extremes = self.extremes(e, runs)
         ends = e.x.copy()
-        by_free, by_time = self._by_free(points, runs, before), self._by_time(runs, ends)
+        by_free, by_time = self._by_free(points, runs, ends, before), self._by_time(runs, ends)
         out = []
         for k, point in enumerate(points):
             mine = np.flatnonzero(runs.orbit == k)
@@ -106,6 +110,7 @@ class PeriodicOrbits:
             matrices = e.vectors[:, :, mine].transpose(2, 1, 0)
             low, high = extremes["minimum"][:, mine].min(axis=1), extremes["maximum"][:, mine].max(axis=1)
             sizes = scales_between(self.system.model, e.period[mine[:1]], low[:, None], high[:, None])[:, 0]
+            sizes = sizes if self.floor is None else np.maximum(sizes, self.floor)
             out.append(
                 self._linear(point, ends[:, mine].T, matrices, by_free[k], by_time[:, mine], sizes, status)
             )
@@ -175,24 +180,32 @@ class PeriodicOrbits:
         kernel = lane_kernel(self.system.plain_model(), self.method, slopes="none", kind="locked")
         return kernel.source.sizes.surfaces > 0
 
-    def _by_free(self, points: Sequence[Unknowns], runs: Lanes, before: Sequence[Linear | None]) -> list[Array]:
+    def _by_free(
+        self, points: Sequence[Unknowns], runs: Lanes, ends: Array, before: Sequence[Linear | None]
+    ) -> list[Array]:
         """Derivatives of the ends of each orbit by the free parameters, shape (segment and state, free)."""
         count = self.widths.size
         known = [b if b is not None and b.status == Status.ok else None for b in before]
         if known and all(b is not None for b in known):
             return [b.jacobian[: p.x.size, -count:] for b, p in zip(known, points, strict=True) if b is not None]
-        found = self._differences(runs).transpose(2, 1, 0)
+        found = self._differences(runs, ends).transpose(2, 1, 0)
         return [found[runs.orbit == k].reshape(p.x.size, count) for k, p in enumerate(points)]
 
-    def _differences(self, runs: Lanes) -> Array:
-        """Central differences of the ends by the free parameters, shape (free, state, lane)."""
+    def _differences(self, runs: Lanes, base: Array) -> Array:
+        """Central differences of the ends by the free parameters, shape (free, state, lane); NaN where there is none.
+
+        A side on which a segment does not reach its end, at contact, gives way to the segment itself.
+        """
         count, both = self.widths.size, self._moved(runs.free)
         many = runs.repeated(2 * count)
         e = self.ensemble(many, free=both.transpose(2, 0, 1, 3).reshape(count, -1))
         self.run(e, many)
         ends = e.x.reshape(-1, count, 2, runs.share.size)
-        apart = np.stack([both[k, 0, k] - both[k, 1, k] for k in range(count)])
-        return np.asarray((ends[:, :, 0] - ends[:, :, 1]).transpose(1, 0, 2) / apart[:, None, :])
+        there = e.running.reshape(count, 2, runs.share.size)
+        ends = np.where(there, ends, base[:, None, None])
+        at = np.stack([np.where(there[k], both[k, :, k], runs.free[k]) for k in range(count)])
+        with np.errstate(invalid="ignore", over="ignore"):  # Newton's method refuses what is not finite
+            return np.asarray((ends[:, :, 0] - ends[:, :, 1]).transpose(1, 0, 2) / (at[:, 0] - at[:, 1])[:, None, :])
 
     def _moved(self, free: Array) -> Array:
         """Free parameters (free, lane) with each of them moved to either side, as far as the model takes it.
