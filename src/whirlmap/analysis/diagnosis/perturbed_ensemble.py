@@ -193,10 +193,11 @@ def multipliers(system: System, part: Ensemble, multiple: int, period: int, data
     others = np.delete(moduli, trivial) if trivial >= 0 else moduli
     largest = float(np.exp(others[0])) if others.size else 0.0
     vote = "stable" if found["stable"] else "unstable"
-    if part.sliding[0] and vote == "unstable":
-        # A body that dry friction holds stays wherever it is put: that multiplier is 1, as well as the orbit closes.
+    if part.sliding[0]:
+        # A body that dry friction holds stays wherever it is put: that multiplier is 1, as well as the orbit closes, and
+        # rounding decides on which side of it.
         held = np.abs(np.exp(moduli + 1j * found["argument"]) - 1) <= max(CLOSED * closure, HELD)
-        vote = "neutral" if (moduli[~held] < 0).all() else vote
+        vote = "neutral" if held.any() and (moduli[~held] < 0).all() else vote
     return {
         "vote": vote, "largest": largest,
         "smallest_log10": number(others[-1] / np.log(10)) if others.size else None,
