@@ -121,7 +121,7 @@ def test_start_states_have_units(rig):
     np.testing.assert_allclose(slices[0]["ux"], slices[1]["ux"], atol=1e-13)
     with pytest.raises(InputError, match="box: x has no dimension in duffing, found the unit 'um'"):
         whirlmap.attractors(whirlmap.load("duffing"), starts=4, box={"x": ("1 um", "2 um")})
-    with pytest.raises(RangeError, match="box of 'ux': found 1 values, expected two"):
+    with pytest.raises(RangeError, match="box of 'ux': found 1 value, expected two"):
         whirlmap.attractors(rig, starts=4, box={"ux": "1 um"})
     for starts in ([["left"]] * 4, [["1 um"]] * 4):
         with pytest.raises(RangeError, match="values of 'starts': found"):

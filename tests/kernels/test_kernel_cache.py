@@ -286,6 +286,7 @@ CHANGES = {
     "teeth": {"teeth": x - 1},
     "clock": {"clocks": {"forcing": omega / 2}},
     "default": {"defaults": {g: 2}},
+    "likeness": {"alike": ((x, v),)},
     "table's coordinates": {"tables": (table(coordinates=("z", "u")),)},
     "table's outputs": {"tables": (table(outputs=("f", "g")),)},
     "table's degree": {"tables": (table(degree=5),)},
@@ -310,11 +311,11 @@ def test_no_part_of_a_declaration_is_forgotten():
     """A new field of a model is either part of its digest or is said here not to reach any cached answer."""
     digested = {
         "name", "states", "parameters", "equations", "harmonics", "defaults", "outputs", "stops", "section",
-        "typical_time", "start", "bound", "tables", "clocks", "switchings", "teeth",
+        "typical_time", "start", "bound", "tables", "clocks", "switchings", "teeth", "alike",
     }  # fmt: skip
     read_when_running = {
         "start_where_none", "plain", "checks", "switches", "swing", "sources", "films", "bodies", "equilibrium",
-        "speed", "journals", "unbalances", "assumptions",
+        "speed", "journals", "unbalances", "assumptions", "near_equilibrium",
     }  # fmt: skip
     assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running
 

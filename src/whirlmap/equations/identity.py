@@ -51,6 +51,7 @@ def model_digest(model: Model) -> str:
         *(f"table {_shape(table)}" for table in model.tables),
         *([f"section {of(cut.surface)} {cut.direction}"] if cut else []),
         *(f"clock {name} {of(rate)}" for name, rate in model.clocks.items()),
+        *(f"alike {' '.join(s.name for s in group)}" for group in model.alike),
         f"typical time {of(model.typical_time)}",
     )  # fmt: skip
 
