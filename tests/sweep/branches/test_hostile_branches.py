@@ -17,7 +17,7 @@ from tests.sweep.branches.test_exact_branches import ends, found, kinds
 
 import whirlmap
 from whirlmap import continue_orbit
-from whirlmap.analysis.branches import tracing
+from whirlmap.analysis.branches import orbit_steps
 from whirlmap.errors import RangeError
 
 #: Each run is bounded in time.
@@ -155,8 +155,8 @@ def test_sliding_without_sticking_has_the_multipliers_of_the_jumps():
 def test_twice_the_segments_give_the_same_events(monkeypatch):
     """Folds of the cubic rotor with 8 and with 16 segments."""
     few = continue_orbit(cubic_rotor(Omega=1.0), "Omega", (1.0, 1.5))
-    monkeypatch.setattr(tracing, "LANES", 2 * tracing.LANES)
-    monkeypatch.setattr(tracing, "WIDEST", 2 * tracing.WIDEST)
+    monkeypatch.setattr(orbit_steps, "LANES", 2 * orbit_steps.LANES)
+    monkeypatch.setattr(orbit_steps, "WIDEST", 2 * orbit_steps.WIDEST)
     many = continue_orbit(cubic_rotor(Omega=1.0), "Omega", (1.0, 1.5))
     assert many["segments"].values.max() == 2 * few["segments"].values.max()
     assert kinds(few) == kinds(many)

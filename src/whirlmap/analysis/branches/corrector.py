@@ -19,9 +19,11 @@ Array = NDArray[np.float64]
 #: Iterations at most; scaled steps below which one is rounding, and below which one that no longer falls is.
 ITERATIONS, ROUNDING, STALLED = 12, 1e-12, 1e-7
 #: Scaled step at an iterate whose derivatives are as good as those at the solution, and next one that need not be taken.
-SOON, NEXT = 1e-6, 1e-11
+SOON, NEXT = 1e-6, 1e-12
 #: Scaled step at an iterate whose derivatives by the free parameters are near enough for a step to the next point.
 NEAR = 1e-3
+#: Scaled residual with which a point may be one: a step is small too where a derivative is far too large, beside a pole.
+CLOSED = 1e-7
 #: Largest scaled step in one iteration: beyond, the method has left the branch.
 FARTHEST = 3.0
 #: Condition number beyond which a matrix is singular.
@@ -128,7 +130,8 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
                 continue
             now[k] = now[k].of(now[k].vector - step)
             soon = not ask.exact and size <= SOON and size * size <= NEXT * before[k] < np.inf
-            if size <= ROUNDING or (size <= STALLED and size > 0.3 * before[k]) or soon:
+            closed = np.abs(linear.residual / linear.weights).max() <= CLOSED
+            if closed and (size <= ROUNDING or (size <= STALLED and size > 0.3 * before[k]) or soon):
                 length = np.linalg.norm(tangent / linear.sizes)
                 out[k] = Corrected(ask.equations, now[k], linear, tangent / length, sign, turn + 1)
                 continue
