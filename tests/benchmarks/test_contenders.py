@@ -27,9 +27,9 @@ def states_nearby(problem: Problem):
     return problem.x0 + 0.02 * np.random.default_rng(3).normal(size=problem.x0.shape)
 
 
-@pytest.mark.parametrize("waves", ["states", "time"])
+@pytest.mark.parametrize("harmonics_as", ["states", "time"])
 @pytest.mark.parametrize("which", ["plain", "porous"])
-def test_rates_of_heyoka_equal_the_reference(which, waves, request):
+def test_rates_of_heyoka_equal_the_reference(which, harmonics_as, request):
     """The porous film is a fit there: its own error of 3e-14 counts on top of rounding, times a load of order ten."""
     pytest.importorskip("heyoka")
     from contest.taylor import rates, taylor_system
@@ -37,7 +37,7 @@ def test_rates_of_heyoka_equal_the_reference(which, waves, request):
     problem = request.getfixturevalue(which)
     x = states_nearby(problem)
     exact = reference_rates(problem.model)(0.7, x, problem.values)
-    found = rates(problem, taylor_system(problem, waves=waves), 0.7, x)
+    found = rates(problem, taylor_system(problem, harmonics_as=harmonics_as), 0.7, x)
     np.testing.assert_allclose(found, exact, rtol=1e-12, atol=1e-12 * np.abs(exact).max())
 
 
