@@ -63,7 +63,7 @@ def test_sizes_that_are_none_are_refused_before_anything_is_computed(options, me
 
 
 def test_every_command_that_draws_one_picture_takes_them():
-    several = {"reproduce", "identify"}  # many pictures, each of its own size and title
+    several = {"reproduce", "identify", "show"}  # many pictures, each of its own size and title; a machine drawn to scale
     every = {name: set(inspect.signature(loaded(name).callback).parameters) for name in COMMANDS}
     drawing = {name: options for name, options in every.items() if {"out", "picture"} & options}
     assert len(drawing) > 9 and several < set(drawing)
