@@ -3,7 +3,6 @@
 from collections.abc import Generator
 from dataclasses import replace
 from math import sqrt
-from typing import Any
 
 import numpy as np
 
@@ -31,11 +30,16 @@ def coarser(b: Corrected, accuracy: float) -> Corrected:
     return replace(b, equations=replace(orbits, steps=fewer[-1]), step_error=None) if fewer else b
 
 
-def fine_enough(b: Corrected, accuracy: float) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
-    """The same point with steps and segments that hold its accuracy."""
+def fine_enough(
+    b: Corrected, accuracy: float, *, stays: bool = False
+) -> Generator[Ask, Corrected | Lost, tuple[Corrected, set[str]]]:
+    """The same point with segments and steps that hold its accuracy, and what could not be had.
+
+    Segments come first: what rounding becomes in one that stretches too much, no step takes away. ``stays``: the free
+    parameter stays, where else the point may move across the branch.
+    """
     doubts: set[str] = set()
-    if too_long(b):  # steps of segments that stretch less
-        b = yield from divided(b)
+    b = yield from _in_segments(b)
     while isinstance(orbits := b.equations, PeriodicOrbits):
         error = float(orbits.step_error([b.point], [b.linear.weights])[0])
         b = replace(b, step_error=error)
@@ -45,15 +49,23 @@ def fine_enough(b: Corrected, accuracy: float) -> Generator[Ask, Corrected | Los
         if not more:
             doubts.add("the accuracy is not met with the most steps")
             break
-        sizes = b.linear.sizes
-        found = yield Ask(replace(orbits, steps=more[0]), b.point, b.tangent / sizes, sizes)
+        normal = along_parameter(b.point) if stays else b.tangent / b.linear.sizes
+        found = yield Ask(replace(orbits, steps=more[0]), b.point, normal, b.linear.sizes)
         if isinstance(found, Lost):
             doubts.add("the accuracy is not met with the steps of the point before")
             break
         b = found
-    if too_long(b):
-        b = yield from divided(b)
-    return b, doubts
+    return (yield from _in_segments(b)), doubts
+
+
+def _in_segments(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
+    """The same point in segments that do not stretch too much."""
+    while too_long(b):
+        finer = yield from divided(b)
+        if finer is b:
+            break
+        b = finer
+    return b
 
 
 def too_long(c: Corrected) -> bool:
@@ -80,37 +92,16 @@ def divided(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
     return b if isinstance(found, Lost) else found
 
 
-def finished(c: Corrected, accuracy: float) -> Corrected:
-    """The same solution with segments and steps that hold the accuracy; the parameter stays.
-
-    Segments come first: what rounding becomes in one that stretches too much, no step takes away.
-    """
-    c = _in_segments(c)
-    while isinstance(orbits := c.equations, PeriodicOrbits):
-        error = float(orbits.step_error([c.point], [c.linear.weights])[0])
-        c = replace(c, step_error=error)
-        more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(c.point.x) == 0]
-        if error <= accuracy or not more:
-            break
-        again = correct([Ask(replace(orbits, steps=more[0]), c.point, along_parameter(c.point), c.linear.sizes)])[0]
-        if isinstance(again, Lost):
-            break
-        c = again
-    c = _in_segments(c)
-    if isinstance(orbits := c.equations, PeriodicOrbits):
-        floor = LEAST * c.linear.weights[: c.point.x.shape[1]]
-        c = replace(c, equations=replace(orbits, floor=floor if orbits.floor is None else orbits.floor))
-    return c
-
-
-def _in_segments(c: Corrected) -> Corrected:
-    """The same solution in segments that do not stretch too much."""
-    while too_long(c):
-        run: Any = divided(c)
+def finished(c: Corrected, accuracy: float) -> tuple[Corrected, set[str]]:
+    """A first point with segments and steps that hold the accuracy, and least sizes for its branch; and what is in doubt."""
+    run = fine_enough(c, accuracy, stays=True)
+    answer: Corrected | Lost | None = None
+    while True:
         try:
-            run.send(correct([next(run)])[0])
+            (answer,) = correct([run.send(answer)])  # type: ignore[arg-type]  # a generator begins with None
         except StopIteration as stop:
-            if len(stop.value.point.x) == len(c.point.x):
-                break
-            c = stop.value
-    return c
+            c, doubts = stop.value
+            break
+    if isinstance(orbits := c.equations, PeriodicOrbits) and orbits.floor is None:
+        c = replace(c, equations=replace(orbits, floor=LEAST * c.linear.weights[: c.point.x.shape[1]]))
+    return c, doubts

@@ -35,7 +35,6 @@ from whirlmap.kernels.running.lanes import lane_kernel
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
-Integers = NDArray[np.int64]
 
 #: Difference of a free parameter on either side, over its size, by which the derivative is taken.
 DIFFERENCE = 1e-6

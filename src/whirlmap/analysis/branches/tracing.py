@@ -19,7 +19,6 @@ from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.resonances import LAST, points_between
-from whirlmap.analysis.branches.unknowns import Unknowns
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -33,7 +32,7 @@ FINE = 1e-4
 ANGLE, AWAY = 0.25, 0.5
 #: Iterations at which a step grows, and at which it shrinks.
 FEW, MANY = 4, 7
-#: The steps of an orbit are checked at every such point, and where an event lies.
+#: The steps of an orbit are checked at every such point, where an event lies, and where they are fewer than before.
 CHECKED = 4
 #: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
 ROUND, SAME = 4, 1e-6
@@ -131,7 +130,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
                 step /= 2
                 continue
             events = []
-            out.doubts.add("the number of unstable multipliers changes where no event was located")
+            out.doubts.add("a bifurcation or a grazing orbit lies between two points where it was not located")
         if isinstance(a.equations, EventCurve) and a.equations.kind == "neimark-sacker":
             for k, event in enumerate(events):
                 if event.kind in LAST:
@@ -141,7 +140,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         if (closed := (yield from _came_back(first, a, b, len(out.points)))) is not None:
             b, ended = closed, "closed"
         out.events += [(len(out.points) - 1, e) for e in events]
-        if len(out.points) % CHECKED == 0 or events or b.equations is not a.equations:
+        if len(out.points) % CHECKED == 0 or events or b.equations is not out.points[-1].equations:
             b, doubt = yield from fine_enough(b, limits.accuracy)
             out.doubts |= doubt
         elif too_long(b):
@@ -261,8 +260,3 @@ def _ending(lost: Status, a: Corrected) -> tuple[str, str]:
     if lost in (Status.sticks, Status.chatters) or (lost == Status.ok and kinked):
         return "kink", lost.sentence if lost != Status.ok else "the orbit meets a surface at which the rates change"
     return "steps", lost.sentence if lost != Status.ok else "no next point was found with the shortest step"
-
-
-def seeded(equations: Any, guess: Unknowns, sizes: Array) -> Ask:
-    """What is asked for a first point: the parameter stays."""
-    return Ask(equations, guess, along_parameter(guess), sizes)

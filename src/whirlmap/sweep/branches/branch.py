@@ -13,6 +13,7 @@ from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, along
 from whirlmap.analysis.branches.tracing import Trace
+from whirlmap.integrate.system import System
 from whirlmap.sweep.branches.seeds import Seed
 
 Array = NDArray[np.float64]
@@ -58,11 +59,16 @@ class Branch:
         return "equilibrium" if isinstance(self.seed.at.equations, Equilibria) else "orbit" if self.forced else "cycle"
 
     @property
+    def system(self) -> System:
+        """The system whose branch it is."""
+        equations: Any = self.seed.at.equations
+        found: System = (equations.orbits if isinstance(equations, EventCurve) else equations).system
+        return found
+
+    @property
     def forced(self) -> bool:
         """Whether it is one of forced orbits."""
-        equations: Any = self.seed.at.equations
-        equations = equations.orbits if isinstance(equations, EventCurve) else equations
-        return bool(equations.system.model.forced)
+        return self.system.model.forced
 
     def closed(self) -> bool:
         """Whether it comes back to its first point."""

@@ -68,7 +68,7 @@ def dataset(
         "unstable": variable("point", unstable[:count], "1", "number of multipliers outside the unit circle"),
         **_multipliers("point", "", log[:count], angle[:count]),
         "multiplier_error": variable(
-            ("point", "multiplier"), error[:count], "1", "change of log_modulus with the last doubling of segments"
+            ("point", "multiplier"), error[:count], "1", "change of log_modulus with the last doubling of steps"
         ),
         **extreme_variables("point", system, extremes, columns),
         "steps": variable("point", [row.steps for row in rows[:count]], "1", "steps per T, or per return"),

@@ -158,6 +158,9 @@ def continue_orbit(
             found = first.of_dataset(seeds) if begin is not None else seeds_of_diagram(first, seeds)
         else:
             found = first.coexisting(starts) if coexisting else first.settled(period)
+        if not found and not known:
+            place = f"{varied.given} = {varied.shown(value):g}"
+            raise RangeError(f"{place}: Newton's method does not find the orbit of the settled motion")
         for done in run.follow(found, known):
             if execution.progress:
                 execution.progress(1)

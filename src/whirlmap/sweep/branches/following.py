@@ -13,6 +13,8 @@ from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import finished
 from whirlmap.analysis.branches.switching import APART, doubled
 from whirlmap.analysis.branches.tracing import Trace, apart_in_halves, stepping, trace
+from whirlmap.analysis.motion.ensembles import cyclic_states
+from whirlmap.analysis.periodic_orbits.newton import wrapped
 from whirlmap.sweep.branches.branch import Branch, rises
 from whirlmap.sweep.branches.measured_branches import BATCH, Measuring
 from whirlmap.sweep.branches.seeds import SAME, Seed
@@ -81,9 +83,10 @@ class Branches:
                 if distance < apart / 2 or self.limits.outside(c.point).size:
                     continue
                 away = 1.0 if c.tangent / c.linear.sizes @ ask.normal > 0 else -1.0
-                seed = Seed(finished(c, self.limits.accuracy), 2 * branch.seed.period, c.point.x[:1].T)
+                at, doubts = finished(c, self.limits.accuracy)
+                seed = Seed(at, 2 * branch.seed.period, c.point.x[:1].T)
                 up = away * rises(seed.at) > 0
-                part = Trace([seed.at])
+                part = Trace([seed.at], doubts=doubts)
                 out.append(Branch(seed, None if up else part, part if up else None, begins="closed", halves=halves))
                 break
         return out
@@ -100,7 +103,7 @@ def distinct(branches: Sequence[Branch]) -> list[Branch]:
 
 def _lies_on(seed: Seed, branch: Branch) -> bool:
     """Whether a point lies on a branch: whether the branch, at the same parameter, is at one of its phases."""
-    if branch.seed.period != seed.period or branch.kind == "equilibrium" != (seed.period == 0):
+    if branch.seed.period != seed.period:  # 0 of equilibria
         return False
     points = branch.points()
     for a, b in pairwise(points):
@@ -112,7 +115,8 @@ def _lies_on(seed: Seed, branch: Branch) -> bool:
         if isinstance(found, Lost):
             continue
         n = found.point.x.shape[1]
-        apart = np.abs(seed.phases - found.point.x[0][:, None]) / found.linear.weights[:n, None]
+        cyclic = cyclic_states(branch.system)
+        apart = np.abs(wrapped(seed.phases - found.point.x[0][:, None], cyclic)) / found.linear.weights[:n, None]
         if (apart.max(axis=0) < SAME).any():
             return True
     return False

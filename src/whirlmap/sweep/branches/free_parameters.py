@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.equations.quantities import Parameter
-from whirlmap.errors import InputError, RangeError
+from whirlmap.errors import CaseError, InputError, RangeError
 from whirlmap.integrate.orders import orders_vary
 from whirlmap.integrate.own_units import size_of
 from whirlmap.integrate.ranges import Range, number_and_unit
@@ -67,6 +67,12 @@ class Varied:
                     f"{option}: found {name}={ends if isinstance(ends, str) else ':'.join(parts)}, expected"
                     f" {name}=START:STOP, without a number of points: a branch takes steps of its own"
                 )
+            for part in parts:
+                try:
+                    number_and_unit(part)
+                except CaseError:
+                    found = f"{name}={':'.join(parts)}"
+                    raise RangeError(f"{option}: found {found}, expected {name}=START:STOP, two numbers") from None
             ends = Range.parse(f"{name}={parts[0]}:{parts[1]}:2", option)
         own, numbers, unit = read_axis(system, name, ends, option, beside=beside)
         low, high = numbers.tolist()

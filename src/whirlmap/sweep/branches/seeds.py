@@ -1,7 +1,8 @@
 """Where branches begin: settled motions, given states, attractors, and points of diagrams."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -76,13 +77,13 @@ class Beginning:
     value: tuple[float, ...]
     labelling: Labelling
     execution: Execution
-    accuracy: float = 1e-12
-    system: System = field(init=False)
+    accuracy: float
 
-    def __post_init__(self) -> None:
+    @cached_property
+    def system(self) -> System:
         """The system at that value."""
         columns: dict[str, Any] = {name: float(column[0]) for name, column in self.free.at(*self.value).items()}
-        object.__setattr__(self, "system", self.free.system.replace(**columns))
+        return self.free.system.replace(**columns)
 
     def settled(self, period: int | None) -> list[Seed]:
         """The settled motion, or the orbits of a given period that Newton's method finds from its section.
@@ -106,7 +107,7 @@ class Beginning:
             return self.orbits([x], n) if self.system.model.forced else self.cycles(x, n)
         if period is not None and ran and self.system.model.forced:
             points = measured.returns.section[:, :, 0]
-            points = points[np.isfinite(points).all(axis=1)][:: ensemble.strobe][-TRIED:]
+            points = points[np.isfinite(points).all(axis=1)][:: -ensemble.strobe][:TRIED]  # the last is at phase zero
             if seeds := self.orbits(list(points), period):
                 return seeds
             raise RangeError(
@@ -136,8 +137,10 @@ class Beginning:
                 raise RangeError(f"orbit: found no value for {' '.join(missing)}, expected one for every state")
             state = [float(state[name]) for name in system.states]
         x = np.array(state, dtype=float)
-        if x.shape != (system.model.dimension,) or not np.isfinite(x).all():
-            raise RangeError(f"orbit: found {x.size} numbers, expected {system.model.dimension}, finite, one for each state")
+        if x.shape != (system.model.dimension,):
+            raise RangeError(f"orbit: found {x.size} numbers, expected {system.model.dimension}, one for each state")
+        if not np.isfinite(x).all():
+            raise RangeError("orbit: found a number that is not finite")
         if system.model.forced:
             seeds = self.orbits([x], period or system.strobe)
         else:
@@ -177,6 +180,8 @@ class Beginning:
             The Dataset has no section of all states there, or its point is not periodic.
         """
         names = [v.name for v in self.free.varied]
+        if "direction" in ds.dims:  # what a sweep up and a sweep down found
+            return [seed for way in ds["direction"].values for seed in self.of_dataset(ds.sel(direction=way))]
         if any(name not in ds.coords for name in names) or "section" not in ds or "period_T" not in ds:
             raise RangeError(f"the file holds no labelled section over {' and '.join(names)}: expected a diagram or a map")
         near = {name: value for name, value in zip(names, self.value, strict=True) if name in ds.dims}
@@ -184,8 +189,8 @@ class Beginning:
         there = tuple(float(one[name]) if name in near else v for name, v in zip(names, self.value, strict=True))
         if there != self.value:  # Newton's method begins at the point's own value
             return replace(self, value=there).of_dataset(ds)
-        for extra in [d for d in one["section"].dims if d not in ("period", "state")]:
-            one = one.isel({extra: 0})
+        if extra := [str(d) for d in one["section"].dims if d not in ("period", "state")]:
+            raise RangeError(f"the file is no diagram over {' and '.join(names)} alone: found also {' and '.join(extra)}")
         kept = [str(s) for s in np.atleast_1d(one["state"].values)]
         if missing := [s for s in self.system.states if s not in kept]:
             every = ",".join(self.system.states)
@@ -194,9 +199,8 @@ class Beginning:
         points, n = points[np.isfinite(points).all(axis=1)], int(one["period_T"])
         if not n or not points.size:
             raise RangeError(f"{self._place()}: the point of the file is {Regime(int(one['regime'])).label}, not periodic")
-        # Sections of forced models begin at phase zero of the common period.
-        first = points[0]
-        seeds = self.orbits([first], n) if self.system.model.forced else self.cycles(first, n)
+        last = points[-1]  # at phase zero of the common period, which a record holds a whole number of times
+        seeds = self.orbits([last], n) if self.system.model.forced else self.cycles(last, n)
         if not seeds:
             raise RangeError(f"{self._place()}: Newton's method found no orbit from the point of the file")
         return seeds
@@ -288,7 +292,7 @@ class Beginning:
         for c in correct(asks):
             if isinstance(c, Lost) or not self.free.allowed(c.point.free[:, None])[0]:
                 continue
-            c = finished(c, self.accuracy)
+            c, _ = finished(c, self.accuracy)  # its error stands in the Dataset
             out.append(replace(c, point=c.point.at(*self.value)))  # without the rounding of Newton's method
         return out
 
