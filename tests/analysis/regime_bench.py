@@ -1,4 +1,4 @@
-"""Operating points whose regime is known, for `test_regime_bench` and for the table that `python regime_bench.py` prints.
+"""Operating points whose regime is known, for `test_regime_bench` and for a table: `python -m tests.analysis.regime_bench`.
 
 Where from: *exact* follows from the equations; *table* is known_values.md; *pub* is the literature named; *long* was seen in
 longer runs than those judged (forced oscillators: 3000 T with DOP853 at 1e-11; maps: plain iteration).
@@ -11,7 +11,7 @@ from collections import Counter
 from dataclasses import dataclass, field
 
 import numpy as np
-from maps import GOLDEN, circle_map, sines
+from tests.analysis.maps import GOLDEN, circle_map, sines
 
 import whirlmap
 from whirlmap.analysis.diagnosis.diagnosis import diagnose

@@ -1,10 +1,10 @@
 """Labels of operating points whose regime is known: none may be wrong, at most one in twenty undecided.
 
-`python tests/analysis/regime_bench.py` prints the table of all.
+`python -m tests.analysis.regime_bench` prints the table of all.
 """
 
 import pytest
-from regime_bench import GEAR_PAIRS, MAPS, OSCILLATORS, PERIODIC, label_of_map, label_of_system
+from tests.analysis.regime_bench import GEAR_PAIRS, MAPS, OSCILLATORS, PERIODIC, label_of_map, label_of_system
 
 
 def check(point, label, n):

@@ -5,8 +5,8 @@ import shlex
 
 import numpy as np
 import pytest
-from maps import GOLDEN, henon, sines
 from scipy.signal import lfilter
+from tests.analysis.maps import GOLDEN, henon, sines
 from typer.testing import CliRunner
 
 from whirlmap.cli.main import app

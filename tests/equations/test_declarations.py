@@ -4,8 +4,8 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from newton import Machine, film_force, journal_velocity
 from sympy import sympify
+from tests.independent.newton import Machine, film_force, journal_velocity
 
 from whirlmap.equations import Model, Parameter, State, Stop
 from whirlmap.errors import CaseError, ModelError, RangeError

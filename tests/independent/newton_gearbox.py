@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 from math import cos, hypot, pi, sin, sqrt
 
 import numpy as np
-from newton import GRAVITY, Machine, journal_velocity
+from tests.independent.newton import GRAVITY, Machine, journal_velocity
 
 
 @dataclass(frozen=True)

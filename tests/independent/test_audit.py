@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import sympy as sp
-from newton import printed_integrals
+from tests.independent.newton import printed_integrals
 
 eps, phi, th, r, Gam = sp.symbols("epsilon varphi theta r Gamma", positive=True)
 B = sp.symbols("B", real=True)

@@ -3,11 +3,11 @@
 from dataclasses import replace
 from itertools import product
 
-import newton_gearbox
 import numpy as np
 import pytest
-from newton import Machine
-from newton_gearbox import Gearbox
+from tests.independent import newton_gearbox
+from tests.independent.newton import Machine
+from tests.independent.newton_gearbox import Gearbox
 
 from whirlmap.integrate.system import System
 from whirlmap.models import family
@@ -68,7 +68,7 @@ def test_right_hand_side_is_newtons_law(stiffness, backlash, torsion, arc):
 
 def test_without_any_of_it_the_gearbox_is_the_machine():
     """Isotropic in the one, without torque, torsion and walls in the other: all but the mesh agrees."""
-    import newton
+    from tests.independent import newton
 
     rng = np.random.default_rng(3)
     box = Gearbox(machine=replace(Machine(), K_m=1e-9, C_m=0.0), T_p=1e-30)

@@ -4,9 +4,9 @@ from math import pi
 
 import numpy as np
 import pytest
-from finite_elements import Bearing, Gearbox, Matrices, Mesh, Rotor
-from parts_of import machine_file
 from scipy.integrate import solve_ivp
+from tests.independent.finite_elements import Bearing, Gearbox, Matrices, Mesh, Rotor
+from tests.independent.parts_of import machine_file
 
 import whirlmap
 

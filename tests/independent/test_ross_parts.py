@@ -13,9 +13,9 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import pytest
-from finite_elements import Gearbox
-from parts_of import machine_file
-from test_parts import GEAR, PINION, SLENDER
+from tests.independent.finite_elements import Gearbox
+from tests.independent.parts_of import machine_file
+from tests.independent.test_parts import GEAR, PINION, SLENDER
 
 import whirlmap
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from newton import Machine, film_force, journal_velocity, literal_rates, rates
+from tests.independent.newton import Machine, film_force, journal_velocity, literal_rates, rates
 
 from whirlmap.integrate.system import System
 from whirlmap.models import family

@@ -3,8 +3,8 @@
 from fractions import Fraction
 
 import numpy as np
-from newton import Machine
 from scipy.integrate import solve_ivp
+from tests.independent.newton import Machine
 
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.equilibrium import start_states

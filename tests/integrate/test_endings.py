@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rotors import at_rest, ensemble, gear_pair, solved
+from tests.integrate.rotors import at_rest, ensemble, gear_pair, solved
 
 from whirlmap.equations import Model, Output, Parameter, State, Stop, cos, t
 from whirlmap.integrate.ensemble import Ensemble

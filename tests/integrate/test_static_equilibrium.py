@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from rotors import gear_pair, jeffcott
+from tests.integrate.rotors import gear_pair, jeffcott
 
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.system import System

@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from rotors import at_rest, ensemble, gear_pair, jeffcott, solved
 from scipy.integrate import simpson
+from tests.integrate.rotors import at_rest, ensemble, gear_pair, jeffcott, solved
 
 from whirlmap.integrate.system import System
 from whirlmap.kernels.methods import METHODS, RK4

@@ -3,8 +3,8 @@
 from itertools import product
 
 import numpy as np
-import pair_by_parts as by_parts
 import pytest
+from tests.machines import pair_by_parts as by_parts
 
 import whirlmap
 from whirlmap.models import family

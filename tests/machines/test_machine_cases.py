@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from wrong_machines import GOOD
+from tests.machines.wrong_machines import GOOD
 
 import whirlmap
 from whirlmap.cases import read

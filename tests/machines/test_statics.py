@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from wrong_machines import GOOD
+from tests.machines.wrong_machines import GOOD
 
 import whirlmap
 from whirlmap.integrate.equilibrium import start_states

@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from wrong_machines import GOOD, WRONG
+from tests.machines.wrong_machines import GOOD, WRONG
 
 import whirlmap
 from whirlmap.cases import read

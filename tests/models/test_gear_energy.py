@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from gear_mechanics import SWITCHED, VALUES, Energy, pair
 from scipy.integrate import solve_ivp
+from tests.models.gear_mechanics import SWITCHED, VALUES, Energy, pair
 
 FILMS = [
     ({"arc": "fixed"}, {"psi": 0.1}),

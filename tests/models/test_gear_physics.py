@@ -4,9 +4,9 @@ from itertools import product
 
 import numpy as np
 import pytest
-from gear_mechanics import SWITCHED, VALUES, Energy, pair
 from scipy.integrate import quad
 from sympy import lambdify
+from tests.models.gear_mechanics import SWITCHED, VALUES, Energy, pair
 
 from whirlmap.equations import t
 from whirlmap.errors import CaseError, ModelError

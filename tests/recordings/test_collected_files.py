@@ -134,7 +134,7 @@ def test_the_picture_slides(tmp_path):
 
 def test_a_run_to_failure_record_needs_no_rate(tmp_path):
     """Comma in some folders, semicolon in others, no names, four columns of clock: equal verdicts."""
-    from kinds import clock_columns
+    from tests.recordings.kinds import clock_columns
 
     found = []
     for separator in (b",", b";"):

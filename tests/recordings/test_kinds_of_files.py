@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from kinds import KINDS
+from tests.recordings.kinds import KINDS
 
 from whirlmap.errors import InputError
 from whirlmap.recordings.description import describe_file

@@ -1,6 +1,6 @@
 """Asks whirlmap for the labels of the blind points, one process each, and holds them against the truth.
 
-PYTHONPATH=src:tests/trust python tests/trust/blind_asking.py [--by diagnose] [--limit 120] [--seed 1] [NAME ...]
+python -m tests.trust.blind_asking [--by diagnose] [--limit 120] [--seed 1] [NAME ...]
 """
 
 import argparse
@@ -9,10 +9,10 @@ import resource
 import time
 from pathlib import Path
 
-from asking import Refused, asked, diagram, label, load
-from blind_fresh import drawn
-from blind_models import MODELS
-from blind_points import POINTS
+from tests.trust.asking import Refused, asked, diagram, label, load
+from tests.trust.blind_fresh import drawn
+from tests.trust.blind_models import MODELS
+from tests.trust.blind_points import POINTS
 
 import whirlmap
 

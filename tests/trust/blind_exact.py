@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numba
 import numpy as np
-from blind_truth import _A, _B, STAGES
+from tests.trust.blind_truth import _A, _B, STAGES
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,8 @@
 """Points of the four exact systems drawn at random, so that a rule that was mended on the eighty can be asked afresh."""
 
 import numpy as np
-from blind_exact import equilibria, hopf_threshold
-from blind_points import Point
+from tests.trust.blind_exact import equilibria, hopf_threshold
+from tests.trust.blind_points import Point
 
 
 def margin(random, low=-5.0, high=-1.5):

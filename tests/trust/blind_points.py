@@ -8,7 +8,7 @@ and their n-th parts, where the forcing has no common period below 128 T.
 from dataclasses import dataclass, field
 
 import numpy as np
-from blind_exact import fold_threshold, hopf_threshold
+from tests.trust.blind_exact import fold_threshold, hopf_threshold
 
 GOLDEN = (np.sqrt(5) - 1) / 2
 

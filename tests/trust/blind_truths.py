@@ -1,4 +1,6 @@
-"""Computes `blind_labels.json`, the evidence of every blind point, anew: ``blind_truths.py NAME ...`` for some of them.
+"""Computes `blind_labels.json`, the evidence of every blind point, anew.
+
+``python -m tests.trust.blind_truths NAME ...`` for some of them.
 
 Periodic orbits of the oscillators are Newton's, from the state that a run from the point's own start came to, with
 multipliers and a test that nothing returns sooner. Chaos has an exponent ten errors above zero, a torus one whose
@@ -10,11 +12,11 @@ its states once per T fit a Fourier series in the second phase, those of even an
 
 import sys
 
-import blind_exact as exact
 import numpy as np
-from blind_points import POINTS
-from blind_truth import exponent, least_return, orbit, settled, turned_back, vector
-from truth_numbers import kept, write
+from tests.trust import blind_exact as exact
+from tests.trust.blind_points import POINTS
+from tests.trust.blind_truth import exponent, least_return, orbit, settled, turned_back, vector
+from tests.trust.truth_numbers import kept, write
 
 FILE = "blind_labels.json"
 #: T until periodic motion has settled, and steps per T of Runge and Kutta's method of order 8.

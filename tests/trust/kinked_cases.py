@@ -6,8 +6,8 @@ label is beyond doubt; chaos and coexisting attractors are tested apart.
 
 from dataclasses import dataclass, field
 
-import kinked_models as o
-from truth_orbits import Pieces
+from tests.trust import kinked_models as o
+from tests.trust.truth_orbits import Pieces
 
 from whirlmap import Settling
 from whirlmap.models import family

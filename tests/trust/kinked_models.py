@@ -5,7 +5,7 @@ Lengths are over the gap, time over one radian of the linear oscillator.
 """
 
 from sympy import Abs, Heaviside, Max, Min
-from truth_orbits import Pieces
+from tests.trust.truth_orbits import Pieces
 
 from whirlmap.equations import Model, Parameter, State, cos, sign, sin, sqrt, states, t, when
 

@@ -7,16 +7,16 @@ kept in `blind_labels.json`, found by closed forms (`blind_exact`) or by long ru
 
 import numpy as np
 import pytest
-from asking import load
-from blind_asking import ask, judged, said
-from blind_exact import equilibria
-from blind_fresh import drawn
-from blind_models import MODELS
-from blind_points import POINTS
-from blind_truth import NAMES, rates, vector
-from blind_truths import FILE, evidence
 from scipy.integrate import solve_ivp
-from truth_numbers import kept
+from tests.trust.asking import load
+from tests.trust.blind_asking import ask, judged, said
+from tests.trust.blind_exact import equilibria
+from tests.trust.blind_fresh import drawn
+from tests.trust.blind_models import MODELS
+from tests.trust.blind_points import POINTS
+from tests.trust.blind_truth import NAMES, rates, vector
+from tests.trust.blind_truths import FILE, evidence
+from tests.trust.truth_numbers import kept
 
 BY_NAME = {point.name: point for point in POINTS}
 OSCILLATORS = ("duffing", "pendulum", "van_der_pol", "tones", "two_tones")

@@ -8,8 +8,8 @@ finds an orbit from the same start, it may not be called chaotic unless both att
 
 import numpy as np
 import pytest
-from asking import EXTREME, Refused, asked, diagram, label
-from truth_orbits import Pieces
+from tests.trust.asking import EXTREME, Refused, asked, diagram, label
+from tests.trust.truth_orbits import Pieces
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, State, cos, sign, t, when

@@ -6,10 +6,10 @@ Steps that are chosen while the rotor still swings freely must not carry a stiff
 
 import numpy as np
 import pytest
-from asking import EXTREME, Refused, asked, diagram, extreme_error, label
 from scipy.integrate import solve_ivp
-from truth_numbers import kept
-from truth_orbits import Pieces
+from tests.trust.asking import EXTREME, Refused, asked, diagram, extreme_error, label
+from tests.trust.truth_numbers import kept
+from tests.trust.truth_orbits import Pieces
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, State, Stop, cos, sin, sqrt, t, when

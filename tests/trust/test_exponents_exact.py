@@ -6,14 +6,14 @@ make a claim false. Sums are the mean of the divergence (Liouville), known even 
 
 import numpy as np
 import pytest
-from asking import Refused, asked, label, load, some
-from kinked_cases import BY_NAME
 from scipy.integrate import solve_ivp
 from scipy.linalg import expm
-from truth_cycles import Flow
-from truth_numbers import kept
-from truth_orbits import Pieces
-from unforced_models import FLOWS
+from tests.trust.asking import Refused, asked, label, load, some
+from tests.trust.kinked_cases import BY_NAME
+from tests.trust.truth_cycles import Flow
+from tests.trust.truth_numbers import kept
+from tests.trust.truth_orbits import Pieces
+from tests.trust.unforced_models import FLOWS
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, State, cos, sign, sin, states, t

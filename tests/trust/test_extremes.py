@@ -8,14 +8,14 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from asking import EXTREME, label, some
 from scipy.integrate import solve_ivp
 from sympy import chebyshevt
-from truth_cycles import Flow
-from truth_events import Arc
-from truth_linear import Linear, extremes_of
-from truth_orbits import Pieces, extremes
-from unforced_models import FLOWS
+from tests.trust.asking import EXTREME, label, some
+from tests.trust.truth_cycles import Flow
+from tests.trust.truth_events import Arc
+from tests.trust.truth_linear import Linear, extremes_of
+from tests.trust.truth_orbits import Pieces, extremes
+from tests.trust.unforced_models import FLOWS
 
 import whirlmap
 from whirlmap.equations import Model, Output, Parameter, State, cos, sin, sqrt, states, t

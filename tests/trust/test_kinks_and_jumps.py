@@ -2,13 +2,13 @@
 
 from functools import cache
 
-import kinked_cases
 import numpy as np
 import pytest
-from asking import EXTREME, STATE, Refused, asked, diagram, extreme_error, label, load, some
-from dead_zone import DeadZone
 from sympy import lambdify
-from truth_numbers import compute, kept
+from tests.independent.dead_zone import DeadZone
+from tests.trust import kinked_cases
+from tests.trust.asking import EXTREME, STATE, Refused, asked, diagram, extreme_error, label, load, some
+from tests.trust.truth_numbers import compute, kept
 
 import whirlmap
 from whirlmap.equations import t

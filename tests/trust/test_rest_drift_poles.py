@@ -7,8 +7,8 @@ time at which SciPy's solution reaches the pole.
 
 import numpy as np
 import pytest
-from asking import Refused, asked, diagram, label
 from scipy.integrate import solve_ivp
+from tests.trust.asking import Refused, asked, diagram, label
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, Section, State, cos, sign, sin, t, when

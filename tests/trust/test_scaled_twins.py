@@ -5,16 +5,16 @@ Where the motion is periodic, extremes over the scale agree with the unscaled ru
 truth as in the other files.
 """
 
-import kinked_models
 import numpy as np
 import pytest
-from asking import EXTREME, Refused, asked, diagram, label, some
-from kinked_cases import BY_NAME
-from scaled_models import ANGLE, OSCILLATOR, ROTOR, THREE, scaled, size_of
 from sympy import Abs
-from test_ends_of_runs import ESCAPE, TOUCH, time_of
-from truth_numbers import kept
-from unforced_models import FLOWS
+from tests.trust import kinked_models
+from tests.trust.asking import EXTREME, Refused, asked, diagram, label, some
+from tests.trust.kinked_cases import BY_NAME
+from tests.trust.scaled_models import ANGLE, OSCILLATOR, ROTOR, THREE, scaled, size_of
+from tests.trust.test_ends_of_runs import ESCAPE, TOUCH, time_of
+from tests.trust.truth_numbers import kept
+from tests.trust.unforced_models import FLOWS
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, Section, State, sqrt

@@ -8,9 +8,9 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from asking import EXTREME, label
-from truth_linear import Linear, extremes_of
-from truth_orbits import Pieces
+from tests.trust.asking import EXTREME, label
+from tests.trust.truth_linear import Linear, extremes_of
+from tests.trust.truth_orbits import Pieces
 
 import whirlmap
 from whirlmap.equations import Model, Parameter, State, cos, sin, states, t

@@ -10,11 +10,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
-import unforced_models
-from asking import EXTREME, Refused, asked, diagram, label, some
-from truth_cycles import Flow
-from truth_orbits import Pieces, extremes
-from unforced_models import FLOWS
+from tests.trust import unforced_models
+from tests.trust.asking import EXTREME, Refused, asked, diagram, label, some
+from tests.trust.truth_cycles import Flow
+from tests.trust.truth_orbits import Pieces, extremes
+from tests.trust.unforced_models import FLOWS
 
 import whirlmap
 from whirlmap.integrate.accuracy import StepVerdict

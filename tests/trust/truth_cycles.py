@@ -12,8 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.integrate import solve_ivp
 from sympy import Matrix, Symbol, lambdify, sympify
-from truth_events import Arc
-from truth_orbits import extremes
+from tests.trust.truth_events import Arc
+from tests.trust.truth_orbits import extremes
 
 
 @dataclass(frozen=True)

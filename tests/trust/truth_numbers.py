@@ -1,4 +1,6 @@
-"""Computes `numbers.json`, the truth of every case of `kinked_cases`, anew; ``truth_numbers.py NAME ...`` some of them.
+"""Computes `numbers.json`, the truth of every case of `kinked_cases`, anew.
+
+``python -m tests.trust.truth_numbers NAME ...`` computes some of them.
 
 A slow test compares the numbers kept with those computed anew.
 """
@@ -50,7 +52,7 @@ def several(motion, case, starts=16):
 
 
 def main(names):
-    from kinked_cases import ALL
+    from tests.trust.kinked_cases import ALL
 
     numbers = kept()
     for case in ALL:
@@ -67,5 +69,4 @@ def main(names):
 
 
 if __name__ == "__main__":
-    sys.path.insert(0, str(Path(__file__).parents[2] / "src"))
     main(sys.argv[1:])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from truth_events import LOOSE, Equations, Runs
+from tests.trust.truth_events import LOOSE, Equations, Runs
 
 
 class Pieces(Equations):

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from maps import GOLDEN, henon, logistic, sines
+from tests.analysis.maps import GOLDEN, henon, logistic, sines
 
 from whirlmap.analysis.indicators.recurrence import recurrence
 from whirlmap.errors import RangeError

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from maps import GOLDEN, circle_map, logistic, sines
+from tests.analysis.maps import GOLDEN, circle_map, logistic, sines
 
 from whirlmap.analysis.indicators.birkhoff import converged_digits, locking_ratio, rotation_number, weighted_average
 from whirlmap.errors import RangeError

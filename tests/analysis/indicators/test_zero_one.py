@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from maps import GOLDEN, circle_map, henon, logistic, sines
+from tests.analysis.maps import GOLDEN, circle_map, henon, logistic, sines
 
 from whirlmap.analysis.indicators.zero_one import remove_cycle, zero_one_test
 from whirlmap.errors import RangeError

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from maps import GOLDEN, circle_map, henon, logistic
+from tests.analysis.maps import GOLDEN, circle_map, henon, logistic
 
 from whirlmap.analysis.indicators.birkhoff import RotationNumber
 from whirlmap.analysis.indicators.section_coordinates import Watch, rotation_numbers_of

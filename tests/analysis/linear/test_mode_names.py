@@ -4,7 +4,7 @@ import json
 
 import numpy as np
 import pytest
-from test_campbell import on_springs
+from tests.analysis.linear.test_campbell import on_springs
 from typer.testing import CliRunner
 
 import whirlmap

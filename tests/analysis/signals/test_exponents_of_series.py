@@ -4,7 +4,7 @@ from functools import cache
 
 import numpy as np
 import pytest
-from maps import GOLDEN, henon, logistic, sines
+from tests.analysis.maps import GOLDEN, henon, logistic, sines
 
 import whirlmap
 from whirlmap.analysis.signals.kantz import kantz_exponent

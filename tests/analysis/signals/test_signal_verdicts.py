@@ -2,8 +2,8 @@
 
 import numpy as np
 import pytest
-from maps import GOLDEN, henon, sines
 from scipy.signal import lfilter
+from tests.analysis.maps import GOLDEN, henon, sines
 
 from whirlmap.analysis.signals.diagnose_series import diagnose_series, series_json
 from whirlmap.analysis.signals.order_names import order_name

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from newton import Machine
+from tests.independent.newton import Machine
 
 from whirlmap.films.porous_short import fixed_arc_velocity, positive_arc_velocity
 from whirlmap.integrate.system import System

@@ -4,7 +4,7 @@ from fractions import Fraction
 
 import numpy as np
 import pytest
-from newton import Machine
+from tests.independent.newton import Machine
 
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import xarray as xr
-from dead_zone import DeadZone
 from scipy.integrate import solve_ivp
+from tests.independent.dead_zone import DeadZone
 
 import whirlmap
 from whirlmap.errors import RangeError

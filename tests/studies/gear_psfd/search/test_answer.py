@@ -5,7 +5,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from test_claim_scores import drawn
+from tests.studies.gear_psfd.claims.test_claim_scores import drawn
 
 import whirlmap
 from whirlmap.errors import OutputError

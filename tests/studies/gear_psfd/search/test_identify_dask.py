@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from distributed import Client, LocalCluster
-from test_identify import BRIEF, QUICK, same
+from tests.studies.gear_psfd.search.test_identify import BRIEF, QUICK, same
 
 from whirlmap.errors import OutputError
 from whirlmap.options.execution import Execution
