@@ -113,10 +113,14 @@ def test_just_below_the_wall_nothing_grazes():
 
 @pytest.mark.parametrize(("start", "longest"), [((0.5, 0.0), 0.02), ((0.5, 0.4), 0.02), ((0.5, 0.4), 0.5)])
 def test_a_pitchfork_is_a_branch_point_and_no_fold(start, longest):
-    """y = 0 loses its stability at the mean of x^2, 1/(2 (1 + Omega^2)) = 1/4; the other branch turns there."""
+    """y = 0 loses its stability at the mean of x^2, 1/(2 (1 + Omega^2)) = 1/4; the other branch turns there.
+
+    From the other branch the equations are singular along the first one, and rounding grows: 1e-8 was measured with short
+    steps, 5e-8 to 1.2e-6 with long ones, whatever the accuracy.
+    """
     ds = continue_orbit(mirrored(mu=0.5), "mu", (0.0, 0.5), begin=0.5, orbit=start, longest=longest)
     assert kinds(ds) == ["branch-point"]
-    assert found(ds, "branch-point")[0][0] == pytest.approx(0.25, abs=1e-7 if start[1] else 1e-10)
+    assert found(ds, "branch-point")[0][0] == pytest.approx(0.25, abs=(1e-7 if longest < 0.1 else 5e-6) if start[1] else 1e-10)
     y = ds["section"].values[:, 0, 1]
     assert (np.abs(y[[0, -1]]) > 0.1).all() == bool(start[1])
     assert y[0] * y[-1] <= 0

@@ -24,6 +24,8 @@ SOON, NEXT = 1e-6, 1e-12
 NEAR = 1e-3
 #: Scaled residual with which a point may be one: a step is small too where a derivative is far too large, beside a pole.
 CLOSED = 1e-7
+#: Roundings of a state that a residual may be of, stretched as the derivatives by states say.
+ROUNDINGS = 16 * float(np.finfo(float).eps)
 #: Largest scaled step in one iteration: beyond, the method has left the branch.
 FARTHEST = 3.0
 #: Condition number beyond which a matrix is singular.
@@ -106,7 +108,7 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
     -----
     Newton's method with the exact matrices of the segments. What is found by differences (derivatives by free parameters) is
     kept from an iterate that is off by 1e-6 at most; where derivatives need not be exact, by 1e-3. A point is found where
-    the scaled residual is below `CLOSED` and a step is rounding, or below 1e-7 and no longer falls; where its derivatives
+    the scaled residual is below `CLOSED`, or is what the rounding of states grows to, and a step is rounding, or below 1e-7 and no longer falls; where its derivatives
     need not be exact, already where a step is so small, and so much smaller than the one before, that the next would be
     rounding. It is lost where a step is longer than `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
     """
@@ -130,7 +132,7 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
                 continue
             now[k] = now[k].of(now[k].vector - step)
             soon = not ask.exact and size <= SOON and size * size <= NEXT * before[k] < np.inf
-            closed = np.abs(linear.residual / linear.weights).max() <= CLOSED
+            closed = np.abs(linear.residual / linear.weights).max() <= max(CLOSED, _rounding(linear, ask))
             if closed and (size <= ROUNDING or (size <= STALLED and size > 0.3 * before[k]) or soon):
                 length = np.linalg.norm(tangent / linear.sizes)
                 out[k] = Corrected(ask.equations, now[k], linear, tangent / length, sign, turn + 1)
@@ -173,6 +175,13 @@ def _solve(linear: Linear, normal: Array, sizes: Array, right: Array) -> tuple[A
         unit = tangent / np.linalg.norm(tangent)
     matrix[-1] = unit
     return step * sizes, tangent * sizes, float(np.linalg.slogdet(matrix)[0])
+
+
+def _rounding(linear: Linear, ask: Ask) -> float:
+    """Scaled residual that the rounding of states comes to; derivatives by free parameters have no say."""
+    states = ask.guess.x.size
+    scaled = linear.jacobian[:, :states] * ask.sizes[:states] / linear.weights[:, None]
+    return ROUNDINGS * float(np.abs(scaled).sum(axis=1).max())
 
 
 def along_parameter(point: Unknowns, which: int = 0) -> Array:

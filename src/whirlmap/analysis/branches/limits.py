@@ -34,7 +34,7 @@ class Limits:
     high: Array
     longest: float = 0.02
     points: int = 2000
-    accuracy: float = 1e-12
+    accuracy: float = 1e-11
 
     @property
     def width(self) -> float:

@@ -15,6 +15,9 @@ STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 307
 #: States of all segments up to which an orbit takes as many segments as a block has lanes, for these cost the same. Beyond,
 #: the dense solver of NumPy starts threads, which cost more than they gain.
 WIDEST = 96
+#: Part of an error to which two more rungs of steps must bring it at least; else the fewest steps are taken that
+#: do about as well: what is left is rounding, and differs from orbit to orbit.
+HELPS = 0.5
 #: An error so much smaller than asked for allows fewer steps.
 SPARE = 1e-3
 #: Least size of a state along a branch, over that at its first point.
@@ -40,10 +43,16 @@ def fine_enough(
     """
     doubts: set[str] = set()
     b = yield from _in_segments(b)
+    tried: list[tuple[float, Corrected]] = []
     while isinstance(orbits := b.equations, PeriodicOrbits):
         error = float(orbits.step_error([b.point], [b.linear.weights])[0])
         b = replace(b, step_error=error)
         if error <= accuracy:
+            break
+        tried.append((error, b))
+        if len(tried) > 2 and error > HELPS * tried[-3][0]:
+            least = min(each for each, _ in tried)
+            b = next(c for each, c in tried if each <= least / HELPS**2)
             break
         more = [s for s in STEPS if s > orbits.steps and s * max(orbits.periods, 1) % len(b.point.x) == 0]
         if not more:

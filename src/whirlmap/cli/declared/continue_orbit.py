@@ -55,8 +55,8 @@ def continue_orbit(
         str | None,
         typer.Option(
             "--seeds", metavar="FILE|STORE", rich_help_panel=BEGIN,
-            help="A labelled diagram (NAME.nc) or a map's store with the section of all states, whose point at --from is the"
-            " first orbit.",
+            help="A labelled diagram (NAME.nc, or a store) with the section of all states, whose point at --from is the"
+            " first orbit; without --from one point of each of its stretches of one period.",
         ),
     ] = None,
     coexisting: Annotated[
@@ -94,7 +94,8 @@ def continue_orbit(
         str | None,
         typer.Option(
             "--near", metavar="VALUE", rich_help_panel=BRANCH,
-            help="With --event: value of the first parameter near which the event is; the first one found where absent.",
+            help="With --event: value of the first parameter near which the event is; where absent the curves of all events"
+            " of the kind on the branch are followed.",
         ),
     ] = None,
     points: Annotated[
@@ -139,5 +140,5 @@ def continue_orbit(
 
     The branch begins with the settled motion at START (or --from) and is followed both ways, around folds, until it leaves
     the range, closes, or ends in contact. Stability comes from the multipliers of each orbit. Options under Computing say
-    how the settled motion is found; --accuracy is also the largest error of an orbit's segments, 1e-12 where absent.
+    how the settled motion is found; --accuracy is also the largest error of an orbit's segments, 1e-11 where absent.
     """

@@ -29,7 +29,7 @@ Array = NDArray[np.float64]
 #: Starts from which coexisting motions are sought.
 STARTS = 256
 #: Error of the segments of orbits that steps are chosen for.
-ACCURACY = 1e-12
+ACCURACY = 1e-11
 #: Times the accuracy that an error between the points at which it is checked may be without a word.
 ROUGH = 100.0
 
@@ -91,7 +91,7 @@ def continue_orbit(
         What an interrupted run with the same arguments has left: its branches go on where they stood.
     labelling : Labelling, optional
         How the settled motion is found; or its parts as keywords. ``accuracy`` is also the largest error of the segments
-        of an orbit, 1e-12 where absent.
+        of an orbit, 1e-11 where absent.
     execution : Execution, optional
         How it is run, which changes no number; or its parts as keywords, ``workers``, ``progress``.
 
