@@ -120,7 +120,8 @@ def test_a_pitchfork_is_a_branch_point_and_no_fold(start, longest):
     """
     ds = continue_orbit(mirrored(mu=0.5), "mu", (0.0, 0.5), begin=0.5, orbit=start, longest=longest)
     assert kinds(ds) == ["branch-point"]
-    assert found(ds, "branch-point")[0][0] == pytest.approx(0.25, abs=(1e-7 if longest < 0.1 else 5e-6) if start[1] else 1e-10)
+    other = 1e-7 if longest < 0.1 else 5e-6
+    assert found(ds, "branch-point")[0][0] == pytest.approx(0.25, abs=other if start[1] else 1e-10)
     y = ds["section"].values[:, 0, 1]
     assert (np.abs(y[[0, -1]]) > 0.1).all() == bool(start[1])
     assert y[0] * y[-1] <= 0

@@ -108,9 +108,10 @@ def correct(asks: Sequence[Ask]) -> list[Corrected | Lost]:
     -----
     Newton's method with the exact matrices of the segments. What is found by differences (derivatives by free parameters) is
     kept from an iterate that is off by 1e-6 at most; where derivatives need not be exact, by 1e-3. A point is found where
-    the scaled residual is below `CLOSED`, or is what the rounding of states grows to, and a step is rounding, or below 1e-7 and no longer falls; where its derivatives
-    need not be exact, already where a step is so small, and so much smaller than the one before, that the next would be
-    rounding. It is lost where a step is longer than `FARTHEST` sizes, where a run ends early, or after `ITERATIONS`.
+    the scaled residual is below `CLOSED`, or is what the rounding of states grows to, and a step is rounding, or below 1e-7
+    and no longer falls; where its derivatives need not be exact, already where a step is so small, and so much smaller than
+    the one before, that the next would be rounding. It is lost where a step is longer than `FARTHEST` sizes, where a run
+    ends early, or after `ITERATIONS`.
     """
     out: list[Corrected | Lost] = [Lost(Status.ok)] * len(asks)
     last: list[Linear | None] = [None] * len(asks)
