@@ -104,7 +104,7 @@ def show(facts: dict[str, Any]) -> None:
     safe, other = [], []
     for row, values in zip(facts["stretches"], cells, strict=True):
         if row["verdict"] == "safe":
-            safe.append((_span(row), *_span_s(row), *values, words(row["below"]), words(row["above"])))
+            safe.append((_span(row), *_span_s(row), *values, _end(row, "below"), _end(row, "above")))
         else:
             beside = f" ({', '.join(map(words, row['other']))})" if row["verdict"] == "coexisting" else ""
             other.append((_span(row), *_span_s(row), *values, words(row["verdict"]) + beside))
@@ -129,6 +129,12 @@ def show(facts: dict[str, Any]) -> None:
 def words(name: str) -> str:
     """A verdict as people write it."""
     return {"separation": "teeth part"}.get(name, name.replace("_", "-"))
+
+
+def _end(row: dict[str, Any], side: str) -> str:
+    """Why a window ends, and at which bifurcation."""
+    event = row[f"{side}_event"]
+    return words(row[side]) + (f" ({event})" if event else "")
 
 
 def _span(row: dict[str, Any]) -> str:

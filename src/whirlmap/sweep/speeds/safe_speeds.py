@@ -3,7 +3,8 @@
 1. Every speed of a grid is judged from a cold start, and in a run-up and a run-down through the grid (`motions_met`).
 2. A speed is safe where all motions that were met are periodic, their largest peak-to-peak displacement is within the
    limit, and the teeth stay in contact. Where the cold start alone is all of that, motions coexist.
-3. The edges of the windows are refined: `PARTS` speeds between a safe one and its neighbour that is not, `ROUNDS` times.
+3. The edges of the windows are refined: `PARTS` speeds between a safe one and its neighbour that is not, `ROUNDS` times;
+   those where a motion begins or is lost are put on the bifurcation point (`edge_events`).
 """
 
 import json
@@ -29,6 +30,7 @@ from whirlmap.sweep.diagrams.in_batches import FIRST
 from whirlmap.sweep.interruptible import Work, batches, in_parts
 from whirlmap.sweep.parameters.engineering import number_of_limit
 from whirlmap.sweep.points.label_points import POOLS
+from whirlmap.sweep.speeds.edge_events import with_events
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed, speed_of
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
@@ -99,8 +101,9 @@ def safe_speeds(
     -----
     Speeds are judged from cold starts, all at once; with ``follow`` the settled motion of each is carried to both
     neighbours, until no new motion is met (`run_up_and_down`). Edges of windows are refined between a safe speed and its
-    neighbour that is not. What is narrower than the spacing of the speeds is not seen, nor a coexisting motion that
-    neither cold start nor run-up meets.
+    neighbour that is not; with ``follow``, an edge that a periodic motion's loss makes is the fold, period doubling or
+    Neimark-Sacker point at which its branch loses it. What is narrower than the spacing of the speeds is not seen, nor a
+    coexisting motion that neither cold start nor run-up meets.
 
     ``safe_speeds.parts`` gives the `Work`: the cold starts in batches of speeds, from the lowest on; each round of run-up
     and run-down; the edges of the windows. It counts the speeds, and one for each of the other two. Who stops keeps what
@@ -134,7 +137,8 @@ def safe_speeds(
             followed = True
             missing = "the edges of the windows"
             yield at.size + 1
-        edges = refined_edges(judge, at, met, limit, follow=follow)
+        found, ends = refined_edges(judge, at, met, limit, follow=follow)
+        edges = with_events(judge, at, found, ends) if follow else found
         missing = ""
         yield at.size + 1 + follow
 
@@ -148,7 +152,7 @@ def safe_speeds(
             found = cold_at(cold, system.model)
         ends = edges
         if ends is None:  # windows end with their last safe speed
-            ends = refined_edges(judge, speeds, found, limit, follow=False, rounds=0)
+            ends, _ = refined_edges(judge, speeds, found, limit, follow=False, rounds=0)
         ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed)
         if missing:
             fewer = speeds.size < at.size

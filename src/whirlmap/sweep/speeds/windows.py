@@ -21,17 +21,21 @@ PARTS, ROUNDS = 7, 3
 
 @dataclass(frozen=True)
 class Edge:
-    """One end of a window: the last safe speed, the first that is not, and why not."""
+    """One end of a window: the last safe speed, the first that was judged and is not, and why not.
+
+    ``event`` is the kind of the bifurcation point that the last safe speed is, where it is one.
+    """
 
     safe: float
     beyond: float
     why: Verdict
+    event: str = ""
 
 
 def refined_edges(
     judge: Judge, at: Array, met: xr.Dataset, limit: float, *, follow: bool, rounds: int = ROUNDS
-) -> dict[int, Edge]:
-    """Edges between the speeds i and i + 1, one of them safe and the other not.
+) -> tuple[dict[int, Edge], tuple[xr.Dataset, xr.Dataset]]:
+    """Edges between the speeds i and i + 1, one of them safe and the other not; and the motions met at both ends of each.
 
     Parameters
     ----------
@@ -74,7 +78,7 @@ def refined_edges(
             ]
     return {
         int(c): Edge(float(g), float(b), Verdict(int(w))) for c, g, b, w in zip(cells, ends[0], ends[1], why, strict=True)
-    }
+    }, (known[0], known[1])
 
 
 def edge_points(*, follow: bool, rounds: int = ROUNDS) -> int:
@@ -116,7 +120,8 @@ def stretches(ds: xr.Dataset, edges: Mapping[int, Edge]) -> list[dict[str, Any]]
     list of dict
         ``verdict``; ``start`` and ``end`` (a safe stretch to its last safe speed, another up to there, two that are not safe
         to the middle between their speeds); ``gap_start``, ``gap_end`` of a safe one, the distance to the first speed that
-        was judged and is not safe; ``below``, ``above``, why it ends there; and the largest ``amplitude`` and ``max_load``,
+        was judged and is not safe; ``below``, ``above``, why it ends there, and ``below_event``, ``above_event``, at which
+        bifurcation; and the largest ``amplitude`` and ``max_load``,
         the least ``min_film`` and ``tooth_contact``, of its speeds (None where none is known), with the bearing of each.
     """
     speed = str(ds["verdict"].dims[0])
@@ -131,7 +136,9 @@ def stretches(ds: xr.Dataset, edges: Mapping[int, Edge]) -> list[dict[str, Any]]
             row[end] = edge.safe if edge else float(at[cell : cell + 2].mean()) if middle else float(at[place])
             if kind == Verdict.safe:
                 row[f"gap_{end}"] = abs(edge.beyond - edge.safe) if edge else 0.0
-                row["below" if end == "start" else "above"] = edge.why.name if edge else "end of the range"
+                side = "below" if end == "start" else "above"
+                row[side] = edge.why.name if edge else "end of the range"
+                row[f"{side}_event"] = edge.event if edge else ""
         rows.append(row | _worst(ds.isel({speed: slice(int(a), int(b) + 1)})))
     return rows
 
