@@ -8,15 +8,17 @@ kept in `blind_labels.json`, found by closed forms (`blind_exact`) or by long ru
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from tests.trust.asking import load
+from tests.trust.asking import diagram, load
 from tests.trust.blind_asking import ask, judged, said
-from tests.trust.blind_exact import equilibria
+from tests.trust.blind_exact import equilibria, rotor
 from tests.trust.blind_fresh import drawn
 from tests.trust.blind_models import MODELS
 from tests.trust.blind_points import POINTS
 from tests.trust.blind_truth import NAMES, rates, vector
 from tests.trust.blind_truths import FILE, evidence
 from tests.trust.truth_numbers import kept
+
+from whirlmap.results.regime import Regime
 
 BY_NAME = {point.name: point for point in POINTS}
 OSCILLATORS = ("duffing", "pendulum", "van_der_pol", "tones", "two_tones")
@@ -95,6 +97,15 @@ def hold(points, by):
 @pytest.mark.parametrize("by", ["diagram", "diagnose"])
 def test_no_label_is_wrong_and_hardly_one_left_open(by):
     hold(POINTS, by)
+
+
+@pytest.mark.parametrize("over", [2e-4, 2.35e-4, 5e-4])
+def test_growth_too_slow_to_be_seen_at_once_is_no_torus(over):
+    """2e-5 to 6e-5 per unit of time: 0.7 to 1.8 % in the 256 T after which it was taken for a torus."""
+    values = dict(k=0.2332 * (1 + over), c=0.2332, a=0.184, w=2.0489)
+    ds = diagram(load(MODELS["rotor"], values, (0.5, 0, 0, 0.2)), lyapunov=None)
+    assert Regime(ds["regime"].item()) == Regime.growing
+    assert ds["growth_rate"].item() == pytest.approx(-rotor(**values).rate * values["w"] / (2 * np.pi), rel=1e-3)
 
 
 @pytest.mark.slow

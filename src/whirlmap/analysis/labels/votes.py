@@ -32,7 +32,7 @@ SURE = 3.0
 BREATHING = 3.0
 #: Part of the growth over a run that its last half has at least where it goes on: half of it, and of shear ln 2 in ln n.
 GOES_ON = 0.25
-#: Growth over the longest run, beyond the same, and part of it in its last half, that says chaos by itself.
+#: Growth over the longest run, beyond the same, that says chaos by itself; part of a steady growth in its last half.
 PLAIN, STEADY = 10.0, (0.35, 0.65)
 #: K of the 0-1 test above and below which it has a say (medians and the quartile on the side of doubt).
 WANDERS, BOUNDED = (0.9, 0.5), (0.3, 0.2)
@@ -101,7 +101,10 @@ def _exponent_votes(e: Evidence) -> NDArray[np.int64]:
         grown = e.exponent * e.duration
         limit = np.log(np.maximum(e.section.points, LEAST)) + BREATHING
         sure = np.abs(e.exponent) > SURE * e.exponent_error
-        shear = (grown > 0) & (grown < limit)
+        # Shear slows down. What grows as fast in both halves, however little, may go on: only the longest run can say.
+        share = e.late_growth / grown
+        steady = (share > STEADY[0]) & (share < STEADY[1]) & (not e.final)
+        shear = (grown > 0) & (grown < limit) & ~steady
         vote = np.where(~sure & (np.abs(grown) < limit), Vote.regular, Vote.none)
         vote = np.where(sure & shear, Vote.regular, vote)
         vote = np.where(sure & (grown >= limit) & (e.late_growth >= GOES_ON * grown), Vote.chaotic, vote)
