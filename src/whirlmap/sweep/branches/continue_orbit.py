@@ -22,7 +22,8 @@ from whirlmap.sweep.branches.branch_dataset import dataset
 from whirlmap.sweep.branches.following import Branches, Direction
 from whirlmap.sweep.branches.free_parameters import FreeParameters, Varied
 from whirlmap.sweep.branches.resuming import refuse_other, resumed
-from whirlmap.sweep.branches.seeds import Beginning, Seed, seeds_of_diagram
+from whirlmap.sweep.branches.seeds import Beginning, Seed
+from whirlmap.sweep.branches.seeds_of_files import seeds_of_diagram, seeds_of_point
 from whirlmap.sweep.interruptible import Work, in_parts
 
 Array = NDArray[np.float64]
@@ -155,7 +156,7 @@ def continue_orbit(
         elif orbit is not None:
             found = first.given(orbit, period)
         elif seeds is not None:
-            found = first.of_dataset(seeds) if begin is not None else seeds_of_diagram(first, seeds)
+            found = seeds_of_point(first, seeds) if begin is not None else seeds_of_diagram(first, seeds)
         else:
             found = first.coexisting(starts) if coexisting else first.settled(period)
         if not found and not known:

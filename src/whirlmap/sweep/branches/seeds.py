@@ -1,4 +1,4 @@
-"""Where branches begin: settled motions, given states, attractors, and points of diagrams."""
+"""Where branches begin: settled motions, given states and attractors; for points of files see `seeds_of_files`."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -6,7 +6,6 @@ from functools import cached_property
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
@@ -111,11 +110,11 @@ class Beginning:
             if seeds := self.orbits(list(points), period):
                 return seeds
             raise RangeError(
-                f"{self._place()}: Newton's method found no orbit of period {period} T from {len(points)} section points of"
+                f"{self.place()}: Newton's method found no orbit of period {period} T from {len(points)} section points of"
                 f" the settled motion, which is {found.label}"
             )
         raise RangeError(
-            f"{self._place()}: the settled motion is {found.label}, no orbit to begin with; begin where it is periodic"
+            f"{self.place()}: the settled motion is {found.label}, no orbit to begin with; begin where it is periodic"
             " (--from VALUE), give a state near an orbit (--orbit NAME=VALUE,...), or a period (--period N)"
         )
 
@@ -146,7 +145,7 @@ class Beginning:
         else:
             seeds = self.equilibrium(x) if period in (None, 0) else self.cycles(x, period or 1)
         if not seeds:
-            raise RangeError(f"{self._place()}: Newton's method found no solution from the given state")
+            raise RangeError(f"{self.place()}: Newton's method found no solution from the given state")
         return seeds
 
     def coexisting(self, starts: int) -> list[Seed]:
@@ -168,41 +167,7 @@ class Beginning:
             elif label == Regime.periodic:
                 seeds += self.orbits([x], n) if self.system.model.forced else self.cycles(x, n)
         if not seeds:
-            raise RangeError(f"{self._place()}: none of {found.sizes['attractor']} attractors is periodic")
-        return seeds
-
-    def of_dataset(self, ds: xr.Dataset) -> list[Seed]:
-        """The orbit of a labelled diagram or map at the point nearest to the value.
-
-        Raises
-        ------
-        RangeError
-            The Dataset has no section of all states there, or its point is not periodic.
-        """
-        names = [v.name for v in self.free.varied]
-        if "direction" in ds.dims:  # what a sweep up and a sweep down found
-            return [seed for way in ds["direction"].values for seed in self.of_dataset(ds.sel(direction=way))]
-        if any(name not in ds.coords for name in names) or "section" not in ds or "period_T" not in ds:
-            raise RangeError(f"the file holds no labelled section over {' and '.join(names)}: expected a diagram or a map")
-        near = {name: value for name, value in zip(names, self.value, strict=True) if name in ds.dims}
-        one = ds.sel(near, method="nearest")
-        there = tuple(float(one[name]) if name in near else v for name, v in zip(names, self.value, strict=True))
-        if there != self.value:  # Newton's method begins at the point's own value
-            return replace(self, value=there).of_dataset(ds)
-        if extra := [str(d) for d in one["section"].dims if d not in ("period", "state")]:
-            raise RangeError(f"the file is no diagram over {' and '.join(names)} alone: found also {' and '.join(extra)}")
-        kept = [str(s) for s in np.atleast_1d(one["state"].values)]
-        if missing := [s for s in self.system.states if s not in kept]:
-            every = ",".join(self.system.states)
-            raise RangeError(f"the file keeps no section of {' '.join(missing)}: make it with --plot {every}")
-        points = one["section"].sel(state=list(self.system.states)).transpose("period", "state").values
-        points, n = points[np.isfinite(points).all(axis=1)], int(one["period_T"])
-        if not n or not points.size:
-            raise RangeError(f"{self._place()}: the point of the file is {Regime(int(one['regime'])).label}, not periodic")
-        last = points[-1]  # at phase zero of the common period, which a record holds a whole number of times
-        seeds = self.orbits([last], n) if self.system.model.forced else self.cycles(last, n)
-        if not seeds:
-            raise RangeError(f"{self._place()}: Newton's method found no orbit from the point of the file")
+            raise RangeError(f"{self.place()}: none of {found.sizes['attractor']} attractors is periodic")
         return seeds
 
     def equations(self, periods: int, steps: int) -> PeriodicOrbits:
@@ -263,7 +228,7 @@ class Beginning:
                 break
             wait *= 8
         if times.size <= returns:
-            raise RangeError(f"{self._place()}: the motion crosses its section {times.size} times in {wait} typical times")
+            raise RangeError(f"{self.place()}: the motion crosses its section {times.size} times in {wait} typical times")
         first = crossed["section"].values[times.size - 1 - returns]
         duration = float(times[-1] - times[-1 - returns])
         guess = Unknowns(first[None], np.array(self.value), duration)
@@ -296,31 +261,7 @@ class Beginning:
             out.append(replace(c, point=c.point.at(*self.value)))  # without the rounding of Newton's method
         return out
 
-    def _place(self) -> str:
+    def place(self) -> str:
+        """The values of the free parameters, in words."""
         values = zip(self.free.varied, self.value, strict=True)
         return ", ".join(f"{v.given} = {v.shown(value):g}{' ' + v.unit if v.unit != '1' else ''}" for v, value in values)
-
-
-def seeds_of_diagram(first: Beginning, ds: xr.Dataset) -> list[Seed]:
-    """An orbit in the middle of each stretch of a diagram's points of one period.
-
-    Raises
-    ------
-    RangeError
-        No stretch gives one.
-    """
-    (varied,) = first.free.varied
-    if varied.name not in ds.dims:
-        raise RangeError(f"the file is no diagram over {varied.name}: its points are over {' '.join(map(str, ds.dims))}")
-    seeds: list[Seed] = []
-    for sweep in [ds.sel(direction=d) for d in ds["direction"].values] if "direction" in ds.dims else [ds]:
-        period, at = sweep["period_T"].values, sweep[varied.name].values
-        edges = np.flatnonzero(np.diff(period)) + 1
-        for part in np.split(np.arange(at.size), edges):
-            inside = part[(at[part] >= varied.low) & (at[part] <= varied.high)]
-            if inside.size and period[inside[0]]:
-                seeds += replace(first, value=(float(at[inside[inside.size // 2]]),)).of_dataset(sweep)
-    if not seeds:
-        ends = f"{varied.shown(varied.low):g} to {varied.shown(varied.high):g}"
-        raise RangeError(f"the diagram has no periodic point from {ends}")
-    return seeds
