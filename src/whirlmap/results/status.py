@@ -24,7 +24,7 @@ class Status(IntEnum):
 
 SENTENCES = {
     Status.ok: "ran to its end",
-    Status.contact: "a journal reached its bearing",
+    Status.contact: "a stop that the model declares was reached, such as a journal its bearing",
     Status.diverged: "a state grew beyond the model's bound, or passed through a pole of the equations",
     Status.unresolved: "a step failed, also with steps 1024 times shorter: try more steps per T",
     Status.failed: "could not be computed",
