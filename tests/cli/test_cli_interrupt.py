@@ -34,25 +34,26 @@ def start(*words):
     )
 
 
-def interrupt_at(process, words):
-    """Send SIGINT once a progress line contains some words; returns stdout and stderr."""
+def interrupt_at(process, words, number=signal.SIGINT):
+    """Send a signal once a progress line contains some words; returns stdout and stderr."""
     seen = []
     for line in process.stderr:
         seen.append(line)
         if words in line:
-            process.send_signal(signal.SIGINT)
+            process.send_signal(number)
             break
     rest = process.communicate(timeout=120)
     return rest[0], "".join(seen) + rest[1]
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT between processes")
-def test_an_interrupted_diagram_keeps_the_points_that_were_finished(tmp_path):
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupted_diagram_keeps_the_points_that_were_finished(number, tmp_path):
     place = tmp_path / "part.nc"
     process = start(
         "bifurcation", "duffing", "--vary", "gamma=0.2:0.5:100000", "--workers", "1", "--json", "--out", place
     )  # fmt: skip
-    stdout, stderr = interrupt_at(process, " points")
+    stdout, stderr = interrupt_at(process, " points", number)
     assert process.returncode == 130, stderr
     assert "Traceback" not in stderr and "were kept" in stderr
     ds = xr.load_dataset(place)
@@ -115,15 +116,15 @@ except KeyboardInterrupt:
 """
 
 
-def said_and_ended(words, signals):
-    """Send one SIGINT at each line that a process prints, as many as are asked; returns stderr and seconds to the end."""
+def said_and_ended(words, numbers):
+    """Send one signal at each line that a process prints; returns stderr and seconds to the end."""
     process = subprocess.Popen(
         [sys.executable, "-c", TWICE, *words], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     )  # fmt: skip
-    for _ in range(signals):
+    for number in numbers:
         process.stdout.readline()
-        process.send_signal(signal.SIGINT)
+        process.send_signal(number)
         begun = time.monotonic()
     stderr = process.communicate(timeout=30)[1]
     assert process.returncode == 130
@@ -131,8 +132,12 @@ def said_and_ended(words, signals):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no SIGINT between processes")
-@pytest.mark.parametrize(("words", "signals"), [([], 2), (["early"], 1)])
-def test_a_second_ctrl_c_and_one_before_the_work_end_at_once(words, signals, tmp_path):
+@pytest.mark.parametrize(
+    ("words", "numbers"),
+    [([], "INT INT"), (["early"], "INT"), ([], "TERM INT"), ([], "INT TERM"), (["early"], "TERM")],
+)
+def test_a_second_ctrl_c_and_one_before_the_work_end_at_once(words, numbers, tmp_path):
+    signals = [signal.Signals[f"SIG{name}"] for name in numbers.split()]
     stderr, seconds = said_and_ended([str(tmp_path / "there.txt"), *words], signals)
     assert seconds < 10 and "Traceback" not in stderr
     assert "interrupted, and ended at once: nothing was written" in stderr

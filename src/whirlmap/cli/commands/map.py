@@ -1,7 +1,6 @@
 """``whirlmap map``: regimes over a grid of parameters, or over random draws, in a store that survives interruptions."""
 
 import shlex
-import signal
 import sys
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -72,7 +71,6 @@ def map(  # noqa: A001 (the command's name)
         raise RangeError(f"--out: found {len(space.dims)} dimensions, expected at most two for a picture; use --store")
 
     watch = _Watch(space.points, quiet=quiet)
-    before = signal.signal(signal.SIGTERM, interrupts.first)  # Slurm ends a job with it
     units = Dimensions(system, own=dimensionless)
     with TemporaryDirectory(prefix="whirlmap-") as passing:
         place = Path(passing) / "map" if store is None and not (resume or part or dask) else store
@@ -94,8 +92,6 @@ def map(  # noqa: A001 (the command's name)
                 })  # fmt: skip
             say(watch.interrupted(store, files))
             raise typer.Exit(interrupts.INTERRUPTED) from None
-        finally:
-            signal.signal(signal.SIGTERM, before)
         found = _curves(system, space, wanted, labelling, execution, quiet=quiet)
         files = destination.write(ds, lambda done: pictures.regime_map(units, done, quantity, list(found.values())))
     if watch.last is not None and (doubts := doubtful(watch.last.verdicts, system.model)):

@@ -1,5 +1,6 @@
 """Ctrl-C: the first ends the work and keeps what is finished; one before there is any work, and a second one, end at once.
 
+The signal by which other programs ask one to end (SIGTERM: ``kill``, the end of a job's time) is answered alike.
 Nothing is imported here that takes time: Ctrl-C may come while the program itself is still being read.
 """
 
@@ -10,25 +11,32 @@ from typing import Any, NoReturn
 
 #: Exit code of a program that was interrupted.
 INTERRUPTED = 130
+#: Signals that are answered.
+SIGNALS = (signal.SIGINT, signal.SIGTERM)
 
 
 def begin() -> None:
     """Have Ctrl-C end the program at once, until `keep` is called; where it is ignored (``nohup``, ``&``) it stays so."""
-    if signal.getsignal(signal.SIGINT) is not signal.SIG_IGN:
-        signal.signal(signal.SIGINT, end_at_once)
+    for number in SIGNALS:
+        if signal.getsignal(number) is not signal.SIG_IGN:
+            signal.signal(number, end_at_once)
 
 
 def keep() -> None:
     """From now on have the first Ctrl-C raise `KeyboardInterrupt`, which commands answer."""
-    if signal.getsignal(signal.SIGINT) is end_at_once:
-        signal.signal(signal.SIGINT, first)
+    _replace(end_at_once, first)
 
 
 def first(signum: int, frame: Any) -> NoReturn:  # noqa: ARG001 (a signal's handler)
     """Raise `KeyboardInterrupt`; the next Ctrl-C ends the program."""
-    if signal.getsignal(signal.SIGINT) is first:
-        signal.signal(signal.SIGINT, end_at_once)
+    _replace(first, end_at_once)
     raise KeyboardInterrupt
+
+
+def _replace(handler: Any, other: Any) -> None:
+    for number in SIGNALS:
+        if signal.getsignal(number) is handler:
+            signal.signal(number, other)
 
 
 def end_at_once(signum: int, frame: Any) -> NoReturn:  # noqa: ARG001 (a signal's handler)
