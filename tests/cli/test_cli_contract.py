@@ -49,7 +49,7 @@ KEYS = {
     "continue": "case model parameters varied unit branches doubts assumptions files incomplete",
     "attractors": "case model attractors outcomes starts seed files incomplete",
     "basins": "case model attractors outcomes grid starts files incomplete",
-    "speeds": "windows s rpm limit limit_um verdict verdicts windows stretches margin amplitude min_film max_load operation units",
+    "speeds": "s rpm limit limit_um verdict verdicts windows stretches margin amplitude min_film max_load operation units",
     "improve": "case varied designs widest calmest limit limit_um s files incomplete units",
     "map": "case model varied points regimes chunks chunks_failed store files incomplete",
 }  # fmt: skip

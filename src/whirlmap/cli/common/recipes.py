@@ -47,7 +47,7 @@ class Recipe:
     def text(self) -> str:
         """The recipe in Markdown."""
         lines = "\n".join(f"    {line}" for line in self.commands)
-        took = " It may take minutes." if self.long else ""
+        took = " It takes up to a minute." if self.long else ""
         keys = ", ".join(self.keys)
         return (
             f"### {self.name}: {self.title}\n\n{self.when}{took}\n\n{lines}\n\n{self.answer}\n"
