@@ -59,10 +59,11 @@ class Recipe:
 def recipes() -> dict[str, Recipe]:
     """All recipes by name, in the order of the file."""
     tables = tomllib.loads(FILE.read_text(encoding="utf-8"))
-    return {
-        name: Recipe(name, **{key: tuple(value) if isinstance(value, list) else value for key, value in table.items()})
-        for name, table in tables.items()
-    }
+    made = {}
+    for name, table in tables.items():
+        commands, keys = (tuple(table.pop(key)) for key in ("commands", "keys"))
+        made[name] = Recipe(name=name, commands=commands, keys=keys, **table)
+    return made
 
 
 def recipe(name: str) -> Recipe:
