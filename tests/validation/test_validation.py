@@ -1,5 +1,6 @@
-"""The validation page: what its fixture refuses, and how a run becomes a page."""
+"""The validation page: what its fixture refuses, how a run becomes a page, and that docs has the page of these tests."""
 
+import ast
 import os
 import re
 import subprocess
@@ -11,6 +12,7 @@ import pytest
 from tests.validation.rows import Validation
 
 ROOT = Path(__file__).parents[2]
+PAGE = ROOT / "docs" / "validation.md"
 FOUR = """
 import pytest
 
@@ -99,3 +101,30 @@ def test_rows_that_hold_stand_by_tier_and_claims_that_fail_before_those_that_hol
     assert "| many (3 values) | 2.1 | 2 | 1.0e-01 | 0.2 | SciPy |" in made[made.index("## Independent") :]
     assert made.index("all is chaotic") < made.index("low is 8T")
     assert re.search(r"Run on 20\d\d-\d\d-\d\d with whirlmap \d", made)
+
+
+#: Tests that are skipped where another program is not installed.
+NEED_MORE = {("tests/independent/test_auto.py", "test_branches_and_events_are_those_that_auto_finds")}
+
+
+def takes_it(function):
+    return "validate" in [argument.arg for argument in function.args.args]
+
+
+def recording():
+    """Every test that takes the fixture, by file and name."""
+    for file in (ROOT / "tests").rglob("test_*.py"):
+        if file.parent == Path(__file__).parent:
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.FunctionDef) and node.name.startswith("test_") and takes_it(node):
+                yield file.relative_to(ROOT).as_posix(), node.name
+
+
+def test_the_page_in_docs_is_of_the_tests_of_today():
+    """`make validation` renews it; its numbers are those of its own run, and are not compared."""
+    text = PAGE.read_text(encoding="utf-8")
+    on_page = {(file, name) for name, file in re.findall(r"\[(test_\w+)\]\(\.\./([\w/.]+)\)", text)}
+    assert on_page | NEED_MORE == set(recording())
+    assert int(re.search(r"^(\d+) checks", text, flags=re.MULTILINE)[1]) >= 60
+    assert text.index("## Open and failing") < text.index("## Exact") < text.index("## Independent")
