@@ -9,7 +9,7 @@ QUALITY ?= quick
 OUT ?= $(if $(filter full,$(QUALITY)),reproduction-full,reproduction)
 BIN := .venv/bin
 
-.PHONY: setup python test slow lint reproduce bench clean
+.PHONY: setup python test slow validation lint reproduce bench clean
 
 setup: .venv/ready
 	@echo "whirlmap is installed in .venv. Call it as $(BIN)/whirlmap, or first activate it:  . $(BIN)/activate"
@@ -34,6 +34,9 @@ test: .venv/tested
 
 slow: .venv/tested
 	$(BIN)/python -m pytest -m slow
+
+validation: .venv/tested  # docs/validation.md, out of the tests that compare with known answers: some ten minutes
+	$(BIN)/python -m pytest -m "" -n 2 --dist loadfile --validation docs/validation.md
 
 lint: .venv/tested
 	$(BIN)/ruff check src tests benchmarks

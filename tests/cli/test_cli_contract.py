@@ -16,6 +16,7 @@ COMMANDS = {name: main.loaded(name) for name in main.COMMANDS}
 
 #: The least work with which each command prints its JSON; reproduce, identify and bench have tests of their own.
 SMALL = {
+    "recipes": "recipes",
     "cases": "cases",
     "show": "show duffing",
     "simulate": "simulate duffing --periods 2",
@@ -34,6 +35,7 @@ SMALL = {
 
 #: What programs read of each: these keys stay. Those of `diagnose` are the contract of the design.
 KEYS = {
+    "recipes": "recipes",
     "cases": "cases",
     "show": "case model switches parameters states outputs inputs quantities clocks start warnings period common_period",
     "simulate": "case model parameters period samples time motion status end_time files incomplete units",

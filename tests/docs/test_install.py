@@ -1,12 +1,17 @@
 """What installing meets: which Python `make` takes, what it installs, and what the metadata promise."""
 
 import os
+import re
+import shlex
 import shutil
 import subprocess
 import tomllib
 from pathlib import Path
 
 import pytest
+from typer.testing import CliRunner
+
+from whirlmap.cli.main import app
 
 ROOT = Path(__file__).parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
@@ -61,7 +66,8 @@ def test_reproducing_needs_no_test_tools(bare):
 
 def test_metadata_say_for_whom_and_for_which_python():
     assert PROJECT["requires-python"] == ">=3.11" and "rotordynamics" in PROJECT["keywords"]
-    assert "Programming Language :: Python :: 3.11" in PROJECT["classifiers"]
+    tried = [f"Programming Language :: Python :: 3.{minor}" for minor in (11, 12, 13)]
+    assert [c for c in PROJECT["classifiers"] if re.search(r":: 3\.\d", c)] == tried
     assert not [c for c in PROJECT["classifiers"] if "License" in c]  # the expression says it; both together are refused
 
 
@@ -69,3 +75,10 @@ def test_the_first_screen_says_for_whom_how_to_install_and_what_to_type():
     screen = "\n".join((ROOT / "README.md").read_text(encoding="utf-8").splitlines()[:40])
     for words in ("engineer", "pip install", "Python 3.11", "whirlmap new", "whirlmap show", "whirlmap speeds"):
         assert words in screen
+
+
+def test_the_readme_shows_what_its_first_command_prints():
+    text = (ROOT / "README.md").read_text(encoding="utf-8")
+    command = re.search(r"^    whirlmap (diagnose duffing .*?)  ", text, re.MULTILINE)[1]
+    said = CliRunner().invoke(app, [*shlex.split(command), "--quiet"]).stdout.splitlines()[0]
+    assert f"The first command prints `{said}`" in text

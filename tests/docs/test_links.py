@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+PAGES = [*(ROOT / name for name in ("README.md", "CONTRIBUTING.md", "CHANGELOG.md")), *sorted((ROOT / "docs").rglob("*.md"))]
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 
 
@@ -25,3 +25,11 @@ def test_links_stay_in_the_repository_and_lead_somewhere(page):
         target = (page.parent / name).resolve() if name else page
         assert target.is_relative_to(ROOT) and target.exists(), link
         assert not anchor or anchor in anchors(target), link
+
+
+def test_files_that_contributing_names_are_there():
+    text = (ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8")
+    named = set(re.findall(r"[`\s(]((?:[\w.]+/)*[\w]+\.(?:py|toml|md))[`\s:),;.]", text)) - {"NAME.py"}
+    folders = [ROOT / folder for folder in ("", "docs", "src/whirlmap", "src/whirlmap/analysis/labels")]
+    missing = [name for name in named if "NAME" not in name and not any((folder / name).is_file() for folder in folders)]
+    assert len(named) > 20 and not missing, missing

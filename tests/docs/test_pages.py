@@ -29,7 +29,7 @@ NOT_RUN = {
 }  # fmt: skip
 #: Start of a command or of a Python block that takes more than about 10 s.
 SLOW = (
-    "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve", "whirlmap basins",
+    "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve",
     "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
     "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap show machines/two-shaft-gearbox",

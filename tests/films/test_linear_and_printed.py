@@ -10,28 +10,32 @@ from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squar
 from whirlmap.films.porous_short import film_force
 
 
-def test_oil_whip_table():
+def test_oil_whip_table(validate):
     """Own values of known_values.md, plain film: attitude, whirl ratio, threshold."""
     rows = [(0.1, 82.708, 0.50294, 2.7413), (0.3, 68.178, 0.51942, 2.6058), (0.5, 53.680, 0.51464, 2.5417)]
     for eps, attitude, ratio, p_s in rows:
         film = linear_film(eps, 0.0)
-        assert np.degrees(film.attitude) == pytest.approx(attitude, abs=6e-4)
-        assert np.sqrt(whirl_ratio_squared(film)) == pytest.approx(ratio, abs=6e-6)
-        assert whip_threshold(eps, 0.0) == pytest.approx(p_s, abs=6e-5)
+        found = [np.degrees(film.attitude), np.sqrt(whirl_ratio_squared(film)), float(whip_threshold(eps, 0.0))]
+        validate(f"plain short bearing, eccentricity {eps:g}: attitude in degrees, whirl ratio, threshold omega sqrt(c/g)",
+                 found, [attitude, ratio, p_s], tier="independent",
+                 source="closed-form film integrals and Routh-Hurwitz, other code",
+                 within=[6e-4, 6e-6, 6e-5])  # fmt: skip
 
 
-def test_oil_whip_limits():
-    assert whip_threshold(1e-5, 0.0) == pytest.approx(2.0 * np.sqrt(6.0 / np.pi), rel=1e-8)
-    assert np.sqrt(whirl_ratio_squared(linear_film(1e-5, 0.1))) == pytest.approx(0.5, rel=1e-8)
+def test_oil_whip_limits(validate):
+    light = [float(whip_threshold(1e-5, 0.0)), float(np.sqrt(whirl_ratio_squared(linear_film(1e-5, 0.1))))]
+    validate("short bearing without load: threshold omega sqrt(c/g) and whirl ratio", light,
+             [2.0 * np.sqrt(6.0 / np.pi), 0.5], tier="exact", source="limit of small eccentricity", rel=1e-8)  # fmt: skip
     end = brentq(lambda eps: float(whirl_ratio_squared(linear_film(eps, 0.0))), 0.7, 0.8)
     assert end == pytest.approx(0.75603, abs=5e-6)
     assert np.isinf(whip_threshold([0.7561, 0.9], 0.0)).all()
 
 
-def test_coefficients_at_one_half():
+def test_coefficients_at_one_half(validate):
     film = linear_film(0.5, 0.0)
-    np.testing.assert_allclose(film.K, [[2.9233, 3.9766], [-0.8577, 2.2099]], atol=6e-5)
-    np.testing.assert_allclose(film.C, [[6.6148, 2.2450], [2.2450, 3.0539]], atol=6e-5)
+    known = [[2.9233, 3.9766], [-0.8577, 2.2099]], [[6.6148, 2.2450], [2.2450, 3.0539]]
+    validate("plain short bearing, eccentricity 0.5: stiffness and damping coefficients", [film.K, film.C], known,
+             tier="independent", source="closed-form film integrals, other code", within=6e-5)  # fmt: skip
 
 
 @pytest.mark.parametrize("arc", ["fixed", "positive"])

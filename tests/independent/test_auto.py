@@ -82,7 +82,7 @@ def compare(ds, name, number, points):
     return sorted(zip(kinds, events[name].values[mine].tolist(), strict=True)), theirs
 
 
-def check(case, values):
+def check(case, values, validate):
     """One case against AUTO's values."""
     name, ds, branches = followed(case)
     assert ds.sizes["branch"] == len(branches)
@@ -91,23 +91,24 @@ def check(case, values):
         if branch == "equilibrium":  # the pitchfork, at which AUTO sees this branch turn
             mine = sorted(("fold" if kind == "branch-point" else kind, value) for kind, value in mine)
         assert [kind for kind, _ in mine] == [kind for kind, _ in theirs]
-        for (_, value), (_, truth) in zip(mine, theirs, strict=True):
-            assert value == pytest.approx(truth, rel=EVENT)
+        for (kind, value), (_, truth) in zip(mine, theirs, strict=True):
+            validate(f"{case}, {branch}: {name} of the {kind}", value, truth, tier="independent",
+                     source="AUTO-07p, collocation", rel=EVENT)  # fmt: skip
 
 
 @pytest.mark.parametrize("case", CASES)
-def test_branches_and_events_are_those_that_auto_found(case):
+def test_branches_and_events_are_those_that_auto_found(case, validate):
     """What AUTO found is kept."""
-    check(case, json.loads(KEPT.read_text()))
+    check(case, json.loads(KEPT.read_text()), validate)
 
 
 @pytest.mark.slow
 @pytest.mark.skipif(program() is None, reason="needs the command of AUTO-07p (auto or auto-07p) and gfortran on the PATH")
 @pytest.mark.parametrize("case", CASES)
-def test_branches_and_events_are_those_that_auto_finds(case, tmp_path):
+def test_branches_and_events_are_those_that_auto_finds(case, tmp_path, validate):
     """AUTO is asked again."""
     system = case.split()[0]
-    check(case, {system: ask(system, tmp_path)})
+    check(case, {system: ask(system, tmp_path)}, validate)
 
 
 if __name__ == "__main__":

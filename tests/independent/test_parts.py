@@ -87,7 +87,7 @@ def spread(system, full, x):
 
 
 @pytest.mark.parametrize("name", MACHINES)
-def test_eigenvalues_are_those_of_the_full_matrices(tmp_path, name):
+def test_eigenvalues_are_those_of_the_full_matrices(tmp_path, name, validate):
     """Every mode below 2.5 times the highest shaft speed: to 1 % where it is lightly damped, else to 3 %."""
     box = MACHINES[name]
     system, full = loaded(tmp_path, box), Matrices(box)
@@ -101,7 +101,9 @@ def test_eigenvalues_are_those_of_the_full_matrices(tmp_path, name):
     nearest = np.abs(ours[None] - expected[:, None])
     error, damping = nearest.min(axis=1) / np.abs(expected), -expected.real / np.abs(expected)
     assert np.unique(nearest.argmin(axis=1)).size == expected.size
-    assert (error < np.where(damping < 0.3, 0.01, 0.03)).all(), np.stack([expected / highest, error, damping], axis=1)
+    validate(f"machine from parts, {name}: relative error of its eigenvalues by reduction", error, 0, tier="independent",
+             source="full finite-element matrices, written for this test",
+             within=np.where(damping < 0.3, 0.01, 0.03))  # fmt: skip
 
 
 @pytest.mark.parametrize("name", MACHINES)

@@ -28,6 +28,8 @@ def starts(seed, low, high, count=32):
     return np.random.default_rng(seed).uniform(np.array(low)[:, None], np.array(high)[:, None], (len(low), count))
 
 
+PUBLISHED = "published", "Sprott, common chaotic systems"
+OWN = "independent", "Runge-Kutta in tangent space with QR, other code"
 DUFFING_UEDA = {"delta": 0.2, "alpha": -1.0, "beta": 1.0, "gamma": 0.3, "omega": 1.0}
 DUFFING = {"delta": 0.3, "alpha": -1.0, "beta": 1.0, "gamma": 0.5, "omega": 1.2}
 
@@ -41,7 +43,7 @@ DUFFING = {"delta": 0.3, "alpha": -1.0, "beta": 1.0, "gamma": 0.5, "omega": 1.2}
         ("duffing", DUFFING, (-1, -1), (1, 1), 100, 3000, 0.1057, 0.001),
     ],
 )
-def test_largest_exponents(name, values, low, high, steps, periods, exponent, error):
+def test_largest_exponents(name, values, low, high, steps, periods, exponent, error, validate):
     e = lanes(name, values, starts(1, low, high), steps)
     e.advance(60)
     growth = e.advance(periods).growth[:, 0]
@@ -50,7 +52,12 @@ def test_largest_exponents(name, values, low, high, steps, periods, exponent, er
     assert each.min() > 0  # every start is on the chaotic attractor
     own_error = each.std() / np.sqrt(each.size)
     assert own_error < error  # the lanes are enough to speak
-    assert each.mean() == pytest.approx(exponent, abs=3 * error + 0.01 * exponent)
+    tier, source = PUBLISHED if name in ("lorenz", "roessler") else OWN
+    shown = ", ".join(f"{key} {value:g}" for key, value in values.items())
+    validate(
+        f"{name}, {shown}: largest Lyapunov exponent", each.mean(), exponent, tier=tier, source=source,
+        within=3 * error + 0.01 * exponent,
+    )  # fmt: skip
 
 
 LADDER = {0.20: 1, 0.28: 2, 0.29: 4, 0.37: 5, 0.50: 0, 0.65: 2}  # multiple 0: nothing returns
@@ -66,11 +73,14 @@ def multiples(name, values, swept, x, *, settle, steps, most=16):
 
 
 @pytest.mark.parametrize("start", [(1.0, 0.0), (0.0, 0.0), (-1.0, 0.5)])
-def test_duffings_period_ladder(start):
+def test_duffings_period_ladder(start, validate):
     gamma = np.array(list(LADDER))
     x = np.repeat(np.array(start)[:, None], gamma.size, axis=1)
     found = multiples("duffing", DUFFING, {"gamma": gamma}, x, settle=1500, steps=150)
-    assert dict(zip(gamma.tolist(), found.multiple.values.tolist(), strict=True)) == LADDER
+    said, truth = (", ".join(f"{g:g}: {n}T" if n else f"{g:g}: none" for g, n in zip(gamma, ns, strict=True))
+                   for ns in (found.multiple.values, LADDER.values()))  # fmt: skip
+    validate(f"Duffing, delta 0.3, omega 1.2, from {start}: period at each gamma", said, truth, tier="independent",
+             source="Newton's method on the stroboscopic map, other code")  # fmt: skip
     assert found.nearest_multiple.values[4] > 0
     assert found.distance.values[4] > 1e-3  # chaos is far from returning, not just beyond the tolerance
 
@@ -84,7 +94,7 @@ def test_duffings_first_doublings():
     assert found.multiple.values.tolist() == [1, 2, 2, 4]
 
 
-def test_roesslers_one_loop_cycle():
+def test_roesslers_one_loop_cycle(validate):
     """Through (0, 6.0918, 1.2997), back after 5.88108845586: ChaosBook. Located with one short step by the oracle."""
     system = System(family("roessler").model(), {"a": 0.2, "b": 0.2, "c": 5.7})
     x = np.array([0.0, 6.09176831742, 1.29973195919])
@@ -99,11 +109,12 @@ def test_roesslers_one_loop_cycle():
         step = -y[0] / rate[0]
         middle = y + step / 2 * rate
         y, period = y + step * system.reference_rhs(0.0, middle), period + step
-    assert period == pytest.approx(5.88108845586, abs=2e-8)  # eleven digits of a start, times its multiplier
+    validate("Roessler a = b = 0.2, c = 5.7: period of the one-loop cycle, integrated from its published point", period,
+             5.88108845586, tier="published", source="ChaosBook", within=2e-8)  # eleven digits, times its multiplier
     np.testing.assert_allclose(y, x, rtol=0, atol=1e-7)
 
 
-def test_lorenzs_hopf_bifurcation():
+def test_lorenzs_hopf_bifurcation(validate):
     """rho = 470/19: a pair of eigenvalues of the foci lies on the imaginary axis."""
     rho = 470 / 19
     system = System(family("lorenz").model(), {"sigma": 10.0, "rho": rho, "beta": 8 / 3})
@@ -113,7 +124,8 @@ def test_lorenzs_hopf_bifurcation():
     values = np.linalg.eigvals(system.jacobian(0.0, focus))
     pair = values[np.abs(values.imag) > 1]
     assert pair.size == 2
-    np.testing.assert_allclose(pair.real, 0, atol=1e-13)
+    validate("Lorenz, rho = 470/19: real parts of the pair that crosses", pair.real, 0, tier="exact",
+             source="Hopf bifurcation in closed form", within=1e-13)  # fmt: skip
 
 
 def test_gear_with_backlash():

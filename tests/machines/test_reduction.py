@@ -83,13 +83,14 @@ def test_a_lumped_rotor_is_the_paper_s():
     assert numbers.residual.tolist() == [[1.0]] and numbers.shapes.tolist() == [[1.0], [1.0]]
 
 
-def test_massless_stations_are_condensed():
+def test_massless_stations_are_condensed(validate):
     """A mass between two springs to massless ends, of which one carries a second mass behind a third spring."""
     K = np.array([[2.0, -2, 0, 0], [-2, 5, -3, 0], [0, -3, 7, -4], [0, 0, -4, 4.0]])
     M = np.diag([1.0, 0.0, 0.0, 2.0])
     found = spectrum(M, K, np.ones((4, 1)))
     k = 1 / (1 / 2 + 1 / 3 + 1 / 4)
-    assert found.frequency == pytest.approx([0.0, np.sqrt(k * (1 + 1 / 2))], abs=1e-12)
+    validate("chain of masses with massless stations: natural frequencies", found.frequency, [0.0, np.sqrt(k * (1 + 1 / 2))],
+             tier="exact", source="springs in series", within=1e-12)  # fmt: skip
 
 
 def test_parts_that_nothing_holds_together_are_refused():

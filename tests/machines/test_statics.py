@@ -33,7 +33,7 @@ def test_equilibria_are_found_over_speeds_and_loads(tmp_path, text):
         assert np.median(apart) < 0.01 and eccentricity.max() > 2 * eccentricity.min()
 
 
-def test_a_single_rotor_has_the_loads_of_a_beam_on_two_supports(tmp_path):
+def test_a_single_rotor_has_the_loads_of_a_beam_on_two_supports(tmp_path, validate):
     """Reactions by the lever rule: the films carry the weight of shaft and disk, each its share."""
     at = [GOOD.index(text) for text in ('[[shaft]]\nname = "gear"', "[[disk]]", '[[bearing]]\nname = "gear_end"')]
     alone = GOOD[: at[0]] + GOOD[at[1] : at[2]]
@@ -48,4 +48,5 @@ def test_a_single_rotor_has_the_loads_of_a_beam_on_two_supports(tmp_path):
     loads = [force * float(system.model.outputs[f"load_{b}"].expression.subs(numbers)) for b in ("drive_end", "free_end")]
     weight = 9.81 * shaft.mass
     right = weight * shaft.centre / 0.2
-    np.testing.assert_allclose(loads, [weight - right, right], rtol=1e-4)
+    validate("rotor from parts on two films: loads at rest in N", loads, [weight - right, right], tier="exact",
+             source="lever rule", rel=1e-4)  # fmt: skip

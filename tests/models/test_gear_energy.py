@@ -17,7 +17,7 @@ FILMS = [
     ("switches", "changes"), [*(({"arc": "fixed", **s}, {}) for s in SWITCHED), *FILMS],
     ids=lambda s: " ".join(f"{k}={v}" for k, v in s.items()) or "as derived",
 )  # fmt: skip
-def test_energy_balance_closes(switches, changes):
+def test_energy_balance_closes(switches, changes, validate):
     """Power in less losses less the change of what is stored, over one mesh period, after the motion has begun."""
     system = pair(changes, **switches)
     n, energy = system.model.dimension, Energy(system)
@@ -41,7 +41,9 @@ def test_energy_balance_closes(switches, changes):
     first, last = whole.t[0], whole.t[-1]
     change = energy.stored(last, y[:n], k(last)) - energy.stored(first, begin[:n], k(first))
     assert abs(y[n]) > 1e-3  # something happens
-    assert abs(y[n] - change) < 1e-8 * max(1.0, abs(y[n]))
+    shown = ", ".join(f"{key} {value}" for key, value in switches.items())
+    validate(f"gear pair ({shown}): work done over a mesh period", y[n], change, tier="invariant",
+             source="change of the stored energy", within=1e-8 * max(1.0, abs(y[n])))  # fmt: skip
     if "backlash" in energy.on:
         assert seen["loose"] < 0.0
     if "contact" in energy.on:

@@ -21,7 +21,7 @@ VALUES = {"s": 1.4, "Gamma": 0.6, "b": 0.2, "k": 8.0, "xi": 0.03, "k_c": 3.0}
     ],
     ids=lambda s: " ".join(s.values()),
 )
-def test_energy_balance_closes(switches):
+def test_energy_balance_closes(switches, validate):
     """In W c: mass 1/g per bearing, so that kinetic energy is s^2 v^2/2; the film force from the velocity, by quadrature."""
     model = family("jeffcott").model(**switches)
     system = System(model, {p.name: VALUES[p.name] for p in model.parameters})
@@ -54,4 +54,6 @@ def test_energy_balance_closes(switches):
     whole = solve_ivp(rates, (0.3, 0.3 + system.period), begin, method="DOP853", rtol=1e-12, atol=1e-12)
     change = stored(whole.y[:n, -1]) - stored(begin[:n])
     assert abs(whole.y[n, -1]) > 1e-2  # something happens
-    assert abs(whole.y[n, -1] - change) < 1e-8 * max(1.0, abs(change))
+    shown = ", ".join(f"{key} {value}" for key, value in switches.items())
+    validate(f"Jeffcott rotor ({shown}): work done over a turn", whole.y[n, -1], change, tier="invariant",
+             source="change of the stored energy", within=1e-8 * max(1.0, abs(change)))  # fmt: skip

@@ -13,7 +13,7 @@ from tests.trust.blind_asking import ask, judged, said
 from tests.trust.blind_exact import equilibria, rotor
 from tests.trust.blind_fresh import drawn
 from tests.trust.blind_models import MODELS
-from tests.trust.blind_points import POINTS
+from tests.trust.blind_points import LONG, NEWTON, POINTS
 from tests.trust.blind_truth import NAMES, rates, vector
 from tests.trust.blind_truths import FILE, evidence
 from tests.trust.truth_numbers import kept
@@ -80,8 +80,11 @@ def test_closed_forms_solve_the_declared_equations(name):
 
 
 @pytest.mark.parametrize("name", QUICK)
-def test_cheap_points(name):
-    assert said(BY_NAME[name]) == BY_NAME[name].truth
+def test_cheap_points(name, validate):
+    point = BY_NAME[name]
+    near = "" if point.margin is None else f", {point.margin:g} from a threshold"
+    tier = "independent" if point.known in (LONG, NEWTON) else "exact"
+    validate(f"label of {name}{near}", said(point), point.truth, tier=tier, source=point.known)
 
 
 def hold(points, by):

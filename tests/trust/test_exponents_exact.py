@@ -4,6 +4,8 @@ A value may differ from the truth by three of its errors and a rounding, and an 
 make a claim false. Sums are the mean of the divergence (Liouville), known even where the motion is chaotic.
 """
 
+from functools import partial
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -46,13 +48,18 @@ def spectrum(system, **options):
     return ds if isinstance(ds, Refused) else (ds["lyapunov"].values, ds["lyapunov_error"].values)
 
 
-def agree(found, exact, *, period=T, error_below=1e-3, floor=1e-7):
-    """Within three errors and a rounding, with errors that are worth having (over one period)."""
+def agree(found, exact, *, period=T, error_below=1e-3, floor=1e-7, record=None):
+    """Within three errors and a rounding, with errors that are worth having (over one period).
+
+    ``record`` is the fixture `validate` with what it says of the row.
+    """
     value, error = found
     exact = np.sort(np.asarray(exact, dtype=float))[::-1]
     assert np.all(np.isfinite(value)) and np.all(error >= 0)
-    off = np.abs(value - exact)
-    assert np.all(off <= 3 * error + floor * (np.abs(exact) + 1 / period)), (value, error, exact)
+    off, allowed = np.abs(value - exact), 3 * error + floor * (np.abs(exact) + 1 / period)
+    if record is not None:
+        record(value, exact, within=allowed)
+    assert np.all(off <= allowed), (value, error, exact)
     assert np.all(error <= error_below * (np.abs(exact) + 1 / period)), (error, exact)
 
 
@@ -72,12 +79,15 @@ LINEAR = {  # name -> model, values, exact exponents
 
 
 @pytest.mark.parametrize("name", LINEAR)
-def test_linear_systems(name):
+def test_linear_systems(name, validate):
     model, values, exact = LINEAR[name]
     found = spectrum(whirlmap.load(model, **values))
     # Directions a distance of 1e-4 apart in rate do not part within the run: theirs mix, the sum stays.
     floor = 5e-4 if name == "equal" else 1e-7
-    agree(found, exact, period=T / values["w"], error_below=2e-2, floor=floor)  # pairs of complex multipliers turn
+    shown = ", ".join(f"{key} {number:g}" for key, number in values.items())
+    record = partial(validate, f"{model.name}, {shown}: Lyapunov exponents", tier="exact", source="closed form")
+    # Pairs of complex multipliers turn.
+    agree(found, exact, period=T / values["w"], error_below=2e-2, floor=floor, record=record)
 
 
 @pytest.mark.parametrize("name", some(["mild", "fast", "sheared-fast", "breathing-fast", "overdamped"], ["fast"]))
@@ -89,18 +99,20 @@ def test_linear_systems_diagnosed(name):
 
 
 @pytest.mark.parametrize(("b_", "w_"), [(0.3, 0.9), (0.6, 1.4)])
-def test_hills_equation(b_, w_):
+def test_hills_equation(b_, w_, validate):
     """The monodromy matrix by SciPy."""
     def rates(time, m):
         return (np.array([[0, 1], [-(1 + b_ * np.cos(w_ * time)), -0.3]]) @ m.reshape(2, 2)).ravel()
 
     m = solve_ivp(rates, (0, T / w_), np.eye(2).ravel(), method="DOP853", rtol=1e-12, atol=1e-13).y[:, -1].reshape(2, 2)
     exact = np.log(np.abs(np.linalg.eigvals(m))) / (T / w_)
-    agree(spectrum(whirlmap.load(HILL, a=1, b=b_, d=0.3, w=w_)), exact, period=T / w_, error_below=3e-2)
+    record = partial(validate, f"Hill's equation, b {b_:g}, w {w_:g}: Lyapunov exponents", tier="independent",
+                     source="monodromy matrix by SciPy, DOP853")  # fmt: skip
+    agree(spectrum(whirlmap.load(HILL, a=1, b=b_, d=0.3, w=w_)), exact, period=T / w_, error_below=3e-2, record=record)
 
 
 @pytest.mark.parametrize(("b_", "w_"), [(0.3, 0.9), (0.6, 2.0)])
-def test_meissners_equation(b_, w_):
+def test_meissners_equation(b_, w_, validate):
     """Stiffness switched by time: products of exponentials; no saltation, for the surface does not meet the state."""
     def flow(stiffness, time):
         return expm(np.array([[0, 1], [-stiffness, -0.5]]) * time)
@@ -112,7 +124,9 @@ def test_meissners_equation(b_, w_):
     if isinstance(found, Refused):
         assert found.names_the_jump
     else:
-        agree(found, exact, period=T / w_, error_below=3e-2)
+        record = partial(validate, f"Meissner's equation, b {b_:g}, w {w_:g}: Lyapunov exponents", tier="exact",
+                         source="products of matrix exponentials")  # fmt: skip
+        agree(found, exact, period=T / w_, error_below=3e-2, record=record)
 
 
 # --- chaos, torus and cycles, with slaved states of known rate -------------------------------------------------------
@@ -122,25 +136,28 @@ SLAVED = Model(name="slaved_duffing", states=(x, v, r), parameters=(A, k), harmo
 
 
 @pytest.mark.parametrize("k_", some([0.02, 8.0, 60.0], [60.0]))
-def test_a_slaved_state_of_a_chaotic_motion(k_):
+def test_a_slaved_state_of_a_chaotic_motion(k_, validate):
     """-k exactly, beside the two exponents of Duffing's oscillator, whose sum is -0.3."""
     value, error = spectrum(whirlmap.load(SLAVED, A=0.5, k=k_), common_periods=1600)
     assert np.abs(value + k_).min() < 1e-6 * (k_ + 1)
     at = int(np.argmin(np.abs(value + k_)))
     rest, errors = np.delete(value, at), np.delete(error, at)
-    assert rest.sum() == pytest.approx(-0.3, abs=1e-6)
+    validate("Duffing, chaotic: sum of the exponents", rest.sum(), -0.3, tier="invariant", source="mean divergence",
+             within=1e-6)  # fmt: skip
     assert rest[0] == pytest.approx(0.1057, abs=3 * errors[0] + 0.002)
     assert np.all(errors < 0.01)
 
 
 @pytest.mark.parametrize("periods", some([400, 1600], [400]))
-def test_lorenz(periods):
+def test_lorenz(periods, validate):
     """0.9056, 0 and -14.572, of sum -41/3 exactly."""
     model = FLOWS["lorenz"][0]
     system = whirlmap.load(model, s=10, b=8 / 3, r=28, start={"x": 1, "y": 1, "z": 1})
     value, error = spectrum(system, common_periods=periods)
-    assert np.all(np.abs(value - [0.9056, 0, -14.5723]) < 3 * error + 2e-4)
-    assert value.sum() == pytest.approx(-41 / 3, abs=1e-5)
+    validate(f"Lorenz: exponents over {periods} turns", value, [0.9056, 0, -14.5723], tier="published",
+             source="Sprott, common chaotic systems", within=3 * error + 2e-4)  # fmt: skip
+    validate(f"Lorenz: sum of the exponents over {periods} turns", value.sum(), -41 / 3, tier="invariant",
+             source="mean divergence", within=1e-5)  # fmt: skip
     assert error[0] < 0.02
 
 
@@ -191,16 +208,16 @@ FREE = {  # name -> values, start, time to settle, typical time of the model, ex
 
 
 @pytest.mark.parametrize("name", some(FREE, ["hopf", "van_der_pol-stiff", "predator_prey"]))
-def test_cycles_have_one_zero(name):
+def test_cycles_have_one_zero(name, validate):
     values, start, time, exact = FREE[name]
+    tier, source = ("exact", "closed form") if exact else ("independent", "cycle by SciPy, mean divergence along it")
     model, names, rates, cut = FLOWS["hopf" if name == "hopf-weak" else name.removesuffix("-stiff")]
     if exact is None:
         cycle = Flow(names, rates, cut, **values).cycle(start, time)
         exact = [0.0, cycle.divergence]
     system = whirlmap.load(model, **values, start=dict(zip(names.split(), start, strict=True)))
     value, error = spectrum(system)
-    off = np.abs(value - exact)
-    assert np.all(off <= 3 * error + 1e-5), (value, error, exact)
+    validate(f"{name}, cycle: Lyapunov exponents", value, exact, tier=tier, source=source, within=3 * error + 1e-5)
     assert error[0] < 0.02 and abs(value[0]) <= 3 * error[0] + 1e-6
     ds = whirlmap.diagnose(system)
     assert label(ds) == "1T"

@@ -55,11 +55,15 @@ HARMONICS = {
 
 
 @pytest.mark.parametrize("name", HARMONICS)
-def test_superharmonics(name):
+def test_superharmonics(name, validate):
     n, damping, ratios = HARMONICS[name]
     model = oscillator(f"superharmonic_{n}", chebyshevt(n, cos(w * t)))
     at = ratios / n
     ds = diagram(model, "w", at, z=damping)
+    sizes = 1 / np.hypot(1 - ratios**2, 2 * damping * ratios)
+    validate(f"superharmonic of order {n}, damping {damping:g}: peak to peak over the resonance",
+             ds["peak_to_peak"].sel(quantity="x").values, 2 * sizes, tier="exact", source="linear oscillator in closed form",
+             rel=2 * EXTREME)  # fmt: skip
     for i, r in enumerate(ratios):
         size = 1 / np.hypot(1 - r**2, 2 * damping * r)
         # Of the even ones the motion repeats after a half of T, which is a return after one T as well.
@@ -122,7 +126,7 @@ DUFFING_AT = {
 
 
 @pytest.mark.parametrize("name", DUFFING_AT)
-def test_duffings_oscillator(name):
+def test_duffings_oscillator(name, validate):
     """Newton's method on SciPy's map of the attractor found, whose label it confirms; extremes of its interpolant."""
     values, start = DUFFING_AT[name]
     system = whirlmap.load("duffing", **values, start=dict(zip(STATES, start, strict=True)))
@@ -132,6 +136,10 @@ def test_duffings_oscillator(name):
     orbit = DUFFING.at(**values).described(ds["section"].values[0, 0], n)
     assert orbit.largest < 1
     assert np.abs(orbit.z - ds["section"].values[0, 0]).max() < 1e-5 * np.ptp([orbit.low, orbit.high])
+    here = ds.sel(quantity=list(STATES))
+    validate(f"Duffing, {name}: extremes of displacement and velocity on its {n}T orbit",
+             [here["minimum"].values[0], here["maximum"].values[0]], [orbit.low, orbit.high], tier="independent",
+             source="Newton's method on SciPy's map", within=EXTREME * np.subtract(orbit.high, orbit.low))  # fmt: skip
     for i, quantity in enumerate(STATES):
         assert_extremes(ds, quantity, orbit.low[i], orbit.high[i])
 

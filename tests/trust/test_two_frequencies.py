@@ -62,11 +62,11 @@ SWEEPS = {
 
 
 @pytest.mark.parametrize("name", SWEEPS)
-def test_sweeps_of_one_frequency(name):
+def test_sweeps_of_one_frequency(name, validate):
     model, fixed, swept, at, forces = SWEEPS[name]
     at = sorted(exact(at))
     system = whirlmap.load(model, **fixed, **{swept: float(at[0])})
-    ds = whirlmap.bifurcation_diagram(system, swept, [float(w) for w in at], lyapunov=0)
+    ds, exact_rms = whirlmap.bifurcation_diagram(system, swept, [float(w) for w in at], lyapunov=0), []
     for k, w in enumerate(at):
         truth = Linear(fixed["c"], 1.0, forces(w), unit=fixed["a"] if swept == "r" else 1.0)
         numbers = {**fixed, swept: w}
@@ -83,6 +83,9 @@ def test_sweeps_of_one_frequency(name):
         assert abs(float(at_x["minimum"]) - low) < EXTREME * (high - low), float(w)
         assert abs(float(at_x["maximum"]) - high) < EXTREME * (high - low), float(w)
         assert float(at_x["rms"]) == pytest.approx(truth.rms, rel=2e-5), float(w)
+        exact_rms.append(truth.rms)
+    validate(f"forcing of several frequencies, {name}: rms over the sweep", ds["rms"].sel(quantity="x").values, exact_rms,
+             tier="exact", source="superposition", rel=2e-5)  # fmt: skip
 
 
 @pytest.mark.parametrize("at", [np.sqrt(2) / 2, (np.sqrt(5) - 1) / 2, 1 / np.pi])

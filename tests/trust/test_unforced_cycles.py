@@ -110,14 +110,16 @@ def test_diagnosis(name):
 
 
 @pytest.mark.parametrize("name", some([n for n in CYCLES if n not in STIFF], ["hopf-fast", "van-der-pol-5", "lorenz-260"]))
-def test_period_and_extremes(name):
+def test_period_and_extremes(name, validate):
     """Crossings of the section, as far apart as the truth's; extremes of the first state."""
     known, system = CYCLES[name], loaded(name)
     given = {"steps": 2048} if name == "brusselator-stiff" else {}  # what begins far from a fast turn says nothing of it
     found = whirlmap.section(system, points=120, transient=400, **given)
     times = found["crossing_time"].values[0]
     times = times[np.isfinite(times)]
-    assert times[-1] - times[-1 - known.returns] == pytest.approx(known.period, rel=2e-6)
+    tier, source = ("exact", "normal form in closed form") if known.scipy is None else ("independent", "SciPy, events")
+    validate(f"{name}: period of the cycle", times[-1] - times[-1 - known.returns], known.period, tier=tier, source=source,
+             rel=2e-6)  # fmt: skip
     if known.extremes is not None:
         ds = diagram(system)
         here = ds.sel(quantity="x")
@@ -210,12 +212,13 @@ def test_cycles_with_kinks_and_jumps(name):
     assert times[-1] - times[-2] == pytest.approx(period, rel=1e-5)
 
 
-def test_the_free_bilinear_oscillator_keeps_time():
+def test_the_free_bilinear_oscillator_keeps_time(validate):
     """Without damping every motion has the period pi + pi/sqrt(k), whatever its size: time between crossings, 40 turns."""
     system = whirlmap.load(unforced_models.BILINEAR_CYCLE, mu=0.0, k=9.0, start={"x": 0.7, "v": 0.0})
     times = whirlmap.section(system, points=30, transient=1)["crossing_time"].values[0]
     times = times[np.isfinite(times)]
-    np.testing.assert_allclose(np.diff(times), np.pi * (1 + 1 / 3), rtol=1e-6)
+    validate("free bilinear oscillator, k 9: times between crossings", np.diff(times), np.pi * (1 + 1 / 3), tier="exact",
+             source="pi + pi/sqrt(k)", rel=1e-6)  # fmt: skip
 
 
 @pytest.mark.slow

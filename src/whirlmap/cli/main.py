@@ -24,6 +24,7 @@ from whirlmap.results.files import WRITTEN
 #: The commands, with what the program's own help says of each. Options and help are in `whirlmap.cli.declared`, which is
 #: quickly read; what it does is in `whirlmap.cli.commands`, imported when it runs, with all that it computes by.
 COMMANDS = {
+    "recipes": "Print ten tasks with the exact commands that answer them.",
     "cases": "List the stock cases: named sets of parameters, each number with its source.",
     "show": "Print every symbol of CASE with its value, unit, meaning and source.",
     "new": "Write a template of a machine: every input with its unit and meaning, filled with the numbers of another one.",
@@ -120,6 +121,7 @@ app = typer.Typer(
 )
 
 EXAMPLES = (
+    "whirlmap recipes",
     "whirlmap cases",
     "whirlmap show gear-psfd/machine",
     "whirlmap diagnose duffing --set gamma=0.29",

@@ -83,24 +83,28 @@ def ok(result):
 
 
 @pytest.mark.parametrize("seed", [0, 1])
-def test_henon(seed):
+def test_henon(seed, validate):
     """Sprott: 1.220 +- 0.036; Grassberger and Procaccia: 1.21."""
-    assert ok(measured(*henon(seed))) == pytest.approx(1.21, abs=0.04)
+    validate(f"Henon's map, start {seed}: correlation dimension", ok(measured(*henon(seed))), 1.21, tier="published",
+             source="Grassberger and Procaccia 1983; Sprott 1.220 +- 0.036", within=0.04)  # fmt: skip
 
 
-def test_lorenz():
+def test_lorenz(validate):
     """Grassberger and Procaccia: 2.05 +- 0.01; Sprott: 2.068 +- 0.086."""
-    assert ok(measured(*lorenz(0), theiler=5)) == pytest.approx(2.06, abs=0.08)
+    validate("Lorenz: correlation dimension", ok(measured(*lorenz(0), theiler=5)), 2.06, tier="published",
+             source="Grassberger and Procaccia 1983: 2.05 +- 0.01; Sprott 2.068 +- 0.086", within=0.08)  # fmt: skip
 
 
-def test_cantor_set():
-    assert ok(measured(cantor(0))) == pytest.approx(np.log(2) / np.log(3), abs=0.008)
+def test_cantor_set(validate):
+    validate("Cantor set: correlation dimension", ok(measured(cantor(0))), np.log(2) / np.log(3), tier="exact",
+             source="ln 2/ln 3", within=0.008)  # fmt: skip
 
 
-def test_feigenbaum_attractor():
+def test_feigenbaum_attractor(validate):
     """At the accumulation of period doublings D2 = 0.4976; its gaps must not make it a finite set."""
     x, ids = logistic(3.5699456718709449, 0, transient=20_000)
-    assert ok(measured(x, ids)) == pytest.approx(0.4976, abs=0.015)
+    validate("Feigenbaum attractor: correlation dimension", ok(measured(x, ids)), 0.4976, tier="published",
+             source="Grassberger and Procaccia 1983", within=0.015)  # fmt: skip
 
 
 def test_logistic_map_converges_slowly():

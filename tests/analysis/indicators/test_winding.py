@@ -30,10 +30,11 @@ def test_average_converges_faster_than_any_power():
 
 
 @pytest.mark.parametrize("rate", [GOLDEN, 1 - GOLDEN, 0.02137, 0.49, 1 / np.pi])
-def test_winding_of_a_rigid_rotation(rate):
+def test_winding_of_a_rigid_rotation(rate, validate):
     found = rotation_number(*plane(rate * np.arange(2000) + 0.1))
     assert found.status == "ok"
-    assert found.number == pytest.approx(rate, abs=1e-9)
+    validate(f"rigid rotation by {rate:.4g}: rotation number", found.number, rate, tier="exact", source="as it was made",
+             within=1e-9)  # fmt: skip
     assert found.error < 1e-7
 
 

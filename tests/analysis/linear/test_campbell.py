@@ -28,7 +28,7 @@ def on_springs(gyro=0.3, ratio=1.0, xi=0.0, **roles):
     return System(model, {"s": 1.0, "g": gyro, "b": 0.1})
 
 
-def test_gyroscopic_modes_split_as_in_closed_form_and_whirl_both_ways():
+def test_gyroscopic_modes_split_as_in_closed_form_and_whirl_both_ways(validate):
     """w^2 -+ g s w - 1 = 0; forward meets the shaft at 1/sqrt(1 - g), backward at 1/sqrt(1 + g)."""
     s, g = np.linspace(0.5, 2.0, 301), 0.3
     ds = campbell(on_springs(g), "s", s)
@@ -40,7 +40,8 @@ def test_gyroscopic_modes_split_as_in_closed_form_and_whirl_both_ways():
         assert len(sense) == 1
         np.testing.assert_allclose(ds["frequency"].sel(mode=mode), expected[sense.pop()], rtol=1e-8)
     np.testing.assert_allclose(ds["growth"], 0, atol=1e-8)
-    np.testing.assert_allclose(ds["critical"], [1 / np.sqrt(1 + g), 1 / np.sqrt(1 - g)], rtol=1e-4)
+    validate("gyroscopic rotor, g 0.3: backward and forward critical speed", ds["critical"].values,
+             [1 / np.sqrt(1 + g), 1 / np.sqrt(1 - g)], tier="exact", source="1/sqrt(1 +- g)", rel=1e-4)  # fmt: skip
     assert ds["critical_whirl"].values.tolist() == [-1, 1]
 
 

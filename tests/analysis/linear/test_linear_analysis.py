@@ -15,13 +15,14 @@ def rotor(eps, s):
 
 
 @pytest.mark.parametrize(("eps", "expected"), [(0.1, 2.7413), (0.3, 2.6058), (0.5, 2.5417), (1e-3, 2.763953)])
-def test_threshold_is_the_known_one(eps, expected):
+def test_threshold_is_the_known_one(eps, expected, validate):
     found = whirlmap.stability_threshold(rotor(eps, expected), "s", (0.9 * expected, 1.1 * expected))
-    assert found == pytest.approx(expected, rel=1e-4)
+    validate(f"rigid rotor, eccentricity {eps:g}: stability threshold of the whole system", found, expected,
+             tier="independent", source="closed-form film integrals and Routh-Hurwitz, other code", rel=1e-4)  # fmt: skip
 
 
 @pytest.mark.parametrize("arc", ["fixed", "positive"])
-def test_flexible_shaft_lowers_the_threshold_as_springs_in_series(arc):
+def test_flexible_shaft_lowers_the_threshold_as_springs_in_series(arc, validate):
     eps, k = 0.3, 20.0
     p, nu2 = float(whip_threshold(eps, 0.0)), float(whirl_ratio_squared(linear_film(eps, 0.0)))
     kappa = p**2 * nu2  # the film's stiffness in the whirl; the shaft's k is in series with it
@@ -29,7 +30,8 @@ def test_flexible_shaft_lowers_the_threshold_as_springs_in_series(arc):
     gamma = 1 / (expected * float(linear_film(eps, 0.0).load))
     flexible = whirlmap.load("jeffcott", rotor="flexible", arc=arc, s=expected, Gamma=gamma, k=k, xi=0, b=0)
     found = whirlmap.stability_threshold(flexible, "s", (0.9 * expected, 1.1 * expected))
-    assert found == pytest.approx(expected, rel=1e-4)
+    validate(f"Jeffcott rotor on a flexible shaft, arc {arc}: stability threshold", found, expected, tier="exact",
+             source="film and shaft as springs in series", rel=1e-4)  # fmt: skip
 
 
 def test_whirl_at_the_threshold_has_the_known_ratio():

@@ -198,11 +198,13 @@ AT_REST = pytest.mark.xfail(strict=True, reason="steps are chosen by the orbit a
 
 
 @pytest.mark.parametrize("g", [pytest.param(0.0, marks=AT_REST), 1e-9, 0.1])
-def test_the_threshold_of_a_linear_rotor_without_unbalance(g):
+def test_the_threshold_of_a_linear_rotor_without_unbalance(g, validate):
     """mu = 2 zeta = 0.1, seen as a Neimark-Sacker point of the orbit at rest, or of a small one."""
     ds = continue_orbit(unforced_amplitude(g=g), "mu", (0.0, 0.3))
+    located = found(ds, "neimark-sacker")[0]
+    validate(f"linear rotor, unbalance {g:g}: mu of the loss of stability", located[0] if located.size else "no event", 0.1,
+             tier="exact", source="mu = 2 zeta", within=1e-10)  # fmt: skip
     assert kinds(ds) == ["neimark-sacker"]
-    assert found(ds, "neimark-sacker")[0][0] == pytest.approx(0.1, abs=1e-10)
 
 
 def test_a_parameter_at_its_declared_limit():
@@ -228,8 +230,9 @@ def test_contact_ends_a_branch(begin, which):
 
 @pytest.mark.xfail(strict=True, reason="stops are seen at the ends of steps only: the branch goes on for 3e-4 behind it")
 @pytest.mark.parametrize(("begin", "which"), [(0.4, 0), (1.6, 1)])
-def test_contact_ends_a_branch_where_it_is(begin, which):
+def test_contact_ends_a_branch_where_it_is(begin, which, validate):
     """The last point is the contact itself."""
     ds = continue_orbit(oscillator_with_stop(Omega=begin), "Omega", (0.4, 1.6), begin=begin)
     last = ds["Omega"].values.max() if which == 0 else ds["Omega"].values.min()
-    assert last == pytest.approx(peak_reaches_one(0.5)[which], rel=1e-9)
+    validate(f"oscillator with a stop, from Omega {begin:g}: Omega at which contact ends the branch", last,
+             peak_reaches_one(0.5)[which], tier="exact", source="linear amplitude in closed form", rel=1e-9)  # fmt: skip
