@@ -55,7 +55,7 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             ],
             "twisting": 0 if rotor.base is None else shaft.twisting.count,
         })  # fmt: skip
-    bearings = []
+    bearings = list[dict[str, Any]]()
     for b in machine.bearings:
         ux, uy = (numbers.get(q) for q in b.u)
         bearings.append({
@@ -63,6 +63,13 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             "support": b.support, "alike": b.alike, **{key: given[f"bearing.{b.name}.{key}"] for key in ("R", "L", "c")},
             "load": output(f"load_{b.name}", force), "eccentricity": output(f"eps_{b.name}"),
             "direction": None if ux is None or uy is None else float(np.degrees(np.arctan2(uy, ux))),
+        })  # fmt: skip
+    for by_table in machine.coefficients:
+        bearings.append({
+            "name": by_table.name, "shaft": by_table.shaft, "z": places[by_table.shaft, by_table.station],
+            "kind": "coefficients", "support": by_table.support, "alike": by_table.alike,
+            "load": output(f"load_{by_table.name}", force),
+            "speeds": [min(by_table.speeds), max(by_table.speeds)] if by_table.speeds else None,
         })  # fmt: skip
     meshes = [
         {
@@ -130,8 +137,8 @@ def warnings_of(parts: dict[str, Any]) -> list[str]:
         )
     if found["fastest"] > FAST:
         made.append(
-            f"truncation: a journal answers {found['fastest']:.3g} times as fast as the fastest shaft turns, and steps"
-            " follow it; fewer modes of the shafts, modes = N, make it slower"
+            f"truncation: the fastest motion (of a journal, or the highest kept mode) is {found['fastest']:.3g} times as"
+            " fast as the fastest shaft turns, and steps follow it; fewer modes of the shafts, modes = N, make it slower"
         )
     return made
 
@@ -160,6 +167,9 @@ def print_parts(parts: dict[str, Any]) -> None:
 
 def _bearing(b: dict[str, Any]) -> tuple[str, ...]:
     name = b["name"] + (f" (x{b['alike']})" if b["alike"] > 1 else "")
+    if b["kind"] == "coefficients":
+        law = f"table, {_rpm(b['speeds'][0])} to {_rpm(b['speeds'][1])}" if b["speeds"] else "coefficients"
+        return (name, b["shaft"], law, b["support"] or "ground", "", _number(b["load"], "N"), "", "")
     numbers = (_number(b["c"] * 1e6, "um"), _number(b["load"], "N"), _number(b["eccentricity"], ""))
     return (name, b["shaft"], f"{b['film']}, {b['arc']}", b["support"] or "ground", *numbers, _number(b["direction"], "deg"))
 
