@@ -185,5 +185,9 @@ WRONG = {
                             ["[[bearing]] drive_end", "no speed"]),
     "unit in a table": (JOURNAL, BY_COEFFICIENTS + TABLE.replace('"2e4 N*s/m"', '"2e4 N/m"'),
                         ["[[bearing]] drive_end: c_xx", "N/m"]),
+    "rub without a clearance": (None, '[[rub]]\nname = "seal"\nshaft = "pinion"\nat = 1\nK_r = "1e8 N/m"\n',
+                                ["[[rub]] seal", "no clearance"]),
+    "rub in a journal": (None, '[[rub]]\nname = "seal"\nshaft = "pinion"\nat = 0\nK_r = "1e8 N/m"\n'
+                         'clearance = "1 mm"\n', ["[[rub]] seal: at", "contact"]),
     "name with a dash": ('name = "u"', 'name = "left-plane"', ["[[unbalance]]", "letters, digits and underscores"]),
 }  # fmt: skip

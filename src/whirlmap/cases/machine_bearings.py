@@ -48,7 +48,7 @@ class Bearings:
             raise table.fault(
                 "contact", "found 'rub' for a damper, expected stop: its friction follows the spin of a journal"
             )
-        held = self._support(table)
+        held = self.support(table)
         oil = texts.get("lubricant", next(iter(self.oils)) if len(self.oils) == 1 else None)
         if oil is None or oil not in self.oils:
             found = f"the lubricant {oil!r}" if oil else "no lubricant"
@@ -64,7 +64,8 @@ class Bearings:
             given=frozenset(table.numbers), lubricant=mu, density=rho, support=held, alike=alike,
         )  # fmt: skip
 
-    def _support(self, table: PartTable) -> str:
+    def support(self, table: PartTable) -> str:
+        """Name of the support of a part; empty for ground."""
         held, known = table.texts.get("support", ""), self.supports
         if held and held not in known:
             raise table.fault("support", f"found the support {held!r}, expected one of"
@@ -86,5 +87,5 @@ class Bearings:
                                        " coefficients; expected a shaft with elements")  # fmt: skip
         return coefficients.CoefficientBearing(
             table.name, shaft, self.stations.station(table, shaft, table.values.get("at")), frozenset(table.numbers),
-            speeds, rows, self._support(table), self._alike(table),
+            speeds, rows, self.support(table), self._alike(table),
         )  # fmt: skip

@@ -13,7 +13,7 @@ from whirlmap.cases.machine_tables import PartTable, defaults
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError
 from whirlmap.machines.assembly import AnyBearing, Machine
-from whirlmap.machines.parts import coefficients, coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.parts import coefficients, contact, coupling, journal, rotor, support, teeth, unbalance
 from whirlmap.machines.shafts import ROTOR, Disk, Shaft, reduced_numbers
 from whirlmap.machines.train import Link, Train, train
 from whirlmap.units import read
@@ -89,15 +89,16 @@ class Tables:
         self._refuse_free_rotation(couplings)
         fastest = self._fastest(turning)
         unbalances = tuple(self._unbalance(table) for table in self.of("unbalance"))
+        rubs = tuple(self._rub(table, reader) for table in self.of("rub"))
         rotors = tuple(
-            self._rotor(table, bearings, meshes, unbalances, couplings, fastest) for table in self.of("shaft")
+            self._rotor(table, bearings, meshes, (*unbalances, *rubs), couplings, fastest) for table in self.of("shaft")
         )  # fmt: skip
         supports = tuple(
-            support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in bearings if b.support == t.name))
+            support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in (*bearings, *rubs) if b.support == t.name))
             for t in self.of("support")
         )
         for table, one in zip(self.of("support"), supports, strict=True):
-            if not one.bearings:
+            if not any(b.support == one.name for b in bearings):
                 raise table.fault("", "found no bearing that names this support, expected one")
             if len(one.bearings) > 1 and any(b.alike > 1 for b in bearings if b.name in one.bearings):
                 raise table.fault("", "found several bearings on this support, one of which stands for two alike;"
@@ -106,7 +107,7 @@ class Tables:
         films = tuple(b for b in bearings if isinstance(b, journal.JournalBearing))
         by_coefficients = tuple(b for b in bearings if isinstance(b, coefficients.CoefficientBearing))
         return Machine(
-            self.reference, rotors, films, by_coefficients, supports, meshes, unbalances, couplings, turning
+            self.reference, rotors, films, by_coefficients, supports, meshes, unbalances, couplings, rubs, turning
         )
 
     def _fastest(self, turning: Train) -> float:
@@ -181,6 +182,16 @@ class Tables:
         station = self.station(table, shaft, table.values.get("at"))
         return unbalance.Unbalance(table.name, shaft, station, frozenset(table.numbers))
 
+    def _rub(self, table: PartTable, reader: Bearings) -> contact.Rub:
+        shaft = self.shaft(table)
+        station = self.station(table, shaft, table.values.get("at"))
+        if any(one.texts["shaft"] == shaft and one.texts.get("kind") != "coefficients"
+               and self.stations.elements[shaft]
+               and self.station(one, shaft, one.values.get("at")) == station for one in self.of("bearing")):
+            raise table.fault("at", f"found a rub at a journal of shaft {shaft}, expected a station of its own, or"
+                                    " contact = \"rub\" of that bearing")  # fmt: skip
+        return contact.Rub(table.name, shaft, station, frozenset(table.numbers), reader.support(table))
+
     def _coupling(self, table: PartTable) -> coupling.Coupling:
         shaft = self.shaft(table)
         if not self.torsion:
@@ -203,7 +214,7 @@ class Tables:
 
     def _rotor(
         self, table: PartTable, bearings: Sequence[AnyBearing], meshes: Sequence[teeth.Teeth],
-        unbalances: Sequence[unbalance.Unbalance], couplings: Sequence[coupling.Coupling], fastest: float,
+        pressing: Sequence[unbalance.Unbalance | contact.Rub], couplings: Sequence[coupling.Coupling], fastest: float,
     ) -> rotor.Rotor:  # fmt: skip
         name = table.name
         on_it = [b for b in bearings if b.shaft == name]
@@ -226,7 +237,7 @@ class Tables:
                 Disk(one.name, self.station(one, name, one.values["at"]), own["m"], own.get("I_d", 0.0), own.get("I_p", 0.0))
             )
         wheels = [w for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
-        pressed = {w.station for w in wheels} | {u.station for u in unbalances if u.shaft == name}
+        pressed = {w.station for w in wheels} | {one.station for one in pressing if one.shaft == name}
         pressed |= {b.station for b in by_coefficients}
         turning = self.torsion and self.reference_base(name) != 0
         twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()

@@ -11,6 +11,7 @@ from whirlmap.equations.model import Model
 from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter, State
 from whirlmap.machines.parts.coefficients import CoefficientBearing
+from whirlmap.machines.parts.contact import Rub
 from whirlmap.machines.parts.coupling import Coupling
 from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.part import Coupled, Declared, Part
@@ -35,7 +36,7 @@ class Machine:
     ----------
     reference : str
         The shaft whose speed is given.
-    rotors, bearings, coefficients, supports, meshes, unbalances, couplings : tuple of parts
+    rotors, bearings, coefficients, supports, meshes, unbalances, couplings, rubs : tuple of parts
         ``bearings`` have films, ``coefficients`` are bearings by their stiffness and damping.
     train : Train
         Speeds by the teeth.
@@ -49,6 +50,7 @@ class Machine:
     meshes: tuple[Teeth, ...]
     unbalances: tuple[Unbalance, ...]
     couplings: tuple[Coupling, ...]
+    rubs: tuple[Rub, ...]
     train: Train = field(compare=False)  # follows from the meshes
 
     @property
@@ -56,7 +58,7 @@ class Machine:
         """All of them; each couples to those before it."""
         return (
             *self.rotors, *self.supports, *self.bearings, *self.coefficients, *self.meshes, *self.unbalances,
-            *self.couplings,
+            *self.couplings, *self.rubs,
         )  # fmt: skip
 
     @property

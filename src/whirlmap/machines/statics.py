@@ -68,7 +68,7 @@ class Statics:
         for b in self.machine.coefficients:
             across = self._across(b)
             K += b.alike * np.einsum("an,pab,bm->pnm", across, springs[b.name], across)
-        loads = {b.name: np.zeros((points, 2)) for b in self.machine.supporting}
+        loads = {b.name: np.zeros((points, 2)) for b in (*self.machine.supporting, *self.machine.rubs)}
         held = {one.name: np.zeros((points, 2)) for one in self.machine.supports}
         for _ in range(TURNS):
             q, found = self._pressed(values, K, F, loads, held)

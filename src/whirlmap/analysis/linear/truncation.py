@@ -12,6 +12,7 @@ from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.machines.assembly import AnyBearing, Machine
 from whirlmap.machines.parts.coefficients import CoefficientBearing
+from whirlmap.machines.parts.contact import Rub
 from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.rotor import Rotor
 from whirlmap.models import mesh
@@ -81,6 +82,8 @@ def truncation(system: System) -> Truncation | None:
     if standing(system) or len(system.model.films) < len(machine.bearings):
         raise RangeError("a damper, or a film as printed, has no linear coefficients at rest")
     linear = linear_analysis(system)
+    if any(_touches(system, rub, linear.equilibrium) for rub in machine.rubs):
+        raise RangeError("a shaft touches its casing at rest")
     ours, rest = linear.eigenvalues, dict(zip(system.states, map(float, linear.equilibrium), strict=True))
     full = _Full(system, machine).eigenvalues(film_coefficients(system), rest)
     highest = max(abs(float(system.values[rotor.r.name])) for rotor in machine.rotors)
@@ -89,6 +92,12 @@ def truncation(system: System) -> Truncation | None:
     error = np.abs(ours[None] - full[:, None]).min(axis=1) / np.abs(full)
     light = -full.real < OVERDAMPED * np.abs(full)
     return Truncation(full, error, np.where(light, LIGHT, HEAVY), float(np.abs(ours).max() / highest))
+
+
+def _touches(system: System, rub: Rub, rest: NDArray[np.float64]) -> bool:
+    numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
+    numbers |= dict(zip(system.model.states, map(float, rest), strict=True))
+    return float(system.model.outputs[f"gap_{rub.name}"].expression.subs(numbers)) < 0
 
 
 def machine_of(system: System) -> Machine | None:

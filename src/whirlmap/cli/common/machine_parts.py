@@ -9,6 +9,7 @@ import typer
 from whirlmap.analysis.linear.truncation import FAST, truncation
 from whirlmap.cli.common import report
 from whirlmap.errors import RangeError
+from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.machines.assembly import Machine
 from whirlmap.machines.parts.part import Coupled
 from whirlmap.machines.parts.teeth import Teeth
@@ -27,6 +28,7 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
     """Parts of a machine as plain data in SI; ``rest`` is its static equilibrium, None where there is none."""
     settled = system.machine
     assert settled is not None
+    c_0 = float(Dimensions(system).worth("length"))
     given, values = settled.given, {name: float(value) for name, value in system.values.items()}
     numbers = {p: values[p.name] for p in system.model.parameters}
     if rest is not None:
@@ -90,6 +92,10 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
         ],
         "unbalances": [{"name": u.name, "shaft": u.shaft, "z": places[u.shaft, u.station]} for u in machine.unbalances],
         "couplings": [{"name": c.name, "shaft": c.shaft, "z": places[c.shaft, c.station]} for c in machine.couplings],
+        "rubs": [
+            {"name": c.name, "shaft": c.shaft, "z": places[c.shaft, c.station], "gap": output(f"gap_{c.name}", c_0)}
+            for c in machine.rubs
+        ],
         "truncation": _truncation(system),
     }  # fmt: skip
 
