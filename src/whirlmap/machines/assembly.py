@@ -180,11 +180,20 @@ def assemble(
         swing=tuple(state for one in told for state in one.swing),
         bodies=_joined(one.bodies for one in told),
         alike=(tuple(positions),),
+        angular_acceleration=_accelerated(machine, coupled, rates),
         speed=s,
         journals=_joined(one.journals for one in told),
         unbalances=_joined(one.unbalances for one in told),
         sources=tuple(dict.fromkeys(key for one in told for key in one.sources)),
     )
+
+
+def _accelerated(machine: Machine, coupled: Coupled, rates: Sequence[State]) -> dict[State, Expr] | None:
+    """What a changing speed adds to rates, over its relative rate; None where the rotation of shafts is free."""
+    if any(rotor.base is not None for rotor in machine.rotors):
+        return None
+    forces = _joined(rotor.accelerated(coupled) for rotor in machine.rotors)
+    return {v: forces.get(v, Integer(0)) - v for v in rates}
 
 
 def _joined(some: Iterable[Mapping[Any, Any]]) -> dict[Any, Any]:

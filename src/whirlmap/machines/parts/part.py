@@ -51,6 +51,8 @@ class Coupled:
         Position of each journal in space.
     forces : mapping of str to list of (station, (Expr, Expr))
         On each shaft, over K_0 c_0.
+    accelerated : mapping of str to list of (station, (Expr, Expr))
+        Forces on each shaft that an angular acceleration adds, over its relative rate (see `Model.angular_acceleration`).
     moments : mapping of str to list of (station, Expr)
         On the rotation of each shaft, over K_0 c_0 and its base radius, along the rotation.
     loads : mapping of str to (Expr, Expr)
@@ -62,6 +64,7 @@ class Coupled:
     velocities: dict[str, Vector] = field(default_factory=lambda: {"": ZERO})
     journals: dict[str, Vector] = field(default_factory=dict)
     forces: dict[str, list[tuple[int, Vector]]] = field(default_factory=dict)
+    accelerated: dict[str, list[tuple[int, Vector]]] = field(default_factory=dict)
     moments: dict[str, list[tuple[int, Expr]]] = field(default_factory=dict)
     loads: dict[str, Vector] = field(default_factory=dict)
 
