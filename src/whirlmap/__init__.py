@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.linear.stability_threshold import stability_threshold as stability_threshold
     from whirlmap.analysis.signals.diagnose_series import diagnose_series as diagnose_series
     from whirlmap.analysis.simulation.poincare_section import section as section
+    from whirlmap.analysis.simulation.run_up import run_up as run_up
     from whirlmap.analysis.simulation.surface_crossings import surface_crossings as surface_crossings
     from whirlmap.analysis.simulation.time_series import simulate as simulate
     from whirlmap.analysis.spectra.spectrum import full_spectrum as full_spectrum
@@ -69,6 +70,7 @@ _HOMES = {
     "surface_crossings": "whirlmap.analysis.simulation.surface_crossings",
     "section": "whirlmap.analysis.simulation.poincare_section",
     "simulate": "whirlmap.analysis.simulation.time_series",
+    "run_up": "whirlmap.analysis.simulation.run_up",
     "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",

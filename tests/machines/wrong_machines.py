@@ -94,6 +94,19 @@ c = "50 um"
 """
 
 
+#: The first bearing, and what stands in its place.
+JOURNAL = """R = "25 mm"
+L = "12 mm"
+c = "40 um"
+"""
+BY_COEFFICIENTS = 'kind = "coefficients"\n'
+TABLE = """table = [
+ { speed = "2000 rpm", k_xx = "1e8 N/m", c_xx = "3e4 N*s/m" },
+ { speed = "9500 rpm", k_xx = "2e8 N/m", c_xx = "2e4 N*s/m" },
+]
+"""
+
+
 def mesh(name, driver, driven):
     return f"""
 [[mesh]]
@@ -157,5 +170,24 @@ WRONG = {
     "mass beside elements": ('material = "steel"', 'material = "steel"\nm = "4 kg"', ["pinion: m", "beside elements"]),
     "given twice": ('k = "1e8 N/m"', 'k = "1e8 N/m"\nk_x = "2e8 N/m"', ["[[support]] pedestal: k", "k_x given twice"]),
     "modes that leave nothing": ('material = "steel"', 'material = "steel"\nmodes = 4', ["pinion: modes", "fewer"]),
+    "coefficients without a number": (JOURNAL, BY_COEFFICIENTS, ["[[bearing]] drive_end", "no coefficient", "k_xx"]),
+    "radius of coefficients": (JOURNAL, BY_COEFFICIENTS + 'k_xx = "1e8 N/m"\nR = "25 mm"\n',
+                               ["[[bearing]] drive_end: R", "unknown key"]),
+    "coefficient beside a table": (JOURNAL, BY_COEFFICIENTS + f'k_xx = "1e8 N/m"\n{TABLE}',
+                                   ["[[bearing]] drive_end: k_xx", "beside a table"]),
+    "one row": (JOURNAL, BY_COEFFICIENTS + TABLE.replace('{ speed = "2000 rpm"', '#'),
+                ["[[bearing]] drive_end: table", "two rows"]),
+    "speeds that fall": (JOURNAL, BY_COEFFICIENTS + TABLE.replace("2000", "9900"),
+                         ["[[bearing]] drive_end: table", "row 2", "ascending"]),
+    "gap in a table": (JOURNAL, BY_COEFFICIENTS + TABLE.replace(', c_xx = "2e4 N*s/m"', ""),
+                       ["[[bearing]] drive_end: table", "no c_xx in row 2"]),
+    "row without a speed": (JOURNAL, BY_COEFFICIENTS + TABLE.replace('speed = "2000 rpm", ', ""),
+                            ["[[bearing]] drive_end", "no speed"]),
+    "unit in a table": (JOURNAL, BY_COEFFICIENTS + TABLE.replace('"2e4 N*s/m"', '"2e4 N/m"'),
+                        ["[[bearing]] drive_end: c_xx", "N/m"]),
+    "rub without a clearance": (None, '[[rub]]\nname = "seal"\nshaft = "pinion"\nat = 1\nK_r = "1e8 N/m"\n',
+                                ["[[rub]] seal", "no clearance"]),
+    "rub in a journal": (None, '[[rub]]\nname = "seal"\nshaft = "pinion"\nat = 0\nK_r = "1e8 N/m"\n'
+                         'clearance = "1 mm"\n', ["[[rub]] seal: at", "contact"]),
     "name with a dash": ('name = "u"', 'name = "left-plane"', ["[[unbalance]]", "letters, digits and underscores"]),
 }  # fmt: skip

@@ -35,7 +35,7 @@ from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.assembly import Machine, assemble
 from whirlmap.machines.fields import ABOVE, AT_LEAST, Choice, Field, Number, Text
 from whirlmap.machines.inputs import groups_of
-from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.parts import coefficients, contact, coupling, journal, rotor, support, teeth, unbalance
 from whirlmap.machines.statics import static_start
 from whirlmap.models.lubricant import KELVIN
 from whirlmap.models.operation import OPERATION, g, speed
@@ -59,8 +59,15 @@ OIL: tuple[Field, ...] = (
 #: Tables of parts, and their fields.
 KINDS: Mapping[str, Sequence[Field]] = {
     "shaft": rotor.FIELDS, "disk": rotor.DISK, "bearing": journal.FIELDS, "support": support.FIELDS, "mesh": teeth.FIELDS,
-    "unbalance": unbalance.FIELDS, "coupling": coupling.FIELDS, "lubricant": OIL,
+    "unbalance": unbalance.FIELDS, "coupling": coupling.FIELDS, "rub": contact.FIELDS,
+    "lubricant": OIL,
 }  # fmt: skip
+def fields_of(kind: str, values: Mapping[str, Any]) -> Sequence[Field]:
+    """Fields of a table of a part: a bearing by its coefficients has others than one with a film."""
+    by_coefficients = kind == "bearing" and values.get("kind") == "coefficients"
+    return coefficients.FIELDS if by_coefficients else KINDS[kind]
+
+
 #: Keys that stand for several.
 BOTH = {"support": support.BOTH}
 HEAD = ("model", "extends", "description", "start")
@@ -225,8 +232,9 @@ def _tables(kind: str, listed: Any, sources: Sequence[Source]) -> list[PartTable
             numbered |= _teeth(table)
             table.values = {**numbered, "z": values.get("z")}
         PartTable.take(
-            shown := replace(table, values=numbered | ({"z": 0} if kind == "mesh" else {})), KINDS[kind], BOTH.get(kind)
-        )
+            shown := replace(table, values=numbered | ({"z": 0} if kind == "mesh" else {})), fields_of(kind, values),
+            BOTH.get(kind),
+        )  # fmt: skip
         table.numbers, table.fixed, table.texts = shown.numbers, shown.fixed, shown.texts
         made.append(table)
     return made

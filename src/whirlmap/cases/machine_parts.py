@@ -7,14 +7,14 @@ from typing import Any
 
 from sympy import Expr, Integer, cos
 
+from whirlmap.cases.machine_bearings import Bearings
 from whirlmap.cases.machine_stations import Stations
-from whirlmap.cases.machine_tables import PartTable
+from whirlmap.cases.machine_tables import PartTable, defaults
 from whirlmap.equations.quantities import Parameter
-from whirlmap.errors import CaseError, nearest
-from whirlmap.machines.assembly import Machine
-from whirlmap.machines.fields import Choice, Field
-from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
-from whirlmap.machines.shafts import JOURNAL, ROTOR, Disk, Shaft, reduced_numbers
+from whirlmap.errors import CaseError
+from whirlmap.machines.assembly import AnyBearing, Machine
+from whirlmap.machines.parts import coefficients, contact, coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.shafts import ROTOR, Disk, Shaft, reduced_numbers
 from whirlmap.machines.train import Link, Train, train
 from whirlmap.units import read
 
@@ -80,28 +80,35 @@ class Tables:
             name = rest.split(":")[0].split(" ")[0]
             at = next(one for one in self.of(kind) if one.name == name)
             raise at.fault("", str(error).partition(": ")[2]) from None
-        found = [self._bearing(table) for table in self.of("bearing")]
-        bearings = tuple(sorted(found, key=lambda b: b.shaft != self.reference))  # the one that lengths are over comes first
+        reader = Bearings(self.stations, self.oils, [one.name for one in self.of("support")])
+        found = [reader.bearing(table) for table in self.of("bearing")]
+        # the one that lengths are over comes first
+        bearings = tuple(sorted(found, key=lambda b: b.shaft != self.reference))
         meshes = tuple(self._mesh(table, turning) for table in self.of("mesh"))
         couplings = tuple(self._coupling(table) for table in self.of("coupling"))
         self._refuse_free_rotation(couplings)
         fastest = self._fastest(turning)
         unbalances = tuple(self._unbalance(table) for table in self.of("unbalance"))
+        rubs = tuple(self._rub(table, reader) for table in self.of("rub"))
         rotors = tuple(
-            self._rotor(table, bearings, meshes, unbalances, couplings, fastest) for table in self.of("shaft")
+            self._rotor(table, bearings, meshes, (*unbalances, *rubs), couplings, fastest) for table in self.of("shaft")
         )  # fmt: skip
         supports = tuple(
-            support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in bearings if b.support == t.name))
+            support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in (*bearings, *rubs) if b.support == t.name))
             for t in self.of("support")
         )
         for table, one in zip(self.of("support"), supports, strict=True):
-            if not one.bearings:
+            if not any(b.support == one.name for b in bearings):
                 raise table.fault("", "found no bearing that names this support, expected one")
             if len(one.bearings) > 1 and any(b.alike > 1 for b in bearings if b.name in one.bearings):
                 raise table.fault("", "found several bearings on this support, one of which stands for two alike;"
                                       " expected each of"
                                       " the two to have a support of its own")  # fmt: skip
-        return Machine(self.reference, rotors, bearings, supports, meshes, unbalances, couplings, turning)
+        films = tuple(b for b in bearings if isinstance(b, journal.JournalBearing))
+        by_coefficients = tuple(b for b in bearings if isinstance(b, coefficients.CoefficientBearing))
+        return Machine(
+            self.reference, rotors, films, by_coefficients, supports, meshes, unbalances, couplings, rubs, turning
+        )
 
     def _fastest(self, turning: Train) -> float:
         numbers: dict[Any, Any] = {}
@@ -122,47 +129,8 @@ class Tables:
             own["beta_c"] if line else zero, own["T"] if line else Integer(1),
         )  # fmt: skip
 
-    def _bearing(self, table: PartTable) -> journal.JournalBearing:
-        shaft, texts = self.shaft(table), _defaults(journal.FIELDS)
-        texts |= table.texts
-        if texts["film"] == "porous":
-            table.needs(("Phi", "H"), "film = porous", journal.FIELDS)
-        if texts["contact"] == "rub":
-            table.needs(("K_r", "h_r", "mu_r"), "contact = rub", journal.FIELDS)
-        if texts["contact"] == "ignore" and texts["film"] != "printed":
-            raise table.fault(
-                "contact", "found 'ignore' with a film that has a wall, expected stop or rub, or film = printed"
-            )
-        if texts["kind"] == "damper" and texts["arc"] == "fixed" and texts["film"] != "printed":
-            raise table.fault("arc", "found 'fixed' for a damper, expected positive: the half film 0..pi follows the"
-                                     " spin of a journal, and a damper has none")  # fmt: skip
-        if texts["kind"] == "damper" and texts["contact"] == "rub":
-            raise table.fault(
-                "contact", "found 'rub' for a damper, expected stop: its friction follows the spin of a journal"
-            )
-        held = texts.get("support", "")
-        known = [one.name for one in self.of("support")]
-        if held and held not in known:
-            raise table.fault("support", f"found the support {held!r}, expected one of"
-                                         f" {', '.join(known) or 'none there is'}.{nearest(held, known)}")  # fmt: skip
-        oil = texts.get("lubricant", next(iter(self.oils)) if len(self.oils) == 1 else None)
-        if oil is None or oil not in self.oils:
-            found = f"the lubricant {oil!r}" if oil else "no lubricant"
-            raise table.fault(
-                "lubricant" if oil else "", f"found {found}, expected one of {', '.join(self.oils) or 'a [lubricant]'}"
-            )
-        mu, rho = self.oils[oil]
-        alike = table.whole("two_alike", 1, 1)
-        if alike > 2:
-            raise table.fault("two_alike", f"found {alike}, expected 1 or 2")
-        return journal.JournalBearing(
-            name=table.name, shaft=shaft, station=self.station(table, shaft, table.values.get("at"), lumped=JOURNAL),
-            kind=texts["kind"], film=texts["film"], arc=texts["arc"], contact=texts["contact"],
-            given=frozenset(table.numbers), lubricant=mu, density=rho, support=held, alike=alike,
-        )  # fmt: skip
-
     def _mesh(self, table: PartTable, turning: Train) -> teeth.Teeth:
-        texts = _defaults(teeth.FIELDS) | table.texts
+        texts = defaults(teeth.FIELDS) | table.texts
         if texts["kind"] == "line":
             table.needs(("module", "alpha", "beta_c"), "kind = line", teeth.FIELDS)
             if not {"T", "P"} & set(table.numbers):
@@ -177,7 +145,7 @@ class Tables:
                 table.needs(("j_n",), "backlash = dead_zone", teeth.FIELDS)
         else:
             for key in ("stiffness", "backlash"):
-                if texts[key] != _defaults(teeth.FIELDS)[key]:
+                if texts[key] != defaults(teeth.FIELDS)[key]:
                     raise table.fault(key, f"found {table.texts[key]!r} with kind = isotropic, expected kind = line:"
                                            " the isotropic mesh has no line of action to act along")  # fmt: skip
         at = table.values.get("at") or (None, None)
@@ -214,6 +182,16 @@ class Tables:
         station = self.station(table, shaft, table.values.get("at"))
         return unbalance.Unbalance(table.name, shaft, station, frozenset(table.numbers))
 
+    def _rub(self, table: PartTable, reader: Bearings) -> contact.Rub:
+        shaft = self.shaft(table)
+        station = self.station(table, shaft, table.values.get("at"))
+        if any(one.texts["shaft"] == shaft and one.texts.get("kind") != "coefficients"
+               and self.stations.elements[shaft]
+               and self.station(one, shaft, one.values.get("at")) == station for one in self.of("bearing")):
+            raise table.fault("at", f"found a rub at a journal of shaft {shaft}, expected a station of its own, or"
+                                    " contact = \"rub\" of that bearing")  # fmt: skip
+        return contact.Rub(table.name, shaft, station, frozenset(table.numbers), reader.support(table))
+
     def _coupling(self, table: PartTable) -> coupling.Coupling:
         shaft = self.shaft(table)
         if not self.torsion:
@@ -235,15 +213,17 @@ class Tables:
             )
 
     def _rotor(
-        self, table: PartTable, bearings: Sequence[journal.JournalBearing], meshes: Sequence[teeth.Teeth],
-        unbalances: Sequence[unbalance.Unbalance], couplings: Sequence[coupling.Coupling], fastest: float,
+        self, table: PartTable, bearings: Sequence[AnyBearing], meshes: Sequence[teeth.Teeth],
+        pressing: Sequence[unbalance.Unbalance | contact.Rub], couplings: Sequence[coupling.Coupling], fastest: float,
     ) -> rotor.Rotor:  # fmt: skip
         name = table.name
-        mine = [b for b in bearings if b.shaft == name]
-        if not mine:
+        on_it = [b for b in bearings if b.shaft == name]
+        mine = [b for b in on_it if isinstance(b, journal.JournalBearing)]
+        by_coefficients = [b for b in on_it if isinstance(b, coefficients.CoefficientBearing)]
+        if not on_it:
             raise table.fault("", "found no bearing on this shaft, expected one")
-        for i, b in enumerate(mine):
-            if any(other.station == b.station for other in mine[:i]):
+        for i, b in enumerate(on_it):
+            if any(other.station == b.station for other in on_it[:i]):
                 at = next(t for t in self.of("bearing") if t.name == b.name)
                 raise at.fault("at", f"found a second bearing at one station of shaft {name}, expected stations of"
                                      " their own, or"
@@ -257,7 +237,8 @@ class Tables:
                 Disk(one.name, self.station(one, name, one.values["at"]), own["m"], own.get("I_d", 0.0), own.get("I_p", 0.0))
             )
         wheels = [w for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
-        pressed = {w.station for w in wheels} | {u.station for u in unbalances if u.shaft == name}
+        pressed = {w.station for w in wheels} | {one.station for one in pressing if one.shaft == name}
+        pressed |= {b.station for b in by_coefficients}
         turning = self.torsion and self.reference_base(name) != 0
         twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()
         if turning and not self.stations.elements[name]:
@@ -265,7 +246,7 @@ class Tables:
         modes = table.whole("modes", 0, 0) if "modes" in table.values else None
         shaft = Shaft(
             name, tuple(self.stations.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
-            tuple(sorted(twisted)), tuple(b.station for b in mine),
+            tuple(sorted(twisted)), tuple(b.station for b in mine), held=tuple(b.station for b in by_coefficients),
         )  # fmt: skip
         try:
             shaft = shaft.settled()
@@ -278,8 +259,3 @@ class Tables:
             shaft, frozenset(table.numbers), tuple(b.name for b in mine), tuple(b.alike for b in mine),
             self.reference_base(name) if turning else None, tuple(shown),
         )  # fmt: skip
-
-
-def _defaults(fields: Sequence[Field]) -> dict[str, str]:
-    """Choices of a table that says none."""
-    return {one.key: one.choices[0] for one in fields if isinstance(one, Choice)}

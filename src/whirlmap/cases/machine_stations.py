@@ -135,7 +135,7 @@ class Stations:
             self.written[table.name] = [0.0]
             for e in self.elements[table.name]:
                 self.written[table.name].append(self.written[table.name][-1] + e.L)
-        for kind in ("disk", "bearing", "unbalance", "coupling"):
+        for kind in ("disk", "bearing", "unbalance", "coupling", "rub"):
             for table in self.of(kind):
                 self._divide_at(table, self.shaft(table), table.values.get("at"))
         for table in self.of("mesh"):

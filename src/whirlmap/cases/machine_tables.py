@@ -195,3 +195,8 @@ def _example(key: str, one: Any) -> str:
         return f'{key} = "..."'
     text = example(unit)
     return f'{key} = "{text}"' if unit != "1" else f"{key} = {text}"
+
+
+def defaults(fields: Sequence[Field]) -> dict[str, str]:
+    """Choices of a table that says none."""
+    return {one.key: one.choices[0] for one in fields if isinstance(one, Choice)}

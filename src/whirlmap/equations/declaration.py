@@ -102,7 +102,7 @@ def refuse_expressions(
     """
     states, parameters = set(states), set(parameters)
     places = {Symbol(table.name) for table in tables}
-    with_time = {"the equations", "the switchings", "the teeth"}
+    with_time = {"the equations", "the switchings", "the teeth", "the angular acceleration"}
     of_parameters = {"the harmonics", "the defaults", "the clocks", "the equilibrium", "the typical time", "the roles"}
     for where, some in expressions.items():
         if found := allowed.fault(some):

@@ -75,6 +75,10 @@ class Model(Listed):
         or one of a torsion.
     speed : Parameter, optional
         The speed, which all frequencies of the machine are proportional to: what `speeds` judges and `campbell` counts by.
+    angular_acceleration : mapping of State to Expr, optional
+        What a changing speed adds to the rate of each state, over its relative rate of change (d omega/dt)/omega^2: forces
+        of unbalances, and the change of a clock that time is counted in. States that are left out have none; None where it
+        is not declared, so that no run-up can be computed. See `whirlmap.equations.run_up`.
     alike : tuple of tuple of State
         States whose sizes are compared with each other beside those that the expressions add up: the coordinates of a
         machine from parts, each of which has a factor of its own in every sum.
@@ -114,6 +118,7 @@ class Model(Listed):
     swing: tuple[State, ...] = ()
     bodies: Mapping[str, tuple[State, ...]] = field(default_factory=dict)
     speed: Parameter | None = None
+    angular_acceleration: Mapping[State, Expr] | None = None
     alike: tuple[tuple[State, ...], ...] = ()
     journals: Mapping[str, Journal] = field(default_factory=dict)
     unbalances: Mapping[str, Parameter] = field(default_factory=dict)
@@ -219,6 +224,7 @@ class Model(Listed):
             "the roles": [*filter(None, [self.speed]), *self.unbalances.values(), *of_journals],
             "the coordinates": [*self.swing, *(q for u in (*self.bodies.values(), *journals, *self.alike) for q in u)],
             "the equilibrium": list(self.equilibrium.values()),
+            "the angular acceleration": list((self.angular_acceleration or {}).values()),
             "the section": [self.section.surface] if self.section else [],
             "the typical time": [self.typical_time],
         }

@@ -25,7 +25,9 @@ OTHER = {"drift_rate": "", "min_film": "length", "max_load": "force"}
 EACH = {
     "x": "state", "section": "state", "outputs": "output", "equilibrium": "state", "start_state": "state",
     "end_state": "state",
-    **dict.fromkeys(("peak_to_peak", "rms", "maximum", "minimum", "mean"), "quantity"),
+    **dict.fromkeys(
+        ("peak_to_peak", "rms", "maximum", "minimum", "mean", "clock_amplitude", "spectrum"), "quantity"
+    ),
 }  # fmt: skip
 
 

@@ -4,12 +4,14 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sympy import Expr, Integer, Min, pi, sympify
+from sympy import Expr, Integer, Min, Rational, pi, sympify
 
 from whirlmap.equations.groups import Bearing
 from whirlmap.equations.model import Model
 from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter, State
+from whirlmap.machines.parts.coefficients import CoefficientBearing
+from whirlmap.machines.parts.contact import Rub
 from whirlmap.machines.parts.coupling import Coupling
 from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.part import Coupled, Declared, Part
@@ -21,6 +23,10 @@ from whirlmap.machines.scale import Scale, f, s
 from whirlmap.machines.train import Train
 from whirlmap.models.operation import g, speed
 
+AnyBearing = JournalBearing | CoefficientBearing
+#: Unit of lengths of a machine without any clearance [m]; nothing in it depends on the choice.
+WITHOUT_CLEARANCE = Rational(1, 10**4)
+
 
 @dataclass(frozen=True)
 class Machine:
@@ -30,7 +36,8 @@ class Machine:
     ----------
     reference : str
         The shaft whose speed is given.
-    rotors, bearings, supports, meshes, unbalances, couplings : tuple of parts
+    rotors, bearings, coefficients, supports, meshes, unbalances, couplings, rubs : tuple of parts
+        ``bearings`` have films, ``coefficients`` are bearings by their stiffness and damping.
     train : Train
         Speeds by the teeth.
     """
@@ -38,22 +45,33 @@ class Machine:
     reference: str
     rotors: tuple[Rotor, ...]
     bearings: tuple[JournalBearing, ...]
+    coefficients: tuple[CoefficientBearing, ...]
     supports: tuple[Support, ...]
     meshes: tuple[Teeth, ...]
     unbalances: tuple[Unbalance, ...]
     couplings: tuple[Coupling, ...]
+    rubs: tuple[Rub, ...]
     train: Train = field(compare=False)  # follows from the meshes
 
     @property
     def parts(self) -> tuple[Part, ...]:
         """All of them; each couples to those before it."""
-        return (*self.rotors, *self.supports, *self.bearings, *self.meshes, *self.unbalances, *self.couplings)
+        return (
+            *self.rotors, *self.supports, *self.bearings, *self.coefficients, *self.meshes, *self.unbalances,
+            *self.couplings, *self.rubs,
+        )  # fmt: skip
+
+    @property
+    def supporting(self) -> tuple[AnyBearing, ...]:
+        """Bearings with films, and those by coefficients."""
+        return (*self.bearings, *self.coefficients)
 
     @property
     def scale(self) -> Scale:
         """What its numbers are counted in."""
-        first = next(b for b in self.bearings if b.shaft == self.reference)
-        return Scale(first.inputs()["c"], quantity(self.reference, "m"), quantity(self.reference, "K"))
+        by_shaft = sorted(self.bearings, key=lambda b: b.shaft != self.reference)
+        c_0 = by_shaft[0].inputs()["c"] if by_shaft else WITHOUT_CLEARANCE
+        return Scale(c_0, quantity(self.reference, "m"), quantity(self.reference, "K"))
 
     def groups(self) -> dict[Parameter, Expr]:
         """Every parameter as an expression of inputs and of other parameters."""
@@ -162,11 +180,20 @@ def assemble(
         swing=tuple(state for one in told for state in one.swing),
         bodies=_joined(one.bodies for one in told),
         alike=(tuple(positions),),
+        angular_acceleration=_accelerated(machine, coupled, rates),
         speed=s,
         journals=_joined(one.journals for one in told),
         unbalances=_joined(one.unbalances for one in told),
         sources=tuple(dict.fromkeys(key for one in told for key in one.sources)),
     )
+
+
+def _accelerated(machine: Machine, coupled: Coupled, rates: Sequence[State]) -> dict[State, Expr] | None:
+    """What a changing speed adds to rates, over its relative rate; None where the rotation of shafts is free."""
+    if any(rotor.base is not None for rotor in machine.rotors):
+        return None
+    forces = _joined(rotor.accelerated(coupled) for rotor in machine.rotors)
+    return {v: forces.get(v, Integer(0)) - v for v in rates}
 
 
 def _joined(some: Iterable[Mapping[Any, Any]]) -> dict[Any, Any]:

@@ -9,7 +9,7 @@ from whirlmap.equations.groups import Groups, Route
 from whirlmap.equations.quantities import Parameter
 from whirlmap.machines.assembly import Machine
 from whirlmap.machines.fields import Number
-from whirlmap.machines.parts import coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.parts import coefficients, contact, coupling, journal, rotor, support, teeth, unbalance
 from whirlmap.machines.parts.rotor import quantity, speed_over_clock
 from whirlmap.machines.scale import s
 from whirlmap.models.lubricant import by_grade, by_two_points
@@ -59,8 +59,10 @@ def _of_parts(machine: Machine) -> list[Parameter]:
     made: list[Parameter] = []
     kinds = (
         ("shaft", machine.rotors, rotor.FIELDS), ("bearing", machine.bearings, journal.FIELDS),
+        ("bearing", machine.coefficients, coefficients.FIELDS),
         ("support", machine.supports, support.FIELDS), ("mesh", machine.meshes, teeth.FIELDS),
         ("unbalance", machine.unbalances, unbalance.FIELDS), ("coupling", machine.couplings, coupling.FIELDS),
+        ("rub", machine.rubs, contact.FIELDS),
     )  # fmt: skip
     for kind, parts, fields in kinds:
         for part in parts:

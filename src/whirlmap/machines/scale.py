@@ -1,6 +1,7 @@
 """What a machine's numbers are counted in: one rule for the dimensionless groups of every part.
 
-Lengths are over the radial clearance c_0 of the first bearing of the reference shaft, masses over the mass m_0 of that
+Lengths are over the radial clearance c_0 of the first film of the reference shaft, or of the machine (a machine without
+films counts in 0.1 mm), masses over the mass m_0 of that
 shaft, stiffnesses over its stiffness K_0 on rigid bearings, so that forces are over K_0 c_0. Time is counted in radians of
 the clock, the reference shaft; s is its speed over omega_0 = sqrt(K_0/m_0). For the paper's pinion these are its groups.
 """
@@ -23,7 +24,7 @@ LENGTH, RATE = "1", "1"
 class Scale:
     """Inputs that say what the model's units are worth: clearance [m], mass [kg] and stiffness [N/m]."""
 
-    c_0: Parameter
+    c_0: Expr
     m_0: Parameter
     K_0: Parameter
 

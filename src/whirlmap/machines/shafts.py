@@ -51,7 +51,12 @@ class Shaft:
     fastest : float
         Highest speed of this machine's shafts [rad/s], for that choice.
     attached, twisted : tuple of int
-        Stations at which teeth or unbalances act across the axis, and those at which teeth or couplings act on the rotation.
+        Stations at which forces act across the axis other than those of journals (teeth, unbalances, bearings by their
+        coefficients, rubs), and those at which teeth or couplings act on the rotation.
+    bearings : tuple of int
+        Stations of its journals.
+    held : tuple of int
+        Stations of its bearings by coefficients.
     """
 
     name: str
@@ -63,6 +68,7 @@ class Shaft:
     twisted: tuple[int, ...] = ()
     bearings: tuple[int, ...] = ()
     twists: int | None = None
+    held: tuple[int, ...] = ()
 
     @property
     def lumped(self) -> bool:
@@ -150,7 +156,7 @@ class Shaft:
         if self.lumped:
             return 1.0
         M, _, K = self.matrices
-        held = [self.freedom(station) for station in self.bearings]
+        held = [self.freedom(station) for station in {*self.bearings, *self.held}]
         loose = [i for i in range(M.shape[0]) if i not in held]
         size = 1 / np.sqrt(np.diag(M)[loose])
         L = np.linalg.cholesky(size[:, None] * M[np.ix_(loose, loose)] * size)

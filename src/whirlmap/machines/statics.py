@@ -12,9 +12,11 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+from sympy import Expr, lambdify
 
 from whirlmap.films.porous_short import film_integrals
 from whirlmap.machines.assembly import Machine
+from whirlmap.machines.parts.coefficients import CoefficientBearing
 from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.rotor import OMEGA_0_2, Rotor
 from whirlmap.machines.parts.support import Support
@@ -62,16 +64,45 @@ class Statics:
         for rotor in self.machine.rotors:
             self._shaft(values, rotor, K, F)
         self._teeth(values, K, F)
-        loads = {b.name: np.zeros((points, 2)) for b in self.machine.bearings}
+        springs = {b.name: self._spring(values, b) for b in self.machine.coefficients}
+        for b in self.machine.coefficients:
+            across = self._across(b)
+            K += b.alike * np.einsum("an,pab,bm->pnm", across, springs[b.name], across)
+        loads = {b.name: np.zeros((points, 2)) for b in (*self.machine.supporting, *self.machine.rubs)}
         held = {one.name: np.zeros((points, 2)) for one in self.machine.supports}
         for _ in range(TURNS):
             q, found = self._pressed(values, K, F, loads, held)
             for name, load in found.items():
                 loads[name] = loads[name] + TAKEN * (load - loads[name])
+            for b in self.machine.coefficients:
+                loads[b.name] = np.einsum("pab,pb->pa", springs[b.name], q @ self._across(b).T)
             for one in self.machine.supports:
                 held[one.name] = self._sunk(values, one, loads)
         u = {b.name: self._on_locus(values, b, loads[b.name]) for b in self.machine.bearings}
         return self._named(q, u, held)
+
+    def _across(self, b: CoefficientBearing) -> Array:
+        """Displacement of the station of a bearing along x and y, by the unknowns."""
+        rotor = next(one for one in self.machine.rotors if one.name == b.shaft)
+        across = np.zeros((2, max(place.stop for place in self.places.values())))
+        for i, axis in enumerate("xy"):
+            across[i, self.places[b.shaft, axis]] = rotor.numbers.shapes[b.station]
+        return across
+
+    def _spring(self, values: Mapping[str, Array], b: CoefficientBearing) -> Array:
+        """Stiffness of a bearing by coefficients in series with its support, shape (point, 2, 2)."""
+
+        def of(e: Expr) -> Array:
+            names = sorted(q.name for q in e.free_symbols)
+            found = lambdify(sorted(e.free_symbols, key=str), e, "numpy")(*(values[name] for name in names))
+            return np.broadcast_to(np.asarray(found, dtype=float), next(iter(values.values())).shape)
+
+        stiff = b.stiffness(of)
+        held = next((one for one in self.machine.supports if one.name == b.support), None)
+        if held is None:
+            return stiff
+        soft = np.stack([1 / self._of(values, held.kappa(axis)) for axis in "xy"], axis=1)
+        return np.asarray(np.linalg.solve(np.eye(2) + stiff * soft[:, None, :], stiff))
 
     def _sunk(self, values: Mapping[str, Array], one: Support, loads: Mapping[str, Array]) -> Array:
         """Where a support rests under the loads of its bearings and its own weight."""

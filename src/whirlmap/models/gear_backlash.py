@@ -3,7 +3,7 @@
 ``f`` is a dead zone of half-width 1 with unit slope outside; ``x`` is the dynamic transmission error over half the backlash.
 """
 
-from whirlmap.equations import Family, Model, Parameter, State, Switching, cos, t, when
+from whirlmap.equations import Family, Model, Parameter, State, Switching, cos, sin, t, when
 
 x = State("x", "1", "dynamic transmission error over half the backlash", start=1.1)
 v = State("v", "1", "its rate")
@@ -31,6 +31,8 @@ def declare() -> Model:
         teeth=x - 1,
         clocks={"mesh": Omega},
         swing=(x,),
+        # The force is -m e'' of the transmission error e = -F_ah cos(phase)/m: its phase accelerates too.
+        angular_acceleration={v: F_ah * Omega**2 * sin(Omega * t)},
         sources=("kahraman1990",),
     )
 

@@ -112,6 +112,16 @@ BODIES = {
 VELOCITIES = {xp: vxp, yp: vyp, xg: vxg, yg: vyg, x1: vx1, y1: vy1, x2: vx2, y2: vy2}
 
 
+#: A velocity per clock radian falls as the clock gains speed; unbalances lag with their angular acceleration.
+ACCELERATED = {
+    **{v: -v for v in VELOCITIES.values()},
+    vxp: -vxp + b_p * r_p * sin(r_p * t + chi_p),
+    vyp: -vyp - b_p * r_p * cos(r_p * t + chi_p),
+    vxg: -vxg + b_g * r_g * sin(r_g * t + chi_g),
+    vyg: -vyg - b_g * r_g * cos(r_g * t + chi_g),
+}
+
+
 def journal_load(i: int, ux: Expr, uy: Expr, d_x: Expr, d_y: Expr, switches: Mapping[str, str]) -> tuple[Expr, Expr]:
     """Force on the two journals of a shaft beside their films', over K_p c: shaft, centring springs, rubbing walls.
 
@@ -333,6 +343,7 @@ def declare(*, plain: bool = False, **switches: str) -> Model:
         swing=(yp, yg, y1, y2),
         bodies={**BODIES, **(torsion.BODIES if turning else {})},
         speed=s,
+        angular_acceleration=None if literal or turning else ACCELERATED,
         journals=JOURNALS,
         unbalances={"pinion": b_p, "gear": b_g},
         assumptions="gear_pair",

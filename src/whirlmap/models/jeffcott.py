@@ -33,6 +33,9 @@ xi = Parameter("xi", "1", "damping of the rotor, C/(2 M) sqrt(c/g)", latex=r"\xi
 
 FILM = Film((ux, uy), psi=0, spin=1, strength=Gamma * s)  # of one bearing; both are alike
 
+#: A velocity per clock radian falls as the clock gains speed; the unbalance lags with its angular acceleration.
+ACCELERATED = {vx: -vx + b * sin(t), vy: -vy - b * cos(t)}
+
 
 def outputs(F_x: Expr, F_y: Expr) -> dict[str, Output]:
     """What is recorded beside the states; F is the force of one film over W."""
@@ -66,6 +69,7 @@ def rigid() -> Model:
         swing=(uy,),
         bodies={"rotor": (ux, uy)},
         speed=s,
+        angular_acceleration=ACCELERATED,
         journals={"1": Journal((ux, uy), 1)},
         unbalances={"rotor": b},
         sources=("capone1991", "childs1993"),
@@ -106,6 +110,7 @@ def flexible(arc: str, bearing: str) -> Model:
         swing=(y, uy),
         bodies={"rotor": (x, y), "journals": (ux, uy)},
         speed=s,
+        angular_acceleration=ACCELERATED,
         journals={"1": Journal((ux, uy), spin)},
         unbalances={"rotor": b},
         sources=("capone1991", "childs1993"),

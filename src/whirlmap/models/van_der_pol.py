@@ -20,6 +20,7 @@ def declare() -> Model:
         harmonics=(omega,),
         clocks={"forcing": omega},
         swing=(x,),
+        angular_acceleration={},  # the force has the same size at every speed
         sources=("vanderpol1927",),
     )
 

@@ -4,13 +4,15 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import cos, sin
+from sympy import Expr, cos, sin
 
 from whirlmap.analysis.linear.film_coefficients import FilmCoefficients, film_coefficients
 from whirlmap.analysis.linear.linearisation import linear_analysis, standing
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
-from whirlmap.machines.assembly import Machine
+from whirlmap.machines.assembly import AnyBearing, Machine
+from whirlmap.machines.parts.coefficients import CoefficientBearing
+from whirlmap.machines.parts.contact import Rub
 from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.rotor import Rotor
 from whirlmap.models import mesh
@@ -80,6 +82,8 @@ def truncation(system: System) -> Truncation | None:
     if standing(system) or len(system.model.films) < len(machine.bearings):
         raise RangeError("a damper, or a film as printed, has no linear coefficients at rest")
     linear = linear_analysis(system)
+    if any(_touches(system, rub, linear.equilibrium) for rub in machine.rubs):
+        raise RangeError("a shaft touches its casing at rest")
     ours, rest = linear.eigenvalues, dict(zip(system.states, map(float, linear.equilibrium), strict=True))
     full = _Full(system, machine).eigenvalues(film_coefficients(system), rest)
     highest = max(abs(float(system.values[rotor.r.name])) for rotor in machine.rotors)
@@ -88,6 +92,12 @@ def truncation(system: System) -> Truncation | None:
     error = np.abs(ours[None] - full[:, None]).min(axis=1) / np.abs(full)
     light = -full.real < OVERDAMPED * np.abs(full)
     return Truncation(full, error, np.where(light, LIGHT, HEAVY), float(np.abs(ours).max() / highest))
+
+
+def _touches(system: System, rub: Rub, rest: NDArray[np.float64]) -> bool:
+    numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
+    numbers |= dict(zip(system.model.states, map(float, rest), strict=True))
+    return float(system.model.outputs[f"gap_{rub.name}"].expression.subs(numbers)) < 0
 
 
 def machine_of(system: System) -> Machine | None:
@@ -127,6 +137,8 @@ class _Full:
         self._supports(rest)
         for bearing in self.machine.bearings:
             self._film(bearing, films[bearing.name])
+        for by_coefficients in self.machine.coefficients:
+            self._coefficients(by_coefficients)
         self._teeth()
         for coupling in self.machine.couplings:
             i = self.places[coupling.shaft, "arc"] + self._rotor(coupling.shaft).shaft.turning_station(coupling.station)
@@ -166,7 +178,7 @@ class _Full:
 
     def _supports(self, rest: dict[str, float]) -> None:
         for support in self.machine.supports:
-            alike = max(b.alike for b in self.machine.bearings if b.name in support.bearings)
+            alike = max(b.alike for b in self.machine.supporting if b.name in support.bearings)
             for axis in "xy":
                 i = self.places[support.name, axis]
                 cubic = 3 * self._number(support.a(axis)) * self._number(support.nu) * rest[f"{axis}_{support.name}"] ** 2
@@ -179,14 +191,27 @@ class _Full:
         size = bearing.alike * found.load / self._number(bearing.gamma) / self.s2
         spin = abs(self._number(bearing.spin))
         K = size * found.K + bearing.alike * self._number(bearing.kappa_c) / self.s2 * np.eye(2)
+        between = self._between(bearing)
+        self.K += between.T @ K @ between
+        self.C += between.T @ (size * found.C / spin) @ between
+
+    def _coefficients(self, bearing: CoefficientBearing) -> None:
+        def of(e: Expr) -> Matrix:
+            return np.array([float(e.subs({q: self.values[q.name] for q in e.free_symbols}))])
+
+        between = self._between(bearing)
+        self.K += bearing.alike / self.s2 * between.T @ bearing.stiffness(of)[0] @ between
+        self.C += bearing.alike * 2 / self.values["s"] * between.T @ bearing.damping(of)[0] @ between
+
+    def _between(self, bearing: AnyBearing) -> Matrix:
+        """Displacement of the station from its support along x and y, by all degrees of freedom."""
         row = self._rotor(bearing.shaft).shaft.freedom(bearing.station)
         between = np.zeros((2, self.M.shape[0]))
         for i, axis in enumerate("xy"):
             between[i, self.places[bearing.shaft, axis] + row] = 1.0
             if bearing.support:
                 between[i, self.places[bearing.support, axis]] = -1.0
-        self.K += between.T @ K @ between
-        self.C += between.T @ (size * found.C / spin) @ between
+        return between
 
     def _teeth(self) -> None:
         s = self.values["s"]

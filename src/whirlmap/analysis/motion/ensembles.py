@@ -52,7 +52,8 @@ def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
     Raises
     ------
     RangeError
-        Where a varied name is unknown, an order of a harmonic, or leaves its limits; or lengths differ.
+        Where a varied name is unknown, an order of a harmonic, or leaves its limits; where lengths differ; or where a check
+        of the model refuses the least or the largest value of one.
     """
     columns = {name: np.atleast_1d(np.asarray(values, dtype=float)) for name, values in vary.items()}
     lengths = {name: c.size for name, c in columns.items()}
@@ -74,7 +75,18 @@ def parameter_values(system: System, vary: Mapping[str, ArrayLike]) -> Array:
                 raise RangeError(f"{name} = {value:g} {fault} ({parameter.meaning})")
         values[system.parameters.index(name)] = column
     _follow_defaults(system, columns, values)
+    _check_ends(system, columns, values)
     return values
+
+
+def _check_ends(system: System, columns: Mapping[str, Array], values: Array) -> None:
+    """Refuse what the model's checks refuse at the least and at the largest of each varied parameter."""
+    ends = {int(find(column)) for column in columns.values() for find in (np.argmin, np.argmax)}
+    for end in sorted(ends) if system.model.checks else ():
+        at = dict(zip(system.parameters, map(float, values[:, end]), strict=True))
+        for check in system.model.checks:
+            if fault := check(at):
+                raise RangeError(fault)
 
 
 def _follow_defaults(system: System, columns: Mapping[str, Array], values: Array) -> None:

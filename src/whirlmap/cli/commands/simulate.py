@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import typer
 
+from whirlmap.cli.commands.run_up import run_up
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.opening import open_system
@@ -31,6 +32,7 @@ MOTION, TIMES = ("minimum", "maximum", "mean", "rms", "last"), ("end_time", "per
 
 def simulate(
     *, case: str, changes: list[str] | None, start: list[str] | None, periods: int | None, transient: int, every: int,
+    vary: str | None, time: str | None, diagram: Path | None,
     integration: Integration, execution: Execution, animate: Path | None, dimensionless: bool, out: Path | None,
     size: str | None, dpi: int | None, title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
@@ -46,6 +48,22 @@ def simulate(
         None if table else out, "simulate", force=force, size=size, dpi=dpi, title=title, animated=animate is not None
     )
     system = open_system(case, changes, start)
+    if vary is not None:
+        often = None if every == 1 else every
+        given = {"--periods": periods, "--animate": animate, "--every": often, "--out NAME.csv": table}
+        for name, value in given.items():
+            if value is not None:
+                raise InputError(f"{name}: found it with --vary, expected one of them")
+        if time is None:
+            raise InputError('--vary: found it without --time, expected how long the run takes, as in --time "20 s"')
+        run_up(
+            system, vary=vary, time=time, transient=transient, integration=integration, execution=execution,
+            diagram=diagram, dimensionless=dimensionless, destination=destination, json=json, quiet=quiet,
+        )  # fmt: skip
+        return
+    for name, only in {"--time": time, "--diagram": diagram}.items():
+        if only is not None:
+            raise InputError(f"{name}: found it without --vary, expected both, as in --vary speed=BEGIN:END --time TIME")
 
     with Progress("simulate", None, quiet=quiet) as progress:
         work = simulation_in_stretches(

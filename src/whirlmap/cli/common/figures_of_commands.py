@@ -23,6 +23,7 @@ from whirlmap.plot.figures.campbell import campbell_figure
 from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure, diagram_figure
 from whirlmap.plot.figures.improve import improve_figure
 from whirlmap.plot.figures.regime_map import regime_line_figure, regime_map_figure
+from whirlmap.plot.figures.run_up import run_up_figure
 from whirlmap.plot.figures.signal_figure import series_figure
 from whirlmap.plot.figures.speeds import speeds_figure
 from whirlmap.plot.panels.phase_portrait import draw_phase_portrait
@@ -43,6 +44,11 @@ def simulation(system: System, ds: xr.Dataset) -> Figure:
     draw_phase_portrait(ds, states[0], partner_of(system, states[0]), ax=fig.add_subplot(grid[:, 1]), turns=10 * SHOWN)
     fig.suptitle(system.case)
     return fig
+
+
+def run_up(system: System, ds: xr.Dataset, diagram: xr.Dataset | None) -> Figure:
+    """Draw a run-up of the state that swings first, over a labelled diagram where there is one."""
+    return run_up_figure(ds, swing_of(system)[0], diagram=diagram, title=system.case)
 
 
 def animation(

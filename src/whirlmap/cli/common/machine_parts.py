@@ -9,6 +9,7 @@ import typer
 from whirlmap.analysis.linear.truncation import FAST, truncation
 from whirlmap.cli.common import report
 from whirlmap.errors import RangeError
+from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.machines.assembly import Machine
 from whirlmap.machines.parts.part import Coupled
 from whirlmap.machines.parts.teeth import Teeth
@@ -27,6 +28,7 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
     """Parts of a machine as plain data in SI; ``rest`` is its static equilibrium, None where there is none."""
     settled = system.machine
     assert settled is not None
+    c_0 = float(Dimensions(system).worth("length"))
     given, values = settled.given, {name: float(value) for name, value in system.values.items()}
     numbers = {p: values[p.name] for p in system.model.parameters}
     if rest is not None:
@@ -55,7 +57,7 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             ],
             "twisting": 0 if rotor.base is None else shaft.twisting.count,
         })  # fmt: skip
-    bearings = []
+    bearings = list[dict[str, Any]]()
     for b in machine.bearings:
         ux, uy = (numbers.get(q) for q in b.u)
         bearings.append({
@@ -63,6 +65,13 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             "support": b.support, "alike": b.alike, **{key: given[f"bearing.{b.name}.{key}"] for key in ("R", "L", "c")},
             "load": output(f"load_{b.name}", force), "eccentricity": output(f"eps_{b.name}"),
             "direction": None if ux is None or uy is None else float(np.degrees(np.arctan2(uy, ux))),
+        })  # fmt: skip
+    for by_table in machine.coefficients:
+        bearings.append({
+            "name": by_table.name, "shaft": by_table.shaft, "z": places[by_table.shaft, by_table.station],
+            "kind": "coefficients", "support": by_table.support, "alike": by_table.alike,
+            "load": output(f"load_{by_table.name}", force),
+            "speeds": [min(by_table.speeds), max(by_table.speeds)] if by_table.speeds else None,
         })  # fmt: skip
     meshes = [
         {
@@ -83,6 +92,10 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
         ],
         "unbalances": [{"name": u.name, "shaft": u.shaft, "z": places[u.shaft, u.station]} for u in machine.unbalances],
         "couplings": [{"name": c.name, "shaft": c.shaft, "z": places[c.shaft, c.station]} for c in machine.couplings],
+        "rubs": [
+            {"name": c.name, "shaft": c.shaft, "z": places[c.shaft, c.station], "gap": output(f"gap_{c.name}", c_0)}
+            for c in machine.rubs
+        ],
         "truncation": _truncation(system),
     }  # fmt: skip
 
@@ -130,8 +143,8 @@ def warnings_of(parts: dict[str, Any]) -> list[str]:
         )
     if found["fastest"] > FAST:
         made.append(
-            f"truncation: a journal answers {found['fastest']:.3g} times as fast as the fastest shaft turns, and steps"
-            " follow it; fewer modes of the shafts, modes = N, make it slower"
+            f"truncation: the fastest motion (of a journal, or the highest kept mode) is {found['fastest']:.3g} times as"
+            " fast as the fastest shaft turns, and steps follow it; fewer modes of the shafts, modes = N, make it slower"
         )
     return made
 
@@ -160,6 +173,9 @@ def print_parts(parts: dict[str, Any]) -> None:
 
 def _bearing(b: dict[str, Any]) -> tuple[str, ...]:
     name = b["name"] + (f" (x{b['alike']})" if b["alike"] > 1 else "")
+    if b["kind"] == "coefficients":
+        law = f"table, {_rpm(b['speeds'][0])} to {_rpm(b['speeds'][1])}" if b["speeds"] else "coefficients"
+        return (name, b["shaft"], law, b["support"] or "ground", "", _number(b["load"], "N"), "", "")
     numbers = (_number(b["c"] * 1e6, "um"), _number(b["load"], "N"), _number(b["eccentricity"], ""))
     return (name, b["shaft"], f"{b['film']}, {b['arc']}", b["support"] or "ground", *numbers, _number(b["direction"], "deg"))
 

@@ -23,7 +23,11 @@ FIELDS: tuple[Field, ...] = (
     Text("name", "name of the bearing", required=True),
     Text("shaft", "shaft that turns in it", required=True),
     Station("at", "station of the shaft", required=False),
-    Choice("kind", ("journal", "damper"), "a journal that turns, or the ring of a squeeze-film damper, which does not"),
+    Choice(
+        "kind",
+        ("journal", "damper", "coefficients"),
+        "a journal that turns; the ring of a squeeze-film damper, which does not; or by stiffness and damping",
+    ),
     Choice(
         "film",
         ("short", "porous", "printed"),

@@ -45,20 +45,26 @@ class Coupled:
         By the shaft.
     positions : mapping of str to (Expr, Expr)
         Centre of each support, by its name; ground is "".
+    velocities : mapping of str to (Expr, Expr)
+        Their rates.
     journals : mapping of str to (Expr, Expr)
         Position of each journal in space.
     forces : mapping of str to list of (station, (Expr, Expr))
         On each shaft, over K_0 c_0.
+    accelerated : mapping of str to list of (station, (Expr, Expr))
+        Forces on each shaft that an angular acceleration adds, over its relative rate (see `Model.angular_acceleration`).
     moments : mapping of str to list of (station, Expr)
         On the rotation of each shaft, over K_0 c_0 and its base radius, along the rotation.
     loads : mapping of str to (Expr, Expr)
-        Force of the shaft on one journal of each bearing, over K_0 c_0.
+        Force of the shaft on each bearing, or on one of two that are alike, over K_0 c_0.
     """
 
     motions: dict[str, Motion] = field(default_factory=dict)
     positions: dict[str, Vector] = field(default_factory=lambda: {"": ZERO})
+    velocities: dict[str, Vector] = field(default_factory=lambda: {"": ZERO})
     journals: dict[str, Vector] = field(default_factory=dict)
     forces: dict[str, list[tuple[int, Vector]]] = field(default_factory=dict)
+    accelerated: dict[str, list[tuple[int, Vector]]] = field(default_factory=dict)
     moments: dict[str, list[tuple[int, Expr]]] = field(default_factory=dict)
     loads: dict[str, Vector] = field(default_factory=dict)
 

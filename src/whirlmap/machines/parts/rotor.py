@@ -273,6 +273,22 @@ class Rotor:
             total -= number(n.weight[k] / n.mass[k]) * f / s**2
         return total
 
+    def accelerated(self, coupled: Coupled) -> dict[State, Expr]:
+        """What an angular acceleration adds to the rates of modes beside the change of the clock, over its relative rate.
+
+        Unbalances lag. The gyroscopic moment has no term of its own: the torque that accelerates a disk acts along the
+        disk's axis, and its part across the machine's axis is what d(I_p Omega)/dt needs there.
+        """
+        made: dict[State, Expr] = {}
+        for plane, axis in enumerate("xy"):
+            for k, rate in enumerate(self.rates_of(axis)):
+                total: Expr = Integer(0)
+                for station, force in coupled.accelerated.get(self.name, []):
+                    weight = number(self.numbers.shapes[station, k] / self.numbers.mass[k])
+                    total += weight / (self.nu * s**2) * force[plane]
+                made[rate] = total
+        return made
+
     def _turning(self, coupled: Coupled) -> dict[State, Expr]:
         made: dict[State, Expr] = dict(zip(self.arcs, self.arc_rates, strict=True))
         if self.base is None:

@@ -99,7 +99,7 @@ class Support:
 
     def couple(self, coupled: Coupled) -> None:
         """Its position."""
-        coupled.positions[self.name] = self.centre
+        coupled.positions[self.name], coupled.velocities[self.name] = self.centre, self.rate
 
     def rates(self, coupled: Coupled) -> dict[State, Expr]:
         """Newton's law: what reaches it through film, spring and wall is the force of the shafts, (38)-(41) of the paper."""

@@ -69,6 +69,8 @@ class Unbalance:
         angle = r * t + (self.chi if "phase" in self.given else 0)
         size = mass_ratio(self.shaft) * self.b * r**2 * s**2
         coupled.forces.setdefault(self.shaft, []).append((self.station, (size * cos(angle), size * sin(angle))))
+        lag = mass_ratio(self.shaft) * self.b * r * s**2
+        coupled.accelerated.setdefault(self.shaft, []).append((self.station, (lag * sin(angle), -lag * cos(angle))))
 
     def rates(self, coupled: Coupled) -> dict[State, Expr]:  # noqa: ARG002 (the same for all parts)
         """None."""

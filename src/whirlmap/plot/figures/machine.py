@@ -84,7 +84,8 @@ def _shaft(ax: Axes, shaft: Mapping[str, Any], parts: Mapping[str, Any]) -> None
 
 
 def _bearing(ax: Axes, bearing: Mapping[str, Any], largest: float) -> None:
-    R, L, z = bearing["R"], bearing["L"], bearing["z"] if bearing["z"] else 0.0
+    z = bearing["z"] if bearing["z"] else 0.0
+    R, L = bearing.get("R", 0.5 * largest), bearing.get("L", 0.5 * largest)  # one by its coefficients has no size
     for side in (1, -1):
         low = R if side > 0 else -R - 0.25 * largest
         ax.add_patch(Rectangle((1e3 * (z - L / 2), 1e3 * low), 1e3 * L, 250 * largest, facecolor=ORANGE, edgecolor=INK))
