@@ -62,7 +62,7 @@ def jacobian_code(
     for i, result in enumerate(lines.results):
         for seed, slope in writer.by_last_seeds(result).items():
             entries[i, seed] = writer.hoist(slope)
-    moving = [e for e in entries.values() if e.free_symbols and e not in hoisted.symbols]
+    moving = [e for e in entries.values() if e.free_symbols and e not in hoisted.places]
     forms = {seed: writer.linear[seed] for _, seed in entries if seed in writer.linear}
     return _needed(Straight(tuple(writer.steps), (*lines.results, *moving))), entries, forms
 
@@ -155,11 +155,20 @@ class _Forward:
             return self._by_branch(e)
         e = e.xreplace({term: self._part(term) for term in terms})
         out: Gradient = {}
-        for symbol in sorted(e.free_symbols & set(self.by_seed), key=str):
-            partial = self._name(derivative(e, symbol))
+        for symbol, holding in self._holding(e):
+            partial = self._name(derivative(holding, symbol))
             for seed, inner in self.by_seed[symbol].items():
                 out[seed] = out.get(seed, Integer(0)) + partial * inner
         return {seed: slope for seed, slope in out.items() if slope != 0}
+
+    def _holding(self, e: Expr) -> list[tuple[Symbol, Expr]]:
+        """Symbols of an expression that have derivatives, each with the terms of the sum that hold it."""
+        terms: dict[Symbol, list[Expr]] = {}
+        for term in Add.make_args(e):
+            for symbol in term.free_symbols:
+                if symbol in self.by_seed:
+                    terms.setdefault(symbol, []).append(term)
+        return [(symbol, Add(*terms[symbol])) for symbol in sorted(terms, key=str)]
 
     def _by_branch(self, e: Piecewise) -> Gradient:
         """Derivatives of a guarded term, branch by branch: an infinite slope is never multiplied by zero."""
@@ -184,8 +193,8 @@ class _Forward:
     def _linear_form(self, e: Expr) -> Gradient:
         """Weights of the states in a linear form with constant coefficients and any constant; empty where it is none."""
         out: Gradient = {}
-        for symbol in e.free_symbols & set(self.by_seed):
-            weight = e.diff(symbol)
+        for symbol, holding in self._holding(e):
+            weight = holding.diff(symbol)
             parts = {symbol: Integer(1)} if symbol in self.variables else self.linear.get(symbol)
             if parts is None or not weight.is_number:
                 return {}
@@ -249,9 +258,10 @@ class _Forward:
 
     def hoist(self, e: Expr) -> Expr:
         """The kernel input that an expression of inputs alone becomes; any other expression as it is."""
-        inputs = dict(zip(self.hoisted.symbols, self.hoisted.expressions, strict=True))
-        constant = bool(e.free_symbols) and e.free_symbols <= set(inputs)
-        return self.hoisted.symbol(e.xreplace(inputs)) if constant else e
+        places, own = self.hoisted.places, e.free_symbols
+        if not own or not all(q in places for q in own):
+            return e
+        return self.hoisted.symbol(e.xreplace({q: self.hoisted.expressions[places[q]] for q in own}))
 
     def _name(self, e: Expr) -> Expr:
         if e.is_number or e.is_Symbol or (-e).is_Symbol:

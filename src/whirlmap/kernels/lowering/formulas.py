@@ -126,14 +126,18 @@ class HoistedFunction:
         return _function(self.text, {})
 
 
-def array_function(arguments: Sequence[Any], expressions: Sequence[Expr]) -> Callable[..., list[Any]]:
+def array_function(
+    arguments: Sequence[Any], expressions: Sequence[Expr], *, share: bool = False
+) -> Callable[..., list[Any]]:
     """NumPy function of a few expressions, for one use; nothing of it is kept.
 
-    Names are replaced, for a parameter named exp would hide the function.
+    Names are replaced, for a parameter named exp would hide the function; not where subexpressions are shared, which large
+    expressions ask for.
     """
     plain = [e.replace(magnitude, Abs) for e in expressions]
     special = any(e.has(erf, erfc) for e in plain)  # SciPy is imported where it is needed
-    made: Callable[..., list[Any]] = lambdify(arguments, plain, ["scipy", "numpy"] if special else ["numpy"], dummify=True)
+    modules = ["scipy", "numpy"] if special else ["numpy"]
+    made: Callable[..., list[Any]] = lambdify(arguments, plain, modules, dummify=not share or None, cse=share)
     return made
 
 

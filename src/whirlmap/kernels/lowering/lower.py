@@ -32,13 +32,16 @@ class Hoisted:
     expressions: list[Expr] = field(default_factory=list)
     symbols: list[Symbol] = field(default_factory=list)
     known: dict[Expr, Symbol] = field(default_factory=dict)
+    places: dict[Symbol, int] = field(default_factory=dict)
 
     def symbol(self, expression: Expr) -> Symbol:
         """Return the symbol that stands for an expression of parameters."""
         if expression not in self.known:
             self.expressions.append(expression)
-            self.symbols.append(Symbol(f"q{len(self.symbols)}", real=True))
-            self.known[expression] = self.symbols[-1]
+            made = Symbol(f"q{len(self.symbols)}", real=True)
+            self.places[made] = len(self.symbols)
+            self.symbols.append(made)
+            self.known[expression] = made
         return self.known[expression]
 
 
@@ -75,9 +78,12 @@ def split_harmonics(expression: Expr, harmonics: Sequence[Expr]) -> Expr:
 def hoist(expression: Expr, hoisted: Hoisted) -> Expr:
     """Replace the largest parts of an expression that depend on parameters alone by kernel inputs."""
     parameters = set(hoisted.parameters)
+    decided: dict[Any, bool] = {}
 
-    def constant(e: Expr) -> bool:
-        return e.free_symbols <= parameters
+    def constant(e: Any) -> bool:
+        if e not in decided:
+            decided[e] = e in parameters if isinstance(e, Symbol) else all(map(constant, e.args))
+        return decided[e]
 
     def walk(e: Expr) -> Expr:
         if constant(e):

@@ -7,12 +7,14 @@ if a rate grows towards it. That leaves out denominators that never vanish (``x^
 shares (``sin(x)/x``), and those behind a closed gap, where the run has ended before (the films at an eccentricity of one).
 """
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from copy import copy
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from sympy import Abs, Add, Expr, Max, Min, Mul, Piecewise, Pow, cos, sign, sqf_list, sympify, tan
+from sympy import Abs, Add, Expr, Max, Min, Mul, Piecewise, Pow, Symbol, cos, sign, sqf_list, sympify, tan
 
 from whirlmap.equations.model import Model
 from whirlmap.equations.pieces import tabulated
@@ -33,9 +35,11 @@ CLOSED = 1e-3
 SPLIT = 12
 
 
-def poles(model: Model) -> list[Expr]:
+@lru_cache(maxsize=32)
+def poles(model: Model) -> tuple[Expr, ...]:
     """Denominators of the equations that vanish at poles, each once."""
-    return [base for base, rates in _candidates(model).items() if _is_pole(model, base, rates)]
+    lines = _Lines(model)
+    return tuple(base for base, rates in _candidates(model).items() if _is_pole(model, lines, base, rates))
 
 
 def pole_guards(model: Model) -> list[Expr]:
@@ -85,10 +89,9 @@ def _factors(base: Expr) -> Iterator[Expr]:
         yield factor.base if isinstance(factor, Pow) else factor
 
 
-def _is_pole(model: Model, base: Expr, rates: list[Expr]) -> bool:
+def _is_pole(model: Model, line: "_Lines", base: Expr, rates: list[Expr]) -> bool:
     if base.is_positive or base.is_negative:
         return False
-    line = _Lines(model)
     with np.errstate(all="ignore"):
         zero, before = line.zeros(base)
         line = line.keep(np.isfinite(zero))
@@ -101,7 +104,7 @@ def _is_pole(model: Model, base: Expr, rates: list[Expr]) -> bool:
         side = np.sign(before - zero)
         for rate in rates:
             flat = rate.xreplace(dict.fromkeys(rate.atoms(tabulated), sympify(1)))
-            size = np.abs([line.evaluate(flat, zero + d * side) for d in NEAR])
+            size = np.abs(line.evaluate(flat, np.stack([zero + d * side for d in NEAR])))
             if (size[1:] > GROWS * size[:-1]).all(axis=0).any():
                 return True
     return False
@@ -114,7 +117,9 @@ class _Lines:
         rng = np.random.default_rng(3)
         count = SETS * LINES * MAGNITUDES.size
         size = np.tile(MAGNITUDES, SETS * LINES)
-        self.symbols = [*model.states, *model.parameters, t]
+        symbols = [*model.states, *model.parameters, t]
+        self.plain = {q: Symbol(f"p{i}") for i, q in enumerate(symbols)}  # a parameter named exp would hide the function
+        self.functions: dict[Expr, Callable[..., Sequence[Any]]] = {}
         self.begin, self.along = (size * rng.normal(size=(model.dimension, count)) for _ in range(2))
         values = [np.repeat(_allowed(p, rng), LINES * MAGNITUDES.size) for p in model.parameters]
         self.values = np.array([*values, rng.uniform(0, 10, count)])
@@ -128,12 +133,19 @@ class _Lines:
     def evaluate(self, expression: Expr, place: Array) -> Array:
         """An expression at one place of every line, or at many: shape (..., line)."""
         x = [b + place * a for b, a in zip(self.begin, self.along, strict=True)]
-        (value,) = array_function(self.symbols, [expression])(*x, *self.values)
+        (value,) = self._function(expression)(*x, *self.values)
         return np.broadcast_to(np.asarray(value, dtype=float), place.shape)
+
+    def _function(self, expression: Expr) -> Callable[..., Sequence[Any]]:
+        """An expression as a function of arrays, kept: the gaps are asked for at every denominator."""
+        if expression not in self.functions:
+            plain = expression.xreplace(self.plain)
+            self.functions[expression] = array_function(list(self.plain.values()), [plain], share=True)
+        return self.functions[expression]
 
     def zeros(self, base: Expr) -> tuple[Array, Array]:
         """First zero of an expression on every line, and the place before it that was tried; NaN where there is none."""
-        function = array_function(self.symbols, [base])
+        function = self._function(base)
 
         def sign(place: Array) -> Array:
             x = [b + place * a for b, a in zip(self.begin, self.along, strict=True)]

@@ -135,7 +135,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, e
         rates, entries, forms = jacobian_code(rates, names, hoisted)
     elif slopes == "along":
         rates = along_code(rates, names, directions, hoisted)
-    moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.symbols]
+    moving = [at for at, e in entries.items() if e.free_symbols and e not in hoisted.places]
     slots = {at: i for i, at in enumerate(moving)}
     rows = range(model.dimension) if slopes == "along" else [row for row, _ in moving]
     observed = straight(model, [o.expression for o in model.outputs.values()], hoisted)
@@ -234,17 +234,17 @@ def _terms(
     """Terms of the Jacobian by states, from its entries by seeds."""
     kind: TermKind
     value: float
+    columns = {name: column for column, name in enumerate(names)}
     for (row, seed), e in entries.items():
         if (row, seed) in slots:
             kind, value = "slot", slots[row, seed]
-        elif e in hoisted.symbols:
-            kind, value = "input", hoisted.symbols.index(e)
+        elif e in hoisted.places:
+            kind, value = "input", hoisted.places[e]
         else:
             kind, value = "constant", float(e)
         weights = forms.get(seed, {seed: Integer(1)})
-        for column, name in enumerate(names):
-            if name in weights:
-                yield JacobianTerm(row, column, float(weights[name]), kind, value)
+        for name in sorted(weights, key=columns.__getitem__):
+            yield JacobianTerm(row, columns[name], float(weights[name]), kind, value)
 
 
 def _table_parameters(model: Model) -> dict[str, str | float]:
