@@ -33,7 +33,8 @@ def overview(system: System, axes: Mapping[str, tuple[Sequence[float], str]], ds
     dict
         ``axes``: name and values of each. ``regime``, ``period`` over them (first axis slowest), regime `NOT_COMPUTED`
         where a point has none; ``numbers``: more of each point, by name, with ``label``, ``unit`` and ``values``;
-        ``section``, of diagrams: by direction ("" where there is none) and state, over the points and T, with the unit of each state.
+        ``section``, of diagrams: by direction ("" where there is none) and state, over the points and T; ``units`` of the
+        states.
     """
     out: dict[str, Any] = {
         "axes": [{"name": name, "values": encoded(np.asarray(values, dtype=float))} for name, (values, _) in axes.items()],
