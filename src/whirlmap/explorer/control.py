@@ -63,10 +63,11 @@ def controls_of(system: System, axes: Mapping[str, tuple[Sequence[float], str]])
             meaning = inputs[name].parameter.meaning if name in inputs else name
             found[name] = Control(name, symbol_text(system, name), meaning, unit, middle, low, high, log, unit)
         else:
-            own = float(system.values[name])
-            value = own if low <= own <= high else middle
+            value = float(system.values[name])
+            value = value if low <= value <= high else middle
             found[name] = _parameter(system, name, value, low, high, log=log)
-    for name, given in inputs.items():
+    own = sorted(inputs.items(), key=lambda item: item[1].parameter.unit == "1")  # pure numbers, as of teeth, last
+    for name, given in own:
         if name not in found and not (system.speed in found and system.machine and name == system.machine.speed_input):
             p = given.parameter
             low, high, log = _reach(given.value, p)

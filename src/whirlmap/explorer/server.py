@@ -57,10 +57,9 @@ class Server(ThreadingHTTPServer):
 
 
 class Handler(BaseHTTPRequestHandler):
-    """Checks and answers one request."""
+    """Checks and answers one request; the connection ends with it, so that nothing is answered once the server has ended."""
 
     server: Server
-    protocol_version = "HTTP/1.1"
     server_version, sys_version = f"whirlmap/{__version__}", ""
     timeout = IDLE
 
@@ -132,7 +131,6 @@ class Handler(BaseHTTPRequestHandler):
         self._send(status, json_text(value), "application/json")
 
     def _refuse(self, refused: Refused) -> None:
-        self.close_connection = True  # what is left of its body is not read
         self._send(refused.status, json_text({"error": refused.reason}), "application/json")
 
     def _send(self, status: HTTPStatus, text: str, kind: str, nonce: str = "") -> None:
@@ -150,8 +148,6 @@ class Handler(BaseHTTPRequestHandler):
             ("Cross-Origin-Resource-Policy", "same-origin"), ("Cross-Origin-Opener-Policy", "same-origin"),
         ):  # fmt: skip
             self.send_header(header, value)
-        if self.close_connection:
-            self.send_header("Connection", "close")
         self.end_headers()
         self.wfile.write(content)
 

@@ -149,6 +149,7 @@ class Session:
             raise Refused(HTTPStatus.CONFLICT, "branches lie over diagrams: expected one quantity that varies")
         (name, (ends, unit)), values = next(iter(e.axes.items())), self._values(request)
         begin = values.pop(name, e.controls[name].value)
+        low, high = min(float(ends[0]), begin), max(float(ends[-1]), begin)
 
         def text(value: float) -> Any:
             return value if unit == "1" else f"{value!r} {unit}"
@@ -156,7 +157,7 @@ class Session:
         def work(job: Job) -> None:
             system = system_at(e.system, e.controls, values)
             going = continue_orbit.parts(
-                system, name, [text(float(ends[0])), text(float(ends[-1]))], begin=text(begin),
+                system, name, [text(low), text(high)], begin=text(begin),
                 labelling=e.labelling, execution=Execution(self.workers, lambda _: job.check()),
             )  # fmt: skip
             for done in going:

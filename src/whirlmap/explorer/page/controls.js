@@ -2,7 +2,7 @@
 "use strict";
 explorer.controls = (() => {
   const {$, make} = explorer;
-  const STEPS = 1000, FIRST = 6, rows = new Map();
+  const STEPS = 1000, FIRST = 4, rows = new Map();
 
   const toSlider = (c, v) => {
     const u = c.log && v > 0 ? Math.log(v / c.low) / Math.log(c.high / c.low) : (v - c.low) / (c.high - c.low);

@@ -73,7 +73,7 @@ explorer.Panel = class {
       scales: {x: scale(x, ranges.x), y: scale(y, ranges.y)}, axes: [axis(x, 2), axis(y, 3)],
       cursor: {
         show: Boolean(options.onZoom), points: {show: false}, y: Boolean(options.onZoom),
-        drag: {x: true, y: !options.zoomX, uni: 24, setScale: false},
+        drag: {x: true, y: !options.zoomX, uni: 10, setScale: false},
       },
       hooks: {
         draw: [(u) => this.inside(u, options.draw)],
@@ -97,7 +97,7 @@ explorer.Panel = class {
   refresh() { this.plot?.redraw(false, false); }
 
   selected(u) {
-    const s = u.select;
+    const s = {...u.select};
     if (!this.options.onZoom || (s.width < 4 && s.height < 4)) return;
     this.dragged = true;
     setTimeout(() => { this.dragged = false; }, 60);

@@ -23,7 +23,7 @@
       explorer.say("");
       explorer.panels.show();
       explorer.timing = {asked, drawn: performance.now()};
-      if (explorer.state.autoVotes && !explorer.verdict) { clearTimeout(timer); timer = setTimeout(votes, 400); }
+      if (!explorer.verdict && (explorer.state.autoVotes || !(m.label.decided || explorer.stored))) { clearTimeout(timer); timer = setTimeout(votes, 600); }
     } catch (error) {
       explorer.say(error.message, true);
       explorer.failed = error.message;
@@ -92,7 +92,7 @@
     try {
       const begun = await explorer.source.votes(explorer.state.values);
       voting = begun.job;
-      explorer.say("asking exponents, 0-1 test, averages, spectrum, dimension …");
+      explorer.say("asking the indicators for the label …");
       await follow(begun, (verdict) => {
         if (values !== JSON.stringify(explorer.state.values)) return;
         explorer.verdict = verdict;
@@ -171,6 +171,7 @@
     explorer.overview.begin(); explorer.panels.begin(); explorer.controls.begin(); explorer.exports.begin();
     if (data.kind !== "point") {
       explorer.state.values = {...explorer.overview.first(), ...explorer.state.values};
+      explorer.controls.update();
       explorer.overview.show();
     }
     $("auto").checked = explorer.state.auto && data.kind === "diagram" && Boolean(source.finer);

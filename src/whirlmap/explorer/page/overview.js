@@ -15,11 +15,16 @@ explorer.overview = (() => {
   const axisOf = (k) => explorer.control(explorer.layers[0].axes[k].name);
   const map = () => explorer.data.kind === "map";
 
+  /** The whole of an axis, half a cell beyond its ends. */
+  const whole = (k) => {
+    const c = axisOf(k), values = explorer.layers[0].axes[k].values, edges = borders(values, c.log), n = values.length;
+    return [values[0] === c.low ? edges[0] : c.low, values[n - 1] === c.high ? edges[n] : c.high];
+  };
+
   /** Ranges that are shown, in the model's own numbers. */
   const ranges = () => {
-    const zoom = explorer.state.zoom, c = axisOf(0);
-    const x = zoom?.x || [c.low, c.high];
-    if (map()) return {x, y: zoom?.y || [axisOf(1).low, axisOf(1).high]};
+    const zoom = explorer.state.zoom, x = zoom?.x || whole(0);
+    if (map()) return {x, y: zoom?.y || whole(1)};
     if (zoom?.y) return {x, y: zoom.y};
     const all = Object.values(explorer.layers[0].section).map((s) => s[explorer.state.section]).filter(Boolean);
     return {x, y: explorer.span(...explorer.ends(...all))};
@@ -113,7 +118,7 @@ explorer.overview = (() => {
     if (!values) return;
     const x = l.axes[0].values, each = values.length / x.length, size = (v) => Math.round(u.valToPos(v, "x") * ratio);
     const gap = x.length > 1 ? Math.abs(size(x[x.length - 1]) - size(x[0])) / (x.length - 1) : 2;
-    const w = Math.max(1, Math.min(Math.round(gap * 0.8), Math.round(2.4 * ratio))), h = Math.max(1, Math.round(1.3 * ratio));
+    const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), Math.round(3 * ratio))), h = Math.max(1, Math.round(1.8 * ratio));
     const fixed = way && explorer.state.colour === "regime" ? [...explorer.rgb(way), false] : null;
     for (let i = 0; i < x.length; i++) {
       const px = size(x[i]) - (w >> 1), c = fixed || of(i).slice(0, 3);
@@ -225,11 +230,11 @@ explorer.overview = (() => {
     const about = (range, k, log) => {
       const t = log ? Math.log : (v) => v, back = log ? Math.exp : (v) => v, c = t(here[k]);
       const a = back(c + (t(range[0]) - c) * factor), b = back(c + (t(range[1]) - c) * factor);
-      const full = axisOf(k);
-      return [Math.max(a, full.low), Math.min(b, full.high)];
+      const [low, high] = whole(k);
+      return [Math.max(a, low), Math.min(b, high)];
     };
     const x = about(r.x, 0, axisOf(0).log), y = map() ? about(r.y, 1, axisOf(1).log) : null;
-    const all = (range, k) => range[0] <= axisOf(k).low && range[1] >= axisOf(k).high;
+    const all = (range, k) => range[0] <= whole(k)[0] && range[1] >= whole(k)[1];
     explorer.set({zoom: all(x, 0) && (!y || all(y, 1)) ? null : {x, ...(y ? {y} : {})}});
   };
 
@@ -313,8 +318,8 @@ explorer.overview = (() => {
     const choices = [["regime", "regime"], ["period", "period"], ...Object.entries(l.numbers).map(([k, n]) => [k, n.label])];
     $("colour").replaceChildren(...choices.map(([value, text]) => make("option", text, {value})));
     $("state").replaceChildren(...states.map((s) => make("option", explorer.quantityOf(s).symbol, {value: s})));
-    if (!choices.some(([k]) => k === explorer.state.colour)) explorer.set({colour: "regime"});
-    if (!states.includes(explorer.state.section)) explorer.set({section: states[0] || ""});
+    if (l.regime && !choices.some(([k]) => k === explorer.state.colour)) explorer.set({colour: "regime"});
+    if (states.length && !states.includes(explorer.state.section)) explorer.set({section: states[0]});
     $("colour").value = explorer.state.colour; $("state").value = explorer.state.section;
   };
 

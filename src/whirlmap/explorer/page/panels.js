@@ -101,7 +101,7 @@ explorer.panels = (() => {
     target.show({
       x: {range: [m.turn[0], m.turn[m.turn.length - 1] || 1], label: "time [T]"},
       y: {range: range || explorer.span(...explorer.ends(...columns)), label},
-      data: [m.turn, ...columns], series: names.map((_, k) => lineOptions(["periodic", "chaotic", "quasi_periodic", "growing"][k % 4])),
+      data: [m.turn, ...columns], series: names.map((_, k) => lineOptions(COLOURS[k % 4])),
     });
   };
 
@@ -135,12 +135,19 @@ explorer.panels = (() => {
     $("spectrum-line").textContent = `of ${explorer.quantityOf(s.quantity).symbol}; ${digits(100 * s.broadband, 2)} % of the power outside of lines`;
   };
 
+  const COLOURS = ["periodic", "chaotic", "quasi_periodic", "growing"];
   const films = () => {
     const known = explorer.data.films.filter((f) => f.eccentricity);
     $("films-card").hidden = !known.length;
     if (!known.length) return;
+    $("bearings").replaceChildren(...known.map((f, k) => {
+      const item = make("li", `bearing ${f.bearing}`), swatch = make("span", "", {class: "swatch"});
+      swatch.style.backgroundColor = explorer.colour(COLOURS[k % 4]);
+      item.prepend(swatch);
+      return item;
+    }));
     const ends = explorer.ends(...known.map((f) => explorer.shown.series[f.eccentricity]));
-    curves(panel.films, known.map((f) => f.eccentricity), "eccentricity / clearance", [0, Math.max(1, ends[1] * 1.04)]);
+    curves(panel.films, known.map((f) => f.eccentricity), "eccentricity", [0, Math.max(1, ends[1] * 1.04)]);
     const loaded = known.filter((f) => f.load);
     if (!loaded.length) { panel.loads.empty("the model says no loads"); return; }
     curves(panel.loads, loaded.map((f) => f.load), explorer.axisLabel("film force", explorer.shown.units[loaded[0].load]));
