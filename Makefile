@@ -9,7 +9,7 @@ QUALITY ?= quick
 OUT ?= $(if $(filter full,$(QUALITY)),reproduction-full,reproduction)
 BIN := .venv/bin
 
-.PHONY: setup python test slow validation lint reproduce bench clean
+.PHONY: setup python test slow validation lint docs reproduce bench clean
 
 setup: .venv/ready
 	@echo "whirlmap is installed in .venv. Call it as $(BIN)/whirlmap, or first activate it:  . $(BIN)/activate"
@@ -43,6 +43,13 @@ lint: .venv/tested
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
+.venv/documented: .venv/ready
+	$(BIN)/python -m pip install --quiet --constraint constraints.txt --editable ".[docs]"
+	touch $@
+
+docs: .venv/documented  # the site, build/docs/index.html; once installed it needs no network
+	$(BIN)/python -m sphinx --fail-on-warning --keep-going -b html docs build/docs
+
 reproduce: .venv/ready
 	$(BIN)/whirlmap reproduce --quality $(QUALITY) --out $(OUT)
 
@@ -50,4 +57,4 @@ bench: .venv/tested
 	$(BIN)/whirlmap bench
 
 clean:
-	rm -rf .venv build dist
+	rm -rf .venv build dist docs/examples docs/reference/generated
