@@ -15,6 +15,8 @@ from whirlmap.cli.common.recipes import recipes
 ROOT = Path(__file__).parents[2]
 RECIPES = recipes()
 SLOW = [pytest.mark.slow, pytest.mark.timeout(1200)]
+#: Recipes of some seconds each, which are run with the long ones.
+SECONDS = {"bifurcation-diagram", "branches"}
 
 
 def run(line):
@@ -22,7 +24,7 @@ def run(line):
 
 
 @pytest.mark.parametrize(
-    "name", [pytest.param(name, marks=SLOW if one.long else []) for name, one in RECIPES.items()]
+    "name", [pytest.param(name, marks=SLOW if one.long or name in SECONDS else []) for name, one in RECIPES.items()]
 )
 def test_its_commands_answer(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)

@@ -19,10 +19,9 @@ class Checked:
     expected: str | None = None
 
     @property
-    def link(self) -> str:
-        """The test's name, with a link to its file."""
-        file, _, name = self.test.partition("::")
-        return f"[{name.partition('[')[0]}](../{file})"
+    def place(self) -> str:
+        """File and name of the test, without its parameters."""
+        return f"`{self.test.partition('[')[0]}`"
 
     @property
     def state(self) -> str:
@@ -63,7 +62,7 @@ HEAD = ("quantity", "value", "truth", "difference", "tolerance", "source", "test
 
 def _cells(row: dict, test: Checked) -> tuple[str, ...]:
     several = f" ({row['of']} values)" if row["of"] > 1 else ""
-    return (row["quantity"] + several, row["value"], row["truth"], row["error"], row["tolerance"], row["source"], test.link)
+    return (row["quantity"] + several, row["value"], row["truth"], row["error"], row["tolerance"], row["source"], test.place)
 
 
 def _open(wrong: Sequence[tuple[dict, Checked]], bad: Sequence[Checked]) -> str:
@@ -71,14 +70,14 @@ def _open(wrong: Sequence[tuple[dict, Checked]], bad: Sequence[Checked]) -> str:
     if not wrong and not bad:
         return "## Open and failing\n\nNone."
     lines = [(*_cells(row, test), test.state) for row, test in wrong]
-    lines += [("the test ended at something else than a row", "", "", "", "", "", test.link, test.state) for test in bad]
+    lines += [("the test ended at something else than a row", "", "", "", "", "", test.place, test.state) for test in bad]
     return "## Open and failing\n\n" + _table((*HEAD, "state"), lines)
 
 
 def _claims(claims: Sequence[tuple[dict, Checked]]) -> str:
     """Statements of the paper: those that do not come true first."""
     ordered = sorted(claims, key=lambda one: VERDICTS.index(one[0]["verdict"]))
-    lines = [(r["quantity"], r["says"], r["verdict"], r["found"], r["source"], t.link) for r, t in ordered]
+    lines = [(r["quantity"], r["says"], r["verdict"], r["found"], r["source"], t.place) for r, t in ordered]
     return (
         "## Statements of the paper\n\nThe paper gives almost no parameter values, so a statement that fails may be true of"
         " another machine.\n\n" + _table(("statement", "the paper says", "verdict", "found", "where", "test"), lines)

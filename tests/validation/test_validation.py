@@ -93,7 +93,7 @@ def test_open_and_failing_rows_stand_first_with_their_numbers(made):
     assert heads == ["Open and failing", "Statements of the paper", "Invariant", "Published", "Independent"]
     wrong = made[made.index("## Open") : made.index("## Statements")]
     assert "| gap | 1.25 | 1 | 2.5e-01 | 1e-09 relative |" in wrong and "open: a known gap" in wrong
-    assert "| wrong label | 1T | 2T |" in wrong and "[test_elsewhere](../test_four.py)" in wrong
+    assert "| wrong label | 1T | 2T |" in wrong and "`test_four.py::test_elsewhere`" in wrong
     assert "5 checks: 1 exact, 1 invariant, 2 published, 1 independent; 3 of them open or failing" in made
 
 
@@ -124,7 +124,7 @@ def recording():
 def test_the_page_in_docs_is_of_the_tests_of_today():
     """`make validation` renews it; its numbers are those of its own run, and are not compared."""
     text = PAGE.read_text(encoding="utf-8")
-    on_page = {(file, name) for name, file in re.findall(r"\[(test_\w+)\]\(\.\./([\w/.]+)\)", text)}
+    on_page = set(re.findall(r"`(tests/[\w/]+\.py)::(test_\w+)`", text))
     assert on_page | NEED_MORE == set(recording())
     assert int(re.search(r"^(\d+) checks", text, flags=re.MULTILINE)[1]) >= 60
     assert text.index("## Open and failing") < text.index("## Exact") < text.index("## Independent")
