@@ -1,7 +1,7 @@
 """Parts of a machine from the tables of its file: shafts with disks, bearings, supports, meshes, unbalances, couplings."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -228,7 +228,7 @@ class Tables:
                 raise at.fault("at", f"found a second bearing at one station of shaft {name}, expected stations of"
                                      " their own, or"
                                      " two_alike = 2")  # fmt: skip
-        disks = []
+        disks = [replace(d, station=self.station(table, name, d.station)) for d in self.stations.disks.get(name, ())]
         for one in (t for t in self.of("disk") if t.texts["shaft"] == name):
             if not self.stations.elements[name]:
                 raise one.fault("shaft", f"found a disk on the lumped rotor {name}, expected its mass in m")

@@ -3,13 +3,15 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
+from pathlib import Path
 from typing import Any
 
 from whirlmap.cases.machine_tables import PartTable
+from whirlmap.cases.ross_file import read_ross
 from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.beams import MATERIALS, Element, Material
 from whirlmap.machines.parts import rotor
-from whirlmap.machines.shafts import ROTOR
+from whirlmap.machines.shafts import ROTOR, Disk
 from whirlmap.units import read
 
 #: Two stations are one where they are nearer than this part of the shaft's length.
@@ -27,11 +29,14 @@ class Stations:
         By the shaft; empty for a lumped rotor.
     written : dict of str to list of float
         Ends of the elements as the file has them, before distances divided some [m].
+    disks : dict of str to list of Disk
+        Disks of shafts that a file of another program holds, at their stations there.
     """
 
     by_kind: Mapping[str, list[PartTable]]
     elements: dict[str, list[Element]] = field(default_factory=dict)
     written: dict[str, list[float]] = field(default_factory=dict)
+    disks: dict[str, list[Disk]] = field(default_factory=dict)
 
     def of(self, kind: str) -> list[PartTable]:
         """Tables of one kind."""
@@ -49,6 +54,8 @@ class Stations:
     def read_elements(self, table: PartTable) -> list[Element]:
         """Beam elements of a shaft; none of a lumped rotor."""
         listed = table.values.get("elements")
+        if "file" in table.texts:
+            return self._from_file(table)
         if listed is None:
             table.needs(("m", "K"), "no elements", rotor.FIELDS)
             return []
@@ -57,7 +64,7 @@ class Stations:
                 raise table.fault(key, f"found {key} beside elements, from which it follows; expected one of them")
         if not isinstance(listed, list) or not listed or not all(isinstance(one, Mapping) for one in listed):
             raise table.fault("elements", 'found no list of elements, expected elements = [ { L = "120 mm", d = "70 mm" } ]')
-        material, made = self._material(table), list[Element]()
+        made = list[Element]()
         for number, one in enumerate(listed, start=1):
             piece = PartTable("shaft", table.name, one, table.sources)
             piece.take(rotor.ELEMENT)
@@ -65,9 +72,25 @@ class Stations:
             if d_i >= d:
                 raise table.fault("elements", f"found d_i = {d_i * 1e3:g} mm and d = {d * 1e3:g} mm in element {number},"
                                               " expected an inner diameter below the outer one")  # fmt: skip
-            pieces = piece.whole("n", 1, 1)
+            pieces, own = piece.whole("n", 1, 1), {"E", "G", "nu", "rho", "material"} & {*piece.fixed, *piece.texts}
+            material = self._material(piece if own else table)
             made += [Element(L / pieces, d, d_i, material)] * pieces
         return made
+
+    def _from_file(self, table: PartTable) -> list[Element]:
+        """Beam elements of a shaft that ROSS saved; its disks become those of the machine, its bearings are left."""
+        for key in ("elements", "m", "K", "J", "material", "E", "G", "nu", "rho"):
+            if table.has(key):
+                raise table.fault(key, f"found {key} beside file, from which it follows; expected one of them")
+        place = Path(table.sources[0].file).parent / table.texts["file"]
+        try:
+            rotor = read_ross(place)
+        except CaseError as error:
+            raise table.fault("file", str(error)) from None
+        self.disks[table.name] = [
+            Disk(f"{table.name}_disk_{i}", d.node, d.m, d.I_d, d.I_p) for i, d in enumerate(rotor.disks, start=1)
+        ]
+        return [Element(e.L, e.d, e.d_i, Material(e.E, e.G, e.rho)) for e in rotor.elements]
 
     def _material(self, table: PartTable) -> Material:
         name, own = table.texts.get("material"), table.fixed

@@ -105,7 +105,7 @@ def linearised(
     Jacobians are those of the compiled kernel, in closed form; at a kink of the rates, where there is no derivative, central
     differences over both of its sides. Those of points without an equilibrium are NaN.
     """
-    if model.equilibrium:
+    if model.equilibrium or _without_derivative(model):
         raise NotLinearError(
             "no eigenvalues: the film of a damper carries nothing at rest, and its damping of small motions depends on their"
             " direction (the pressure is positive on the side to which the ring moves); no linear system describes that"
@@ -123,6 +123,11 @@ def linearised(
         if at.size:
             jacobian[at] = _jacobians(form, values[:, at], x[:, at])
     return x, jacobian, found
+
+
+def _without_derivative(model: Model) -> bool:
+    """Whether a film with the arc of positive pressure, which is a table, stands around a ring that never turns."""
+    return bool(model.tables) and any(sympify(journal.spin).is_zero for journal in model.journals.values())
 
 
 def _jacobians(

@@ -5,6 +5,7 @@ from pathlib import Path
 import typer
 
 from whirlmap.cases.case import read
+from whirlmap.cases.from_ross import from_ross as rotor_of_ross
 from whirlmap.cases.template import template
 from whirlmap.cli.common import report
 from whirlmap.errors import InputError
@@ -15,7 +16,7 @@ DEFAULT, FROM_PARTS = "gear-psfd/machine", "machines/two-shaft-gearbox"
 
 
 def new(
-    *, file: Path, like: str, parts: bool, force: bool, json: bool,
+    *, file: Path, like: str, parts: bool, from_ross: Path | None, force: bool, json: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.new` says."""
     if file.suffix != ".toml":
@@ -27,10 +28,12 @@ def new(
         if like != DEFAULT:
             raise InputError(f"--like: found {like!r} beside --parts, which begins with {FROM_PARTS}; expected one of them")
         like = FROM_PARTS
-    text = template(read(like))
+    if from_ross is not None and (parts or like != DEFAULT):
+        raise InputError("--from-ross: found it beside --like or --parts, expected one of them")
+    text = template(read(like)) if from_ross is None else rotor_of_ross(from_ross)
     replace_file(file, lambda place: place.write_text(text, encoding="utf-8"), force=force)
     if json:
-        report.print_json({"file": file, "like": like})
+        report.print_json({"file": file, "like": like if from_ross is None else str(from_ross)})
     else:
         report.print_written([file])
         typer.echo(f"to see what follows from it:  whirlmap show {file}")

@@ -11,6 +11,7 @@ EXAMPLES = (
     "whirlmap new my_gearbox.toml",
     "whirlmap new rig.toml --like machines/jeffcott-rig",
     "whirlmap new my_train.toml --parts",
+    "whirlmap new my_rotor.toml --from-ross rotor.toml",
     "whirlmap new my_gearbox.toml && whirlmap show my_gearbox.toml",
 )
 
@@ -28,6 +29,13 @@ def new(
             help="A machine from parts: shafts, bearings, supports, meshes, each in a table of its own.",
         ),
     ] = False,
+    from_ross: Annotated[
+        Path | None,
+        typer.Option(
+            "--from-ross", metavar="ROTOR.toml", rich_help_panel=options.SYSTEM,
+            help="A machine from parts with the shaft, disks, bearings and supports of a rotor that ROSS saved.",
+        ),
+    ] = None,
     force: Annotated[
         bool, typer.Option("--force", help="Replace the file.", rich_help_panel=options.OUTPUT)
     ] = False,

@@ -26,7 +26,8 @@ FIELDS: tuple[Field, ...] = (
     Number("G", "Pa", "shear modulus", fixed=True, limits=ABOVE),
     Number("nu", "1", "Poisson's ratio", fixed=True, limits={"at_least": 0, "below": 0.5}),
     Number("rho", "kg/m^3", "density", fixed=True, limits=ABOVE),
-    Other("elements", "beam elements from the first end: L, d, d_i, and n equal pieces"),
+    Other("elements", "beam elements from the first end: L, d, d_i, n equal pieces, and a material of their own"),
+    Text("file", "file of a rotor that ROSS saved, whose shaft elements and disks it has"),
     Number("m", "kg", "mass, with disks", limits=ABOVE),
     Number("K", "N/m", "stiffness m omega^2 of the lowest bending mode on rigid bearings", limits=ABOVE),
     Number("J", "kg*m^2", "polar inertia, with disks", limits=ABOVE),
@@ -38,6 +39,11 @@ ELEMENT: tuple[Field, ...] = (
     Number("L", "m", "length of an element", required=True, fixed=True, limits=ABOVE),
     Number("d", "m", "outer diameter of an element", required=True, fixed=True, limits=ABOVE),
     Number("d_i", "m", "inner diameter of an element", fixed=True, limits=AT_LEAST),
+    Text("material", "its material, where it is not that of the shaft"),
+    Number("E", "Pa", "Young's modulus of an element", fixed=True, limits=ABOVE),
+    Number("G", "Pa", "shear modulus of an element", fixed=True, limits=ABOVE),
+    Number("nu", "1", "Poisson's ratio of an element", fixed=True, limits={"at_least": 0, "below": 0.5}),
+    Number("rho", "kg/m^3", "density of an element", fixed=True, limits=ABOVE),
     Other("n", "equal pieces that it is divided into"),
 )
 DISK: tuple[Field, ...] = (
