@@ -1,7 +1,7 @@
 """Unbalance response of a rotor from parts against ROSS, a finite-element code for rotors of other authors.
 
-What ROSS answered is kept in `ross_response.json`, with what it was asked. To ask it again, in an environment of its own with
-ross-rotordynamics and plotly below 6:
+What ROSS answered is kept in `ross_response.json`, with what it was asked. To ask it again, in an environment of its own
+with ross-rotordynamics and plotly below 6:
 
     python test_ross_response.py | ROSS_PYTHON ross_response.py > ross_response.json
 """

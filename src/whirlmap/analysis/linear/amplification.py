@@ -78,7 +78,7 @@ def criticals(speed: Array, amplitude: Array) -> list[Critical]:
     -----
     Near a resonance 1/amplitude^2 is smooth however sharp the peak is (of one mode it is a parabola). So peaks and
     half-power points are those of the cubic spline through 1/amplitude^2: a peak with an amplification factor of 100, as
-    narrow as the distance of two points, is found to 1e-5, and its factor to 1.1e-4. Half power is an amplitude of 1/sqrt(2).
+    narrow as the distance of two points, is found to 1e-5, and its factor to 1.1e-4. Half power: 1/sqrt(2) of the amplitude.
     A peak that the points do not resolve, so that the spline falls to zero, stands at its highest point, without half-power
     speeds and so without a factor.
 
