@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.linear.linearisation import linear_analysis as linear_analysis
     from whirlmap.analysis.linear.ross_bearing import ross_bearing as ross_bearing
     from whirlmap.analysis.linear.stability_threshold import stability_threshold as stability_threshold
+    from whirlmap.analysis.linear.unbalance_response import unbalance_response as unbalance_response
     from whirlmap.analysis.signals.diagnose_series import diagnose_series as diagnose_series
     from whirlmap.analysis.simulation.poincare_section import section as section
     from whirlmap.analysis.simulation.run_up import run_up as run_up
@@ -56,6 +57,7 @@ _HOMES = {
     "correlation_dimension": "whirlmap.analysis.indicators.correlation_dimension",
     "linear_analysis": "whirlmap.analysis.linear.linearisation",
     "stability_threshold": "whirlmap.analysis.linear.stability_threshold",
+    "unbalance_response": "whirlmap.analysis.linear.unbalance_response",
     "lyapunov_spectrum": "whirlmap.analysis.variational.lyapunov",
     "Settling": "whirlmap.options.computed",
     "Integration": "whirlmap.options.computed",

@@ -86,6 +86,13 @@ def refuse_roles(
             raise ModelError(f"model {model!r}: unbalances names {name!r}, expected a body: {' '.join(bodies)}")
 
 
+def refuse_stations(model: str, stations: Mapping[str, Sequence[str]], known: Sequence[str]) -> None:
+    """Refuse stations that are not two names of states or outputs."""
+    for name, pair in stations.items():
+        if len(pair) != 2 or not set(pair) <= set(known):
+            raise ModelError(f"model {model!r}: stations[{name!r}] is {pair}, expected the names of two states or outputs")
+
+
 def refuse_expressions(
     model: str,
     expressions: Mapping[str, Sequence[Any]],

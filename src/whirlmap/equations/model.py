@@ -73,6 +73,8 @@ class Model(Listed):
     bodies : mapping of str to tuple of State
         Coordinates of each part that moves, for the names and shapes of modes and their sense of whirl: x and y of a centre,
         or one of a torsion.
+    stations : mapping of str to (str, str)
+        Names of the states or outputs along x and y at places where a probe may be; the centres of bodies where empty.
     speed : Parameter, optional
         The speed, which all frequencies of the machine are proportional to: what `speeds` judges and `campbell` counts by.
     angular_acceleration : mapping of State to Expr, optional
@@ -117,6 +119,7 @@ class Model(Listed):
     clocks: Mapping[str, Expr] = field(default_factory=dict)
     swing: tuple[State, ...] = ()
     bodies: Mapping[str, tuple[State, ...]] = field(default_factory=dict)
+    stations: Mapping[str, tuple[str, str]] = field(default_factory=dict)
     speed: Parameter | None = None
     angular_acceleration: Mapping[State, Expr] | None = None
     alike: tuple[tuple[State, ...], ...] = ()
@@ -131,6 +134,7 @@ class Model(Listed):
         declaration.refuse_equations(self.name, self.states, self.equations)
         declaration.refuse_outputs(self.name, self.outputs)
         declaration.refuse_roles(self.name, self.speed, self.swing, self.bodies, self.journals, self.unbalances)
+        declaration.refuse_stations(self.name, self.stations, [*(s.name for s in self.states), *self.outputs])
         declaration.refuse_expressions(self.name, self.expressions(), self.states, self.parameters, self.tables)
         if not self.forced and any(sympify(e).has(t) for e in self.equations.values()):
             raise ModelError(f"model {self.name!r} uses time but declares no harmonics: add harmonics=(...)")

@@ -179,6 +179,7 @@ def assemble(
         clocks=_joined(one.clocks for one in told),
         swing=tuple(state for one in told for state in one.swing),
         bodies=_joined(one.bodies for one in told),
+        stations=_joined(one.stations for one in told),
         alike=(tuple(positions),),
         angular_acceleration=_accelerated(machine, coupled, rates),
         speed=s,

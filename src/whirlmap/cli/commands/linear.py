@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Mapping
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -14,7 +15,10 @@ from whirlmap.analysis.linear.stability_threshold import NoThresholdError, stabi
 from whirlmap.cli.common import report
 from whirlmap.cli.common.assignments import ranges
 from whirlmap.cli.common.opening import open_system
+from whirlmap.cli.common.outputs import Destination, claim
+from whirlmap.cli.common.response_report import Asked, show_response
 from whirlmap.cli.common.violated import say_assumptions
+from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.equilibrium import rest_state
 from whirlmap.integrate.own_units import in_parameters
@@ -32,10 +36,20 @@ STABLE = {True: "stable", False: "unstable"}
 
 
 def linear(
-    *, case: str, changes: list[str] | None, threshold: str | None, dimensionless: bool, json: bool,
+    *, case: str, changes: list[str] | None, threshold: str | None, response: bool, vary: str | None,
+    probe: list[str] | None, nonlinear: int | None, over: Path | None, dimensionless: bool, out: Path | None,
+    size: str | None, dpi: int | None, title: str | None, force: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.linear` says."""
     brackets = ranges([threshold] if threshold else None, "--threshold")
+    asked = Asked(vary, probe, nonlinear, over, dimensionless, json, quiet)
+    if response and threshold:
+        raise InputError("--threshold: found it with --response, expected one of them")
+    destination = claim(out, "response", force=force, size=size, dpi=dpi, title=title)
+    if response:
+        _respond(open_system(case, changes, None), asked, destination)
+        return
+    asked.refuse_without_response(out)
     system = open_system(case, changes, None)
 
     bracket = None
@@ -93,6 +107,20 @@ def linear(
         unit = report.unit_behind(said["threshold"])
         beside = f", {facts['threshold']['value']:.9g}{unit}" if unit else ""
         typer.echo(f"stability is lost at {bracket[0]} = {limit:.9g}{beside}")
+
+
+def _respond(system: "System", asked: Asked, destination: Destination) -> None:
+    """Show the response to unbalance; that small motions have no linear system is an answer."""
+    try:
+        show_response(system, asked, destination)
+    except NotLinearError as error:
+        if destination.places is not None:  # who asked for a file gets none
+            raise
+        note = f"{error}. {instead(system)}"
+        if asked.json:
+            report.print_json({"case": system.case, "model": system.model.name, "critical": [], "note": note})
+        else:
+            typer.echo(f"{system.case}: {note}")
 
 
 def _in_units(

@@ -23,6 +23,7 @@ from whirlmap.plot.figures.campbell import campbell_figure
 from whirlmap.plot.figures.diagnosis_figure import diagnosis_figure, diagram_figure
 from whirlmap.plot.figures.improve import improve_figure
 from whirlmap.plot.figures.regime_map import regime_line_figure, regime_map_figure
+from whirlmap.plot.figures.response import response_figure
 from whirlmap.plot.figures.run_up import run_up_figure
 from whirlmap.plot.figures.signal_figure import series_figure
 from whirlmap.plot.figures.speeds import speeds_figure
@@ -120,6 +121,11 @@ def regime_map(units: Dimensions, ds: xr.Dataset, quantity: str, curves: Sequenc
     small = ds.drop_vars("section", errors="ignore")  # which may be larger than the memory
     shown = [shown_in(units, each) for each in curves]
     return regime_map_figure(shown_in(units, small), quantity, title=units.system.case, curves=shown)
+
+
+def response(system: System, ds: xr.Dataset) -> Figure:
+    """Bode plots of the response to unbalance."""
+    return response_figure(ds, title=system.case)
 
 
 def campbell(system: System, ds: xr.Dataset) -> Figure:

@@ -216,6 +216,7 @@ class JournalBearing:
             },
             journals={name: Journal(self.u, self.spin, self.gamma)},
             bodies={f"journal {name}": self.u},
+            stations={name: (self.u[0].name, self.u[1].name)},
             swing=[self.u[1]],
             tables=list(self.law.tables),
             start_where_none={self.u[0]: 0.1},

@@ -81,6 +81,7 @@ class Declared:
     films: dict[str, Film] = field(default_factory=dict)
     journals: dict[str, Journal] = field(default_factory=dict)
     bodies: dict[str, tuple[State, ...]] = field(default_factory=dict)
+    stations: dict[str, tuple[str, str]] = field(default_factory=dict)
     unbalances: dict[str, Parameter] = field(default_factory=dict)
     clocks: dict[str, Expr] = field(default_factory=dict)
     swing: list[State] = field(default_factory=list)

@@ -326,8 +326,11 @@ class Rotor:
         for arc, n in zip(self.arcs, self._twists, strict=True):
             made.bodies[f"{self.name} torsion{f' {n}' if n else ''}"] = (arc,)
         if self.shaft.lumped:
-            made.swing.append(self.coordinates("y")[0])
+            x, y = (self.coordinates(axis)[0] for axis in "xy")
+            made.swing.append(y)
+            made.stations[self.name] = (x.name, y.name)
         for name, station in () if self.shaft.lumped else self.shown:  # a lumped rotor's displacement is a state
+            made.stations[name] = (f"x_{name}", f"y_{name}")
             for axis, e in zip("xy", self.displacement(station), strict=True):
                 made.outputs[f"{axis}_{name}"] = Output(e, "1", f"{name} along {axis}, over c_0", "length")
         return made
