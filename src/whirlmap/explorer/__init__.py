@@ -1,0 +1,1 @@
+"""Looking at a diagram or map: a point is chosen, and its motion is shown."""
