@@ -1,11 +1,13 @@
 """``whirlmap explore``: a map or a diagram in the browser, served on this computer until Ctrl-C."""
 
 import re
+import sys
 import webbrowser
 from pathlib import Path
 
 import typer
 
+from whirlmap.cli.common import report
 from whirlmap.cli.common.assignments import assignments
 from whirlmap.cli.common.messages import choice, say
 from whirlmap.cli.common.opening import open_system
@@ -22,7 +24,7 @@ from whirlmap.options.execution import Execution
 def explore(
     *, source: str, vary: list[str] | None, follow: str | None, store: Path | None, branches: list[Path] | None,
     case: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling, execution: Execution,
-    port: int, token: str | None, browser: bool, quiet: bool,
+    port: int, token: str | None, browser: bool, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.explore` says."""
     if token is not None and not re.fullmatch(r"[A-Za-z0-9_-]{16,64}", token):
@@ -42,7 +44,11 @@ def explore(
         except OSError as error:
             raise InputError(f"--port {port}: cannot be used ({error.strerror}); 0 takes one that is free") from None
         with server:
-            typer.echo(server.address)
+            if json:
+                report.print_json({"case": found.system.case, "varied": list(found.axes), "address": server.address})
+            else:
+                typer.echo(server.address)
+            sys.stdout.flush()  # who reads the address from a pipe waits for it
             if not quiet:
                 say("Ctrl-C ends the page")
             if browser:

@@ -85,6 +85,7 @@ def explore(
         bool,
         typer.Option("--browser/--no-browser", rich_help_panel=PAGE, help="Open the browser, or only print the address."),
     ] = True,
+    json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
     """Explore a map or a diagram in the browser, with the motion of the point that one clicks.
