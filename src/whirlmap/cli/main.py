@@ -41,6 +41,7 @@ COMMANDS = {
     "attractors": "Find the attractors that coexist at one operating point of CASE, and the share of the starts that"
     " lead to each.",
     "basins": "Colour a two-dimensional slice of start states of CASE by the attractor that each leads to.",
+    "explore": "Explore a map or a diagram in the browser, with the motion of the point that one clicks.",
     "reproduce": "Draw Figures 2 to 7 of the paper and judge each of its claims.",
     "identify": "Judge the paper's claims for every plausible set of its unpublished parameters.",
     "cache": "Show the folder of compiled kernels, its size and what kernels are compiled for, or clear it.",

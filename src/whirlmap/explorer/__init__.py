@@ -1,1 +1,1 @@
-"""Looking at a diagram or map: a point is chosen, and its motion is shown."""
+"""A map or a diagram in a browser, and beside it the motion of the point that one clicks. No analysis of its own is here."""

@@ -40,11 +40,9 @@ KEPT = 4_000_000
 
 def turns_per_T(system: System) -> dict[str, float]:
     """Turns that each named clock makes in one T, with the sign of its spin."""
-    numbers = {p: float(system.values[p.name]) for p in system.model.parameters}
-    return {
-        name: float(sympify(rate).subs(numbers)) * system.period / (2 * np.pi)
-        for name, rate in system.model.clocks.items()
-    }
+    rates = {name: sympify(rate) for name, rate in system.model.clocks.items()}
+    numbers = {p: float(system.values[p.name]) for p in system.model.parameters if any(r.has(p) for r in rates.values())}
+    return {name: float(rate.subs(numbers)) * system.period / (2 * np.pi) for name, rate in rates.items()}
 
 
 def slowest_turn(system: System) -> float:

@@ -1,0 +1,80 @@
+"""``whirlmap explore``: a map or a diagram in the browser, served on this computer until Ctrl-C."""
+
+import re
+import sys
+import webbrowser
+from pathlib import Path
+
+import typer
+
+from whirlmap.cli.common import report
+from whirlmap.cli.common.assignments import assignments
+from whirlmap.cli.common.messages import choice, say
+from whirlmap.cli.common.opening import open_system
+from whirlmap.errors import InputError, RangeError
+from whirlmap.explorer.exploration import Exploration, explored_case, opened, with_branches
+from whirlmap.explorer.server import Server
+from whirlmap.explorer.session import Session
+from whirlmap.integrate.own_units import refuse_twice
+from whirlmap.integrate.ranges import Range
+from whirlmap.options.computed import Labelling
+from whirlmap.options.execution import Execution
+
+
+def explore(
+    *, source: str, vary: list[str] | None, follow: str | None, store: Path | None, branches: list[Path] | None,
+    case: str | None, changes: list[str] | None, start: list[str] | None, labelling: Labelling, execution: Execution,
+    port: int, token: str | None, browser: bool, json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """Do what `whirlmap.cli.declared.explore` says."""
+    if token is not None and not re.fullmatch(r"[A-Za-z0-9_-]{16,64}", token):
+        raise InputError("--token: expected 16 to 64 letters, digits, - and _")
+    found = opened(source, case)
+    if found is None:
+        if case is not None:
+            raise InputError(f"--case: {source} is a case itself; expected a store or a file.nc beside it")
+        found = _computed(source, vary, follow, store, changes, start, labelling)
+    elif beside := [o for o, v in (("--vary", vary), ("--follow", follow), ("--store", store), ("--set", changes),
+                                   ("--start", start)) if v]:  # fmt: skip
+        raise InputError(f"{', '.join(beside)}: {source} is computed already; expected a CASE beside it")
+    found = with_branches(found, branches or [])
+    with Session(found, workers=execution.workers, store=store) as session:
+        try:
+            server = Server(session, port, token)
+        except OSError as error:
+            raise InputError(f"--port {port}: cannot be used ({error.strerror}); 0 takes one that is free") from None
+        with server:
+            if json:
+                report.print_json({"case": found.system.case, "varied": list(found.axes), "address": server.address})
+            else:
+                typer.echo(server.address)
+            sys.stdout.flush()  # who reads the address from a pipe waits for it
+            if not quiet:
+                say("Ctrl-C ends the page")
+            if browser:
+                webbrowser.open(server.address)
+            try:
+                server.serve_forever(poll_interval=0.2)
+            except KeyboardInterrupt:
+                say("ended")
+
+
+def _computed(
+    source: str, vary: list[str] | None, follow: str | None, store: Path | None, changes: list[str] | None,
+    start: list[str] | None, labelling: Labelling,
+) -> Exploration:  # fmt: skip
+    """A case whose map or diagram is computed while the page looks on."""
+    if follow is not None:
+        choice("--follow", follow, ("up", "down", "both"))
+    system, ranges = open_system(source, changes, start), dict[str, Range]()
+    for text in vary or ():
+        swept = Range.parse(text)
+        refuse_twice(system, set(assignments(changes, "--set")), swept)
+        if swept.name in ranges:
+            raise RangeError(f"--vary: {swept.name} is given twice: expected each parameter once")
+        ranges[swept.name] = swept
+    if len(ranges) > 2:
+        raise RangeError(f"--vary: found {len(ranges)} parameters, expected one for a diagram or two for a map")
+    if (follow is not None and len(ranges) != 1) or (store is not None and len(ranges) != 2):
+        raise InputError("--follow goes with one --vary, and --store with two")
+    return explored_case(system, ranges, labelling, follow)

@@ -1,0 +1,144 @@
+"""Quantities that a page can change (axes, inputs of the case, parameters of the model), and the system at their values."""
+
+import math
+import re
+import unicodedata
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from whirlmap.errors import InputError, nearest
+from whirlmap.integrate.dimensions import Dimensions
+from whirlmap.integrate.loading import changed
+from whirlmap.integrate.system import System
+from whirlmap.sweep.parameters.axis import is_input
+
+#: How far a slider goes on either side of a value, as a factor.
+REACH = 4.0
+
+
+@dataclass(frozen=True)
+class Control:
+    """One quantity.
+
+    Attributes
+    ----------
+    name, symbol, meaning, unit : str
+        ``unit`` is that of the values: "1" of a parameter in the model's own numbers.
+    value, low, high : float
+        Of the case, and the ends of its slider.
+    log : bool
+        Whether the slider is logarithmic.
+    shown_unit, shown_size
+        Unit in which its numbers are written, and how many of it one of ``unit`` is: rpm of a speed s.
+    """
+
+    name: str
+    symbol: str
+    meaning: str
+    unit: str
+    value: float
+    low: float
+    high: float
+    log: bool = False
+    shown_unit: str = "1"
+    shown_size: float = 1.0
+
+
+def controls_of(system: System, axes: Mapping[str, tuple[Sequence[float], str]]) -> dict[str, Control]:
+    """Quantities of a system that can be changed, axes first.
+
+    Parameters
+    ----------
+    axes : mapping of str to (values, unit)
+        Of the map; the unit of a parameter is "1".
+    """
+    found: dict[str, Control] = {}
+    inputs = dict(system.machine.inputs) if system.machine else {}
+    for name, (values, unit) in axes.items():
+        low, high = float(values[0]), float(values[-1])
+        log = low > 0 and high / low > 30
+        middle = math.sqrt(low * high) if log else (low + high) / 2
+        if is_input(system, name):
+            meaning = inputs[name].parameter.meaning if name in inputs else name
+            found[name] = Control(name, symbol_text(system, name), meaning, unit, middle, low, high, log, unit)
+        else:
+            value = float(system.values[name])
+            value = value if low <= value <= high else middle
+            found[name] = _parameter(system, name, value, low, high, log=log)
+    own = sorted(inputs.items(), key=lambda item: item[1].parameter.unit == "1")  # pure numbers, as of teeth, last
+    for name, given in own:
+        if name not in found and not (system.speed in found and system.machine and name == system.machine.speed_input):
+            p = given.parameter
+            low, high, log = _reach(given.value, p)
+            found[name] = Control(name, symbol_text(system, name), p.meaning, p.unit, given.value, low, high, log, p.unit)
+    for p in system.model.parameters:
+        if p.name in found or p.order or (p.name != system.speed and system.notes.get(p.name, "").startswith("group")):
+            continue  # groups follow from the inputs
+        value = float(system.values[p.name])
+        low, high, log = _reach(value, p)
+        found[p.name] = _parameter(system, p.name, value, low, high, log=log)
+    return found
+
+
+def _parameter(system: System, name: str, value: float, low: float, high: float, *, log: bool) -> Control:
+    p = system.model.parameter(name)
+    shown = Dimensions(system).quantity(name)
+    size = float(shown.size)
+    return Control(name, symbol_text(system, name), p.meaning, "1", value, low, high, log, shown.unit, size)
+
+
+def _reach(value: float, p: Any) -> tuple[float, float, bool]:
+    """Ends of a slider about a value, within the limits of its parameter."""
+    low, high = sorted((value / REACH, value * REACH)) if value else (0.0, 1.0)
+    floor = p.above if p.above is not None else p.at_least
+    if not value and (floor is None or floor < 0):
+        low = -1.0
+    if p.below is not None and high >= p.below:
+        high = math.nextafter(p.below, -math.inf) if p.below > value else value
+    return low, high, value > 0
+
+
+def symbol_text(system: System, name: str) -> str:
+    """A quantity's symbol as plain text with Greek letters: ``xi_m`` as ξ_m, ``u1x`` as u_1x."""
+    quantities = (*system.model.states, *system.model.parameters)
+    latex = next((q.latex for q in quantities if q.name == name), "")
+    if latex:
+        text = re.sub(r"\\([A-Za-z]+)", lambda word: _greek(word[1]), latex)
+        return re.sub(r"\\?[{}$ ]", "", text)
+    head, _, index = name.partition("_")
+    if not index and _greek(head) == head and 1 < len(head) <= 3 and name in system.states:
+        head, index = head[0], head[1:]
+    return f"{_greek(head)}_{index}" if index else _greek(head)
+
+
+def _greek(word: str) -> str:
+    """The letter of a Greek name, else the word."""
+    name = {"lambda": "lamda", "eps": "epsilon", "varepsilon": "epsilon"}.get(word.lower(), word.lower())
+    size = "CAPITAL" if word[:1].isupper() else "SMALL"
+    try:
+        return unicodedata.lookup(f"GREEK {size} LETTER {name}") if len(word) > 1 else word
+    except KeyError:
+        return word
+
+
+def system_at(system: System, controls: Mapping[str, Control], values: Mapping[str, float]) -> System:
+    """The system with other values of some of its quantities.
+
+    Raises
+    ------
+    InputError
+        A name that is none of them, or a value that the model or the case cannot take.
+    """
+    return changed(system, **changes_of(system, controls, values)) if values else system
+
+
+def changes_of(system: System, controls: Mapping[str, Control], values: Mapping[str, float]) -> dict[str, Any]:
+    """The same values as `whirlmap.load` takes them: numbers of parameters, texts with a unit of inputs."""
+    changes: dict[str, Any] = {}
+    for name, value in values.items():
+        if name not in controls:
+            raise InputError(f"{name!r} is none of the quantities that can be changed.{nearest(name, controls)}")
+        unit = controls[name].unit
+        changes[name] = value if name in system.parameters or unit == "1" else f"{value!r} {unit}"
+    return changes

@@ -1,0 +1,56 @@
+/* Sliders and numbers of the quantities that can be changed. */
+"use strict";
+explorer.controls = (() => {
+  const {$, make} = explorer;
+  const STEPS = 1000, FIRST = 4, rows = new Map();
+
+  const toSlider = (c, v) => {
+    const u = c.log && v > 0 ? Math.log(v / c.low) / Math.log(c.high / c.low) : (v - c.low) / (c.high - c.low);
+    return Math.round(STEPS * Math.min(Math.max(u, 0), 1));
+  };
+  const fromSlider = (c, k) => (c.log ? c.low * (c.high / c.low) ** (k / STEPS) : c.low + (c.high - c.low) * k / STEPS);
+  const written = (c, v) => String(+(v * c.size).toPrecision(8));
+
+  const row = (c) => {
+    const element = make("div", "", {class: "control"}), label = make("label", "", {for: `v-${c.name}`, title: c.meaning});
+    const unit = explorer.unit(c.unit);
+    label.append(make("b", c.symbol), ` ${c.meaning}${unit ? `,${unit}` : ""}`);
+    const number = make("input", "", {type: "number", step: "any", id: `v-${c.name}`});
+    const slider = make("input", "", {type: "range", min: 0, max: STEPS, "aria-label": `${c.symbol}, ${c.meaning}`});
+    slider.addEventListener("input", () => explorer.change({[c.name]: +fromSlider(c, +slider.value).toPrecision(6)}));
+    number.addEventListener("change", () => {
+      const v = number.valueAsNumber;
+      if (Number.isFinite(v)) explorer.change({[c.name]: v / c.size}); else update();
+    });
+    element.append(label, number, slider);
+    rows.set(c.name, {c, number, slider});
+    return element;
+  };
+
+  const update = () => {
+    for (const {c, number, slider} of rows.values()) {
+      const v = explorer.value(c.name);
+      if (document.activeElement !== number) number.value = written(c, v);
+      if (document.activeElement !== slider) slider.value = toSlider(c, v);
+    }
+    $("reset").hidden = !others().length;
+    $("again").hidden = !others().length || explorer.data.kind === "point" || !explorer.source.finer;
+  };
+
+  /** Quantities beside the axes that have other values than the case's: the map is not of these. */
+  const others = () => Object.keys(explorer.state.values).filter((k) => !explorer.control(k).axis);
+
+  const begin = () => {
+    const all = explorer.data.controls, axes = all.filter((c) => c.axis).length;
+    $("controls").replaceChildren(...all.slice(0, axes + FIRST).map(row));
+    $("more-controls").replaceChildren(...all.slice(axes + FIRST).map(row));
+    $("more").hidden = all.length <= axes + FIRST;
+    $("reset").addEventListener("click", () => {
+      const kept = Object.entries(explorer.state.values).filter(([k]) => explorer.control(k).axis);
+      explorer.set({values: Object.fromEntries(kept)});
+    });
+    explorer.listeners.push((changed) => { if (changed.has("values")) update(); });
+    update();
+  };
+  return {begin, update, others};
+})();

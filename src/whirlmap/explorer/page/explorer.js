@@ -1,0 +1,97 @@
+/* The explorer's page: a map or a diagram, and beside it the motion of the chosen point.
+
+   The page needs two things, and knows nothing else of where it runs:
+
+   explorer.data, one JSON object (`whirlmap.explorer.overview.page_data`):
+     title, case, kind ("map", "diagram" or "point"), forced
+     controls   [{name, symbol, meaning, value, low, high, log, unit, size, axis}]: quantities that can be changed; a value
+                is in the model's own numbers, what is written is value * size in unit; axes of the map come first
+     overview   {axes: [{name, values}], regime, period, numbers: {name: {label, unit, values}}, section: {way: {state:
+                values}}, units: {state: unit}}: first axis slowest; regime 255 where a point has none; way is "" , "up" or
+                "down"; section values are over points and T
+     states, outputs  [{name, symbol, meaning}];  swing [names];  velocities {name: name};  clocks {name: turns per T}
+     planes     [{name, x, y, equal, clearance}];  films [{bearing, eccentricity, load}]
+     regimes    [{code, name, label}];  branches [{name, values, branch, stable, section, events}]
+     filling    number of the job that computes the overview just now, if any
+   Arrays are {type, shape, data}: base64 of f8, f4, i4, i1 or u1, little-endian; `explorer.array` decodes them.
+
+   explorer.source, an object of functions that give promises:
+     load()                  the data, where `explorer.data` is not set yet
+     motion(values, quantity, signal)   the motion at values {name: number}, those that differ from the case's:
+       {turn, time, time_unit, series: {name: array}, units: {name: unit}, section: {state: array},
+        spectrum: null or {quantity, frequency, power, lines: [{frequency, share, name}], broadband},
+        label: {regime, name, text, period, decided, status, ...}, numbers: [{name, of, value, unit}]}
+       turn and time begin at 0; section has a point per T (of unforced motion: per crossing); frequencies are in 1/T.
+       Arrays may be encoded, or typed arrays already.
+   and, where there are such, else their buttons are hidden:
+     votes(values), finer({values, ranges, count}), coexisting(values, along, quantity), branches(values): start a job;
+     job(number, version) its report {job, done, total, running, error, version, result?}; cancel(number);
+     export(kind, values) gives text;  state() gives {compiling}.
+*/
+"use strict";
+const explorer = {
+  data: null, source: null, shown: null, others: {}, layers: [], branches: [],
+  state: {values: {}, quantity: "", plane: 0, colour: "regime", section: "", zoom: null, auto: true, autoVotes: false},
+  listeners: [],
+};
+
+explorer.types = {f8: Float64Array, f4: Float32Array, i4: Int32Array, i1: Int8Array, u1: Uint8Array};
+
+/** Decode an array; what is one already stays. */
+explorer.array = (value) => {
+  if (!value || ArrayBuffer.isView(value)) return value;
+  const text = atob(value.data), bytes = new Uint8Array(text.length);
+  for (let i = 0; i < text.length; i++) bytes[i] = text.charCodeAt(i);
+  const found = new explorer.types[value.type](bytes.buffer);
+  found.shape = value.shape;
+  return found;
+};
+
+/** Decode all arrays of an object by name. */
+explorer.arrays = (named) => Object.fromEntries(Object.entries(named || {}).map(([k, v]) => [k, explorer.array(v)]));
+
+/** Change the state, and tell those who listen which of its parts changed. */
+explorer.set = (patch) => {
+  const changed = Object.keys(patch).filter((k) => JSON.stringify(explorer.state[k]) !== JSON.stringify(patch[k]));
+  if (!changed.length) return;
+  Object.assign(explorer.state, patch);
+  for (const listen of explorer.listeners) listen(new Set(changed));
+};
+
+explorer.$ = (id) => document.getElementById(id);
+
+/** An element with a text and attributes. */
+explorer.make = (tag, text = "", attributes = {}) => {
+  const e = document.createElement(tag);
+  e.textContent = text;
+  for (const [k, v] of Object.entries(attributes)) e.setAttribute(k, v);
+  return e;
+};
+
+/** A number in a few digits. */
+explorer.digits = (v, n = 4) => {
+  if (v === null || v === undefined || !Number.isFinite(v)) return "–";
+  if (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)) return v.toExponential(n - 2).replace("e", " e").replace("-", "−");
+  return String(+v.toPrecision(n)).replace("-", "−");
+};
+explorer.unit = (unit) => (unit && unit !== "1" ? ` ${unit.replace("um", "µm")}` : "");
+explorer.withUnit = (v, unit, n) => explorer.digits(v, n) + explorer.unit(unit);
+
+explorer.control = (name) => explorer.data.controls.find((c) => c.name === name);
+/** The value of a quantity now, in the model's own numbers. */
+explorer.value = (name) => explorer.state.values[name] ?? explorer.control(name).value;
+explorer.quantityOf = (name) => [...explorer.data.states, ...explorer.data.outputs].find((q) => q.name === name);
+explorer.axisLabel = (symbol, unit) => (unit && unit !== "1" ? `${symbol} [${unit.replace("um", "µm")}]` : symbol);
+
+/** Change values of quantities: those of the case are not kept. */
+explorer.change = (values) => {
+  const all = {...explorer.state.values, ...values};
+  for (const [k, v] of Object.entries(all)) {
+    const c = explorer.control(k);
+    if (!c.axis && v === c.value) delete all[k];
+  }
+  explorer.set({values: all});
+};
+
+/** Text that `record` may be told by a test: what is drawn now. */
+explorer.regime = (code) => explorer.data.regimes.find((r) => r.code === code);
