@@ -116,7 +116,7 @@ def test_a_step_that_fails_is_redone_in_shorter_ones():
     assert np.max(np.abs(motion["x"] - fine["x"].values)) < 1e-3  # and no step of a whole T was taken
 
 
-@pytest.mark.parametrize("order", ["1/3", "1/400", "12345/98765", "-3/7"])
+@pytest.mark.parametrize("order", ["1/3", "12345/98765", "-3/7", "618033988749/1000000000000"])
 def test_harmonics_keep_their_phase_through_a_transient(order):
     motion, series = both(pushed(order=order), {"transient": 7, "periods": 20})
     assert motion["turn"][0] == 7
@@ -133,6 +133,7 @@ def test_each_point_has_its_own_steps_and_the_nearest_one_is_taken():
         assert worst(series, m) < WANTED
 
 
+@pytest.mark.slow
 def test_points_are_thinned_out_where_they_would_be_too_large():
     system = whirlmap.load("gear-psfd/intended")
     space = space_of(system, {"s": np.linspace(0.5, 2, 64), "psi": np.geomspace(1e-4, 1e-2, 32)})

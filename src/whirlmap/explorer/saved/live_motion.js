@@ -8,12 +8,17 @@ const whirlmapLive = (() => {
   const LANES = 8;
   // Bytes at the beginning of a module's memory that are its stack; bytes between two arrays, and of a page of memory.
   const STACK = 1 << 20, ALIGNED = 64, PAGE = 1 << 16;
-  // Rows of the longest table of a harmonic (HarmonicTables in lanes.py).
-  const LONGEST = 1 << 17;
+  const { harmonicTables, phases, angles } = whirlmapHarmonics;
   // Shorter steps that a failed one is tried in; bisections of the end of a run, and steps of each trial (step_retry.py).
   const TRIED = [4, 16, 64, 256, 1024], BISECTIONS = 50, TRIAL_STEPS = 4;
   // Milliseconds of one call of a kernel, after which the page answers.
   const CALL = 40;
+  let answered = 0;
+  const answer = async () => {
+    if (performance.now() - answered < CALL) return;
+    await new Promise((resolve) => setTimeout(resolve));
+    answered = performance.now();
+  };
 
   // --- data ---------------------------------------------------------------------------------------------------------
 
@@ -63,49 +68,6 @@ const whirlmapLive = (() => {
   const repeated = (numbers) => Float64Array.from({ length: LANES * numbers.length }, (_, i) => numbers[Math.floor(i / LANES)]);
   const whole = (numbers) => BigInt64Array.from({ length: LANES * numbers.length }, (_, i) => BigInt(numbers[Math.floor(i / LANES)]));
 
-  // --- harmonics (HarmonicTables in lanes.py) --------------------------------------------------------------------------
-
-  const modulo = (a, n) => ((a % n) + n) % n;
-
-  // Tables of harmonics of the orders [numerator, denominator], for so many steps per T.
-  function harmonicTables(orders, steps, nodes) {
-    const waves = [], rows = { starts: [], lengths: [], strides: [], far: [], turns: [] };
-    for (const [p, q] of orders) {
-      const length = q * steps, far = length > LONGEST;
-      rows.starts.push(waves.length);
-      rows.lengths.push(length);
-      rows.far.push(far ? 1 : 0);
-      rows.strides.push(far ? modulo(p, length) : 1);
-      rows.turns.push((2 * Math.PI * p) / length);
-      const first = waves.length;
-      const times = far ? [...nodes, 1.0].map((node) => [0, node]) : [];
-      if (!far) for (let k = 0; k < length; k++) for (const node of nodes) times.push([modulo(k * p, length), node]);
-      for (const [k, node] of times) {
-        const turn = far ? (p * node) / length : (k + p * node) / length;
-        waves.push(Math.cos(2 * Math.PI * turn), Math.sin(2 * Math.PI * turn));
-      }
-      waves.push(waves[first], waves[first + 1]);
-    }
-    return { waves: Float64Array.from(waves.length ? waves : [0]), ...rows };
-  }
-
-  // Step of each harmonic's cycle, or its phase, after so many steps from phase zero; exact whole numbers.
-  function phases(orders, steps, done) {
-    return orders.map(([p, q]) => {
-      const length = BigInt(q) * BigInt(steps), at = BigInt(done) % length;
-      return q * steps > LONGEST ? modulo(at * BigInt(p), length) : at;
-    });
-  }
-
-  // Angle of each harmonic within its turn, a part of a step behind that.
-  function angles(orders, steps, done, part) {
-    return orders.map(([p, q]) => {
-      const length = BigInt(q) * BigInt(steps);
-      const turn = Number(modulo((BigInt(done) % length) * BigInt(p), length)) / Number(length);
-      return 2 * Math.PI * (turn + (p / (q * steps)) * part);
-    });
-  }
-
   // --- one operating point --------------------------------------------------------------------------------------------
 
   class Point {
@@ -122,6 +84,14 @@ const whirlmapLive = (() => {
       this.p = repeated(take(this.variant.inputs));
       this.offsets = whole(take(this.variant.offsets));
       this.start = take(d.start);
+      this.harmonics = null; // tables, made when they are needed
+      this.length = 256; // steps of one call
+      this.restart();
+    }
+
+    // Go back to the start state.
+    restart() {
+      const d = this.model.description;
       this.x = [...this.start, ...Array(this.variant.sizes.surfaces).fill(d.unknown_side)];
       this.done = 0;
       this.ended = null;
@@ -131,7 +101,7 @@ const whirlmapLive = (() => {
     async advance(steps, every = 0) {
       const { sizes, module } = await this.variant.ready(), d = this.model.description;
       const states = sizes.states, saves = every ? Math.floor(steps / every) : 0, blank = new Float64Array(LANES);
-      const tables = harmonicTables(this.orders, this.steps, this.variant.nodes);
+      const tables = (this.harmonics = this.harmonics || harmonicTables(this.orders, this.steps, this.variant.nodes));
       const rows = Object.fromEntries(["starts", "lengths", "strides", "far"].map((name) => [name, whole(tables[name])]));
       const saved = new Float64Array(Math.max(saves * states, 1) * LANES).fill(NaN);
       const never = BigInt(steps) + 1n;
@@ -149,9 +119,9 @@ const whirlmapLive = (() => {
         if (every && step % every === 0)
           for (let i = 0; i < states; i++) views.saved[((step / every - 1) * states + i) * LANES] = views.y[i * LANES];
       };
-      let taken = 0, length = 64;
+      let taken = 0;
       while (taken < steps && !this.ended) {
-        const last = Math.min(taken + length, steps), begun = performance.now();
+        const from = taken, last = Math.min(taken + this.length, steps), begun = performance.now();
         views.begin.set(whole(phases(this.orders, this.steps, this.done + taken)));
         views.first[0] = BigInt(taken);
         views.last[0] = BigInt(last);
@@ -165,9 +135,9 @@ const whirlmapLive = (() => {
           if (!this.ended) keep(failed + 1);
           taken = this.ended ? failed : failed + 1;
         } else taken = last;
-        const spent = Math.max(performance.now() - begun, 1e-3);
-        length = Math.max(Math.floor(length * Math.min(CALL / spent, 8)), 16);
-        if (taken < steps) await new Promise((resolve) => setTimeout(resolve));
+        const each = Math.max(performance.now() - begun, 0.01) / (last - from);
+        this.length = Math.max(Math.floor(Math.min(CALL / each, 8 * this.length)), 16);
+        await answer();
       }
       this.x = Array.from({ length: this.x.length }, (_, i) => views.y[i * LANES]);
       this.done += taken;
@@ -268,9 +238,19 @@ const whirlmapLive = (() => {
       });
     }
 
+    point(index) { return new Point(this, index); }
+
+    // Values of packed rows at a point.
+    take(rows, index) { return gathered(rows, this.numbers, index); }
+
+    // Values of the axes at a point.
+    values(index) {
+      return Object.fromEntries(this.description.axes.map(({ name, values: own }, k) => [name, own[index[k]]]));
+    }
+
     // The motion at the live point nearest to values of the axes: states and outputs over `periods` T, after `transient` T.
     async motion(values, { transient = 100, periods = 20, every = 1 } = {}) {
-      const index = this.nearest(values), point = new Point(this, index), d = this.description;
+      const index = this.nearest(values), point = this.point(index), d = this.description;
       await point.advance(transient * point.steps);
       const begun = point.done, first = Float64Array.from(point.x.slice(0, d.states.length));
       const later = point.ended ? new Float64Array(0) : await point.advance(periods * point.steps, every);
@@ -280,8 +260,7 @@ const whirlmapLive = (() => {
       x.set(later.subarray(0, rows * d.states.length), d.states.length);
       const turn = Float64Array.from({ length: rows + 1 }, (_, k) => (begun + k * every) / point.steps);
       return {
-        values: Object.fromEntries(d.axes.map(({ name, values: own }, k) => [name, own[index[k]]])),
-        period: point.period, steps: point.steps, turn, x, outputs: await point.outputs(x), ended: point.ended,
+        values: this.values(index), period: point.period, steps: point.steps, turn, x, outputs: await point.outputs(x), ended: point.ended,
       };
     }
   }

@@ -32,6 +32,10 @@ ALWAYS = frozenset(("__linear_memory", "__stack_pointer"))
 LOCKED, FREE = ("advance",), ("march", "evaluate")
 
 
+class NoBrowserKernelError(ModelError):
+    """A model whose rates browsers cannot compute."""
+
+
 @dataclass(frozen=True)
 class BrowserKernel:
     """Modules of one model and method without tangent vectors.
@@ -57,7 +61,7 @@ def browser_kernel(model: Model, method: Method) -> BrowserKernel:
 
     Raises
     ------
-    ModelError
+    NoBrowserKernelError
         The model's rates call a function that browsers do not have.
     """
     locked, free = (
@@ -73,7 +77,7 @@ def _module(model: Model, text: str, exports: tuple[str, ...]) -> bytes:
     module = stored(name, lambda: loadable(compile_webassembly(text), exports))
     unknown = set(imported(module)) - MATH - ALWAYS
     if unknown:
-        raise ModelError(
+        raise NoBrowserKernelError(
             f"model {model.name!r} cannot run in a browser: its rates call {' and '.join(sorted(unknown))}, which browsers"
             " do not have"
         )
