@@ -91,11 +91,58 @@ def test_compiling_is_said_and_counts_for_no_rate(monkeypatch, tmp_path):
         assert bar.seconds_left(now[0]) == pytest.approx(1.0)
 
 
-def test_a_notebook_gets_the_bar_of_rich(monkeypatch):
+class Notebook:
+    """What IPython does of a display with a name: it shows, and replaces what it has shown."""
+
+    def __init__(self):
+        self.shown = []
+
+    def display(self, thing, *, display_id):
+        assert display_id is True
+        self.update(thing)
+        return self
+
+    def update(self, thing):
+        self.shown.append(thing._repr_html_())
+
+
+@pytest.fixture
+def notebook(monkeypatch):
+    made = Notebook()
     monkeypatch.setitem(sys.modules, "IPython", sys)
+    monkeypatch.setitem(sys.modules, "IPython.display", made)
     monkeypatch.setattr("rich.console._is_jupyter", lambda: True)
-    bar = shown._bar(most=False)
-    assert bar is not None and bar.console.is_jupyter
+    monkeypatch.setattr("whirlmap.notebook_bar.DRAWN", 0.0)
+    monkeypatch.setattr(shown, "DRAWN", 0.0)
+    return made
+
+
+def test_a_notebook_gets_a_bar_that_needs_no_widgets(notebook, recwarn):
+    with Progress("a <map>", 100) as bar:
+        bar(25)
+        bar(50)
+    first, quarter, three_quarters, *rest = notebook.shown
+    assert first.startswith("<div>a &lt;map&gt; <progress ")
+    assert 'value="0.2500"' in quarter and "25 %" in quarter and "T/s" in quarter and "left " in quarter
+    assert 'value="0.7500"' in three_quarters and "75 %" in three_quarters
+    assert rest[-1] == ""  # it is gone
+    assert not recwarn.list
+
+
+def test_a_bar_whose_end_nobody_knows_has_no_value(notebook):
+    with Progress("search", None) as bar:
+        bar(25)
+        assert " value=" not in notebook.shown[-1] and "%" not in notebook.shown[-1]
+
+
+def test_a_bar_of_a_command_shows_in_a_notebook_too(notebook):
+    whirlmap.bifurcation_diagram(whirlmap.load("duffing"), "gamma", [0.2, 0.25], lyapunov=0, progress=True)
+    assert len(notebook.shown) > 2 and notebook.shown[-1] == ""
+    assert any("<progress" in html for html in notebook.shown)
+
+
+def test_no_notebook_and_no_terminal_gets_no_bar(monkeypatch):
+    monkeypatch.setitem(sys.modules, "IPython", sys)
     monkeypatch.setattr("rich.console._is_jupyter", lambda: False)
     assert shown._bar(most=False) is None
 

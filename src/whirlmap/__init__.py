@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from whirlmap.analysis.spectra.spectrum import power_spectrum as power_spectrum
     from whirlmap.analysis.variational.floquet import floquet_multipliers as floquet_multipliers
     from whirlmap.analysis.variational.lyapunov import lyapunov_spectrum as lyapunov_spectrum
+    from whirlmap.explorer.saved.inline import explore as explore
     from whirlmap.integrate.in_units import in_units as in_units
     from whirlmap.integrate.loading import load as load
     from whirlmap.integrate.system import System as System
@@ -73,6 +74,7 @@ _HOMES = {
     "section": "whirlmap.analysis.simulation.poincare_section",
     "simulate": "whirlmap.analysis.simulation.time_series",
     "run_up": "whirlmap.analysis.simulation.run_up",
+    "explore": "whirlmap.explorer.saved.inline",
     "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",

@@ -9,6 +9,7 @@ from types import TracebackType
 from typing import Any, Self
 
 from whirlmap.forecast import Forecast
+from whirlmap.notebook_bar import NotebookBar
 
 #: Seconds between lines where standard error is neither a terminal nor a notebook, and between two drawings of a bar.
 EVERY, DRAWN = 10.0, 0.1
@@ -229,17 +230,19 @@ def tell(progress: Any, what: str, *numbers: float) -> None:
 
 
 def _bar(most: bool) -> Any:
-    """Bar of rich where there is a terminal or a notebook to show it in, else None."""
+    """Bar where there is a terminal (rich's) or a notebook to show it in, else None."""
     if not sys.stderr.isatty() and "IPython" not in sys.modules:
         return None
     from rich import console, progress
 
-    to = console.Console(stderr=True)
-    if not (to.is_terminal or to.is_jupyter):
+    to, left = console.Console(stderr=True), "left, at most" if most else "left"
+    if to.is_jupyter:
+        return NotebookBar(left)
+    if not to.is_terminal:
         return None
     return progress.Progress(
         progress.TextColumn("{task.description}"), progress.BarColumn(), progress.TaskProgressColumn(),
         progress.TextColumn("{task.fields[rate]}"), progress.TimeElapsedColumn(),
-        progress.TextColumn("left, at most" if most else "left"), progress.TextColumn("{task.fields[left]}"),
+        progress.TextColumn(left), progress.TextColumn("{task.fields[left]}"),
         console=to, transient=True,
     )  # fmt: skip

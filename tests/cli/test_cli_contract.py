@@ -93,7 +93,7 @@ def test_examples_use_options_that_exist(name):
         assert {w for w in words if w.startswith("--")} <= known
 
 
-@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new", "explore"}])
 def test_json_is_one_object_alone_on_stdout(name):
     result = run(f"{SMALL[name]} --json")
     assert result.exit_code == 0, result.stderr
@@ -116,7 +116,7 @@ def test_wrong_input_ends_with_two_and_one_message(name, tmp_path, monkeypatch):
     assert done.stderr.startswith("error: ") and done.stderr.count("error:") == 1 and "Traceback" not in done.stderr
 
 
-@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new"}])
+@pytest.mark.parametrize("name", [n for n in COMMANDS if n not in {"reproduce", "identify", "bench", "new", "explore"}])
 def test_without_out_no_file_is_written(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     result = run(SMALL[name])

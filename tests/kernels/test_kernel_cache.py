@@ -37,7 +37,7 @@ def oscillator(coefficient=1.0, *, name="cache-test", bound=1e6, gap=2, swapped=
 
 
 def text(model, method=RK4, *, slopes="none", kind="free"):
-    return kernel_source(model, method, slopes=slopes, kind=kind, estimated=False).text
+    return kernel_source(model, method, slopes=slopes, kind=kind, estimated=False, fused=False).text
 
 
 def test_equal_models_have_equal_source():

@@ -61,6 +61,19 @@ def test_findings_print_their_variables():
     assert "3: 1 to 3" in printed(made, 50, 500) and "length &lt; height" in made._repr_html_()
 
 
+def test_linear_results_print_themselves():
+    rig = whirlmap.load("machines/jeffcott-rig")
+    found = whirlmap.linear_analysis(rig)
+    text = printed(found, 150, 1500)
+    assert text.startswith(f"Linear analysis of {found.equilibrium.size} states: {'' if found.stable else 'not '}stable")
+    least = found.eigenvalues[0]
+    assert f"{least.real:.5g}" in text and f"{abs(least.imag):.5g}" in text and f"{-least.real / abs(least):.4g}" in text
+    for film in whirlmap.film_coefficients(rig).values():
+        text = printed(film, 200, 1500)
+        assert "N/m" in text and ["Kxy", f"{film.K[0, 1]:.6g}", "W/c"] in [line.split() for line in text.splitlines()]
+        assert ["Cyx", f"{film.C[1, 0]:.6g}", "W/(c", "omega)"] in [line.split() for line in text.splitlines()]
+
+
 def test_a_last_column_without_room_is_left_out_of_text_only():
     rows = Rows("Some", ("a", "b"), [("x" * (WIDTH - LEAST + 5), "why, and why not")])
     assert "why" not in "".join(rows.lines()) and "why" in rows.html()

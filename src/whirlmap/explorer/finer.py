@@ -20,6 +20,8 @@ from whirlmap.sweep.store.zarr_store import Store
 
 #: Points of a diagram, and of each axis of a map, that a zoom computes where the page does not say how many.
 DIAGRAM, MAP = 160, 32
+#: Points of a chunk of a map that is not kept: so many appear, or are lost where it is cancelled, at once.
+LIVE = 48
 
 Axes = Mapping[str, tuple[Sequence[float], str]]
 
@@ -71,6 +73,7 @@ def compute(
     job.total = space.points
     with TemporaryDirectory(prefix="whirlmap-") as passing:
         place = store or Path(passing) / "map"
+        kept = Storage(place, resume=True) if store else Storage(place, chunk=LIVE)
 
         def look(now: ChunkReport) -> None:
             job.done = now.points_done
@@ -78,7 +81,7 @@ def compute(
             job.put(overview(system, axes, Store(place).open().load()))
 
         ds = run_sweep(
-            system, space, exploration.labelling, Execution(workers), Storage(place, resume=store is not None),
+            system, space, exploration.labelling, Execution(workers), kept,
             refine=False, sections=False, on_chunk=look,
         ).load()  # fmt: skip
     job.put(overview(system, axes, ds))

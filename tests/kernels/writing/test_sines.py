@@ -104,7 +104,7 @@ def test_neighbours_beyond_the_limit_change_no_bit(system):
 
 
 def test_processors_without_fused_products_ask_the_c_library(system, monkeypatch, tmp_path):
-    monkeypatch.setattr("whirlmap.kernels.running.source.fuses", lambda: False)
+    monkeypatch.setattr("whirlmap.kernels.running.lanes.fuses", lambda: False)
     plain = System(Model("sines-called", (x, y), (), {x: sp.sin(x), y: sp.cos(y)}), {})
     v = np.random.default_rng(2).uniform(-30, 30, 100)
     np.testing.assert_allclose(values(plain, v), values(system, v), rtol=1e-15)

@@ -1,6 +1,7 @@
 """Stiffness and damping of each film of a system about its static equilibrium."""
 
 from dataclasses import dataclass
+from math import isfinite
 
 import numpy as np
 from numpy.typing import NDArray
@@ -10,12 +11,13 @@ from whirlmap.analysis.linear.linearisation import linear_analysis
 from whirlmap.films.linear import linear_film
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.system import System
+from whirlmap.results.listing import Listed, Listing, Rows
 
 Matrix = NDArray[np.float64]
 
 
-@dataclass(frozen=True)
-class FilmCoefficients:
+@dataclass(frozen=True, repr=False)
+class FilmCoefficients(Listed):
     """The film of one bearing about its journal's rest: the force on the journal changes by -K u - C u'.
 
     Axes are the model's, x horizontal and y up.
@@ -37,6 +39,25 @@ class FilmCoefficients:
     C: Matrix
     W_c: float
     W_c_omega: float
+
+    def listing(self) -> Listing:
+        """The eight coefficients, for a terminal and a notebook.
+
+        Returns
+        -------
+        Listing
+            Printed as a table; a notebook shows it as one.
+        """
+        units = "the case has no dimensions"
+        if isfinite(self.W_c):
+            units = f"W/c = {self.W_c:.5g} N/m, W/(c omega) = {self.W_c_omega:.5g} N*s/m"
+        rows = [
+            (f"{letter}{one}{other}", f"{matrix[i, j]:.6g}", unit)
+            for letter, matrix, unit in (("K", self.K, "W/c"), ("C", self.C, "W/(c omega)"))
+            for i, one in enumerate("xy") for j, other in enumerate("xy")
+        ]  # fmt: skip
+        title = f"Film coefficients at the eccentricity {self.eccentricity:.5g}, load {self.load:.5g}"
+        return Listing(title, (units,), (Rows("Coefficients", ("name", "value", "unit"), rows),))
 
 
 def film_coefficients(system: System) -> dict[str, FilmCoefficients]:

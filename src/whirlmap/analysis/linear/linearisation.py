@@ -13,6 +13,7 @@ from whirlmap.integrate.division import variants
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.system import System
+from whirlmap.results.listing import Listed, Listing, Rows
 
 #: How far to either side of an equilibrium a kink of the rates is sought, over the sizes of the states.
 STEP = 1e-6
@@ -24,8 +25,8 @@ class NotLinearError(RangeError):
     """An equilibrium at which the rates have no derivative. It is an answer, no wrong input: there is no linear system."""
 
 
-@dataclass(frozen=True)
-class LinearAnalysis:
+@dataclass(frozen=True, repr=False)
+class LinearAnalysis(Listed):
     """Linearised system at its static equilibrium.
 
     Attributes
@@ -48,6 +49,23 @@ class LinearAnalysis:
     def stable(self) -> bool:
         """Whether every small motion dies out."""
         return bool(self.eigenvalues[0].real < 0)
+
+    def listing(self) -> Listing:
+        """Its eigenvalues, of each conjugate pair one, for a terminal and a notebook.
+
+        Returns
+        -------
+        Listing
+            Printed as a table; a notebook shows it as one.
+        """
+        values = [z for z in self.eigenvalues.tolist() if z.imag >= 0]
+        rows = [(f"{z.real:.5g}", f"{z.imag:.5g}", f"{-z.real / abs(z):.4g}" if z else "") for z in values]
+        told = "stable" if self.stable else "not stable"
+        return Listing(
+            f"Linear analysis of {self.equilibrium.size} states: {told}",
+            ("per radian of the clock, the least damped first; of a conjugate pair one",),
+            (Rows("Eigenvalues", ("real part", "frequency", "damping ratio"), rows),),
+        )
 
 
 def linear_analysis(system: System) -> LinearAnalysis:

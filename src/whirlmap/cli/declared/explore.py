@@ -15,6 +15,7 @@ EXAMPLES = (
     "whirlmap explore duffing.map",
     "whirlmap explore diagram.nc --branches branches.nc",
     "whirlmap explore duffing --vary gamma=0.2:0.5:300",
+    "whirlmap explore diagram.nc --save page.html",
     "whirlmap explore duffing --vary gamma=0.1:0.7:100 --vary omega=0.6:1.6:80 --store duffing.map",
 )
 
@@ -85,6 +86,16 @@ def explore(
         bool,
         typer.Option("--browser/--no-browser", rich_help_panel=PAGE, help="Open the browser, or only print the address."),
     ] = True,
+    save: Annotated[
+        Path | None,
+        typer.Option(
+            "--save", metavar="PAGE.html", rich_help_panel=PAGE,
+            help="Write the page as one file that needs no server and no network, with motions computed in the browser,"
+            " and serve nothing.",
+        ),
+    ] = None,
+    force: Annotated[bool, typer.Option("--force", help="Replace what --save names.", rich_help_panel=PAGE)] = False,
+    json: options.Json = False,
     quiet: options.Quiet = False,
 ) -> None:  # fmt: skip
     """Explore a map or a diagram in the browser, with the motion of the point that one clicks.
@@ -92,4 +103,6 @@ def explore(
     The page is served on this computer alone, until Ctrl-C. Click, arrow keys and sliders choose a point; its orbit,
     section, time series and spectrum, its label with the votes of the indicators, films and loads are computed at once.
     A zoom computes the range finer. The address of the page holds what is shown.
+
+    With --save the page is a file to send: it holds the map or diagram, and the browser computes the motion of any point.
     """

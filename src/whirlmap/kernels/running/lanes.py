@@ -12,7 +12,7 @@ from whirlmap.equations.model import Model
 from whirlmap.errors import RangeError
 from whirlmap.kernels.lowering.tabulate import fill
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.running.machine import Code, Function, aligned
+from whirlmap.kernels.running.machine import Code, Function, aligned, fuses
 from whirlmap.kernels.running.root_choice import by_estimates
 from whirlmap.kernels.running.source import KernelSource, stored_source
 from whirlmap.kernels.writing import advancing, marching
@@ -61,19 +61,8 @@ class LaneKernel:
         return aligned(self.source.sizes.work)
 
     def inputs(self, values: Array, limits: Array | None = None, sizes: Array | None = None) -> "Inputs":
-        """Prepare the inputs of many points: values of shape (parameter, point).
-
-        A step that leaves ``limits``, shape (state, point), is not taken; where they are absent, one that is not finite.
-        Lengths of tangent vectors count states in units of ``sizes``, shape (state, point); of one where they are absent.
-        """
-        n = values.shape[1]
-        index = {q.name: i for i, q in enumerate(self.model.parameters)}
-        parameters = tuple(values[index[p]] if isinstance(p, str) else np.full(n, p) for p in self.source.tables.values())
-        tables = {table.name: table for table in self.model.tables}
-        entries, offsets = fill(tuple(tables[name] for name in self.source.tables), parameters, n)
-        inside = np.zeros((self.model.dimension, n)) if limits is None else 1 / limits
-        weights = np.ones_like(inside) if sizes is None else sizes**-2.0
-        return Inputs(np.concatenate([self.source.hoisted.evaluate(values), inside, weights]), entries, offsets)
+        """Prepare the inputs of many points (`kernel_inputs`)."""
+        return kernel_inputs(self.model, self.source, values, limits, sizes)
 
 
 @dataclass(frozen=True)
@@ -89,6 +78,24 @@ class Inputs:
         return {"p": blocked(self.p[:, points]), "tables": self.tables, "offsets": blocked(self.offsets[:, points])}
 
 
+def kernel_inputs(
+    model: Model, source: KernelSource, values: Array, limits: Array | None = None, sizes: Array | None = None
+) -> Inputs:
+    """Prepare the inputs of many points: values of shape (parameter, point).
+
+    A step that leaves ``limits``, shape (state, point), is not taken; where they are absent, one that is not finite.
+    Lengths of tangent vectors count states in units of ``sizes``, shape (state, point); of one where they are absent.
+    """
+    n = values.shape[1]
+    index = {q.name: i for i, q in enumerate(model.parameters)}
+    parameters = tuple(values[index[p]] if isinstance(p, str) else np.full(n, p) for p in source.tables.values())
+    tables = {table.name: table for table in model.tables}
+    entries, offsets = fill(tuple(tables[name] for name in source.tables), parameters, n)
+    inside = np.zeros((model.dimension, n)) if limits is None else 1 / limits
+    weights = np.ones_like(inside) if sizes is None else sizes**-2.0
+    return Inputs(np.concatenate([source.hoisted.evaluate(values), inside, weights]), entries, offsets)
+
+
 def slopes_for(tangents: int) -> Slopes:
     """Which derivatives a kernel computes beside the rates, for so many tangent vectors."""
     return "none" if tangents == 0 else "along" if tangents == 1 else "jacobian"
@@ -101,7 +108,7 @@ def lane_kernel(model: Model, method: Method, *, slopes: Slopes, kind: Time) -> 
 
 @lru_cache(maxsize=64)
 def _compiled(model: Model, method: Method, slopes: Slopes, kind: Time, estimated: bool) -> LaneKernel:
-    source = stored_source(model, method, slopes=slopes, kind=kind, estimated=estimated)
+    source = stored_source(model, method, slopes=slopes, kind=kind, estimated=estimated, fused=fuses())
     return LaneKernel(model, source, Code.of(source.text))
 
 

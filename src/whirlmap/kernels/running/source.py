@@ -24,7 +24,6 @@ from whirlmap.kernels.lowering.lower import Hoisted, Straight, local_name, strai
 from whirlmap.kernels.lowering.poles import pole_guards
 from whirlmap.kernels.lowering.surfaces import sided
 from whirlmap.kernels.methods import Method
-from whirlmap.kernels.running.machine import fuses
 from whirlmap.kernels.writing.advancing import Parts, advance
 from whirlmap.kernels.writing.event_location import through as write_through
 from whirlmap.kernels.writing.hermite import Between
@@ -105,22 +104,27 @@ class KernelSource:
 KEYS = {"text", "sizes", "inputs", "hoisted", "entries", "tables", "nodes"}
 
 
-def stored_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, estimated: bool) -> KernelSource:
+def stored_source(
+    model: Model, method: Method, *, slopes: Slopes, kind: Time, estimated: bool, fused: bool
+) -> KernelSource:
     """Return `kernel_source` from the cache, where it was written before for the same declaration and method."""
     question = f"kernel source\n{model_digest(model)}\n{method!r}\n{slopes} {kind} {LANES} {FAST_MATH}"
-    question += f" {estimated} {fuses()}"
+    question += f" {estimated} {fused}"
     data = remembered(
         question,
-        lambda: kernel_source(model, method, slopes=slopes, kind=kind, estimated=estimated).as_data(),
+        lambda: kernel_source(model, method, slopes=slopes, kind=kind, estimated=estimated, fused=fused).as_data(),
         lambda data: isinstance(data, dict) and set(data) == KEYS,
     )
     return KernelSource.from_data(data)
 
 
-def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, estimated: bool) -> KernelSource:
+def kernel_source(
+    model: Model, method: Method, *, slopes: Slopes, kind: Time, estimated: bool, fused: bool
+) -> KernelSource:
     """Write the module for a model and a method, with the derivatives that tangent dynamics need.
 
-    Roots and reciprocals are ``estimated``, or computed by divisions (`whirlmap.kernels.running.root_choice`).
+    Roots and reciprocals are ``estimated``, or computed by divisions (`whirlmap.kernels.running.root_choice`). Sines are
+    computed with ``fused`` products, where the processor has them, or by the C library (`whirlmap.kernels.writing.sines`).
     """
     hoisted = Hoisted(model.parameters)
     found = sided(model)
@@ -148,7 +152,7 @@ def kernel_source(model: Model, method: Method, *, slopes: Slopes, kind: Time, e
     nodes = tuple(sorted({float(c) for c in method.c}))
 
     module = ir.Module(f"{model.name} {method.name} {kind} {slopes}")
-    routines = ModelRoutines(module, model, hoisted, Roots(estimated), Sines(module, fuses()))
+    routines = ModelRoutines(module, model, hoisted, Roots(estimated), Sines(module, fused))
     routines.surfaces = len(found.surfaces)
     of_rates = routines.rates(rates, rows, along=slopes == "along", unwanted=positions)
     of_tangent = routines.tangent(entries, slots, forms, positions) if slopes == "jacobian" else None

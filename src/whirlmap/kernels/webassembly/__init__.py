@@ -1,0 +1,1 @@
+"""The kernels as WebAssembly modules, for a browser: the same assembly, compiled for another target."""
