@@ -36,7 +36,7 @@ slow: .venv/tested
 	$(BIN)/python -m pytest -m slow
 
 lint: .venv/tested
-	$(BIN)/ruff check src tests benchmarks
+	$(BIN)/ruff check src tests benchmarks docs
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 
