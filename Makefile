@@ -39,7 +39,7 @@ validation: .venv/tested  # docs/validation.md, out of the tests that compare wi
 	$(BIN)/python -m pytest -m "" -n 2 --dist loadfile --validation docs/validation.md
 
 lint: .venv/tested
-	$(BIN)/ruff check src tests benchmarks
+	$(BIN)/ruff check src tests benchmarks docs
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 

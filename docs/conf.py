@@ -26,7 +26,9 @@ extensions = [
     "sphinx_gallery.gen_gallery",
     # of this site, in _ext
     "docstring_citations",
+    "generated_parts",
     "repository_links",
+    "site_checks",
 ]
 exclude_patterns = ["_templates", "gallery"]
 templates_path = ["_templates"]
@@ -71,6 +73,7 @@ sphinx_gallery_conf = {
     "download_all_examples": False,
     "remove_config_comments": True,
     "show_memory": False,
+    "write_computation_times": False,  # its table is fetched from outside
     "plot_gallery": True,
     "min_reported_time": 0,
     "capture_repr": ("_repr_html_", "__repr__"),

@@ -122,7 +122,7 @@ def full_spectrum(
     Notes
     -----
     An ellipse with half-axes A and B is the sum of a forward circle of radius (A + B)/2 and a backward one of
-    radius |A - B|/2; a straight line has equal parts of both.
+    radius ``|A - B|/2``; a straight line has equal parts of both.
     """
     u, v = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if u.shape != v.shape or u.ndim > 2:
