@@ -5,12 +5,12 @@ import re
 from importlib import import_module
 from pathlib import Path
 
+import pytest
+
 import case_keys
 import command_pages
-import pytest
 import result_tables
 import small_results
-
 import whirlmap
 from whirlmap import equations, errors, plot
 from whirlmap.cases import names, read
