@@ -37,6 +37,7 @@ suppress_warnings = [
 ]
 nitpicky = False  # types in docstrings are words, such as "array, shape (time, state)"
 default_role = "py:obj"  # `name` in a docstring: a link where it is a public name
+smartquotes = False  # options begin with two hyphens, and quotes are typed as they stand
 modindex_common_prefix = ["whirlmap."]
 
 myst_enable_extensions = ["colon_fence", "deflist", "dollarmath", "fieldlist"]
@@ -45,6 +46,7 @@ myst_links_external_new_tab = False
 
 autosummary_generate = True
 autosummary_imported_members = False
+autodoc_preserve_defaults = True
 autodoc_typehints = "none"  # the docstring says them, with shapes and units
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False

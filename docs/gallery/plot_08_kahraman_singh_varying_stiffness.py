@@ -47,5 +47,6 @@ axes = whirlmap.plot.draw_time_series(series, ["x"])
 # %%
 # Up and down through the resonances:
 
+# sphinx_gallery_thumbnail_number = 2
 sweeps = whirlmap.bifurcation_diagram(system, "Omega", "0.25:2.2:118", follow="both")
 figure = whirlmap.plot.diagram_figure(sweeps, ["x"])

@@ -31,10 +31,26 @@ NOT_RUN = {
 SLOW = (
     "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve",
     "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
+    "whirlmap bifurcation rub.toml", "whirlmap diagnose --series my_signal.csv",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
     "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap show machines/two-shaft-gearbox",
     "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',
+    'import whirlmap\n\nsystem = whirlmap.load("duffing", alpha=1',
 )  # fmt: skip
+
+#: Page -> files of models and of cases that it tells the reader to make, in the order of its blocks.
+FILES = {
+    "your_own_model.md": (("loose_pedestal.py", "spool.py"), ("my_case.toml", "spool.toml")),
+    "tutorials/equations-to-diagram.md": (("rub.py",), ("rub.toml",)),
+}
+#: File that a command reads -> command of the same page that writes it.
+WRITTEN = {
+    "my_gearbox.toml": ["new", "my_gearbox.toml"],
+    "my_train.toml": ["new", "my_train.toml", "--parts"],
+    "my_rig.toml": ["new", "my_rig.toml", "--like", "machines/jeffcott-rig"],
+}
+#: The file of the tutorial on signals, which a block of Python there writes.
+SIGNAL = "my_signal.csv"
 
 
 def marked(page, line, code):
@@ -69,12 +85,15 @@ def commands():
 @pytest.fixture
 def folder(tmp_path, monkeypatch):
     """An empty folder, with the files that pages tell the reader to make, as the current one."""
-    page = (ROOT / "docs" / "your_own_model.md").read_text(encoding="utf-8")
-    models = [text for kind, text in FENCE.findall(page) if kind == "python" and "from whirlmap.equations import" in text]
-    cases = [text for kind, text in FENCE.findall(page) if kind == "toml"]
-    for names, texts in ((("loose_pedestal.py", "spool.py"), models), (("my_case.toml", "spool.toml"), cases)):
-        for name, text in zip(names, texts, strict=True):
-            (tmp_path / name).write_text(text, encoding="utf-8")
+    for page, (models, cases) in FILES.items():
+        text = (ROOT / "docs" / page).read_text(encoding="utf-8")
+        found = [
+            block for kind, block in FENCE.findall(text) if kind == "python" and "from whirlmap.equations import" in block
+        ]
+        files = [block for kind, block in FENCE.findall(text) if kind == "toml"]
+        for names, texts in ((models, found), (cases, files)):
+            for name, block in zip(names, texts, strict=True):
+                (tmp_path / name).write_text(block, encoding="utf-8")
     (tmp_path / "docs").mkdir()
     monkeypatch.chdir(tmp_path)
     return tmp_path
@@ -88,10 +107,12 @@ def test_python(code, folder):
 @pytest.mark.parametrize("line", list(commands()))
 def test_commands(line, folder):
     words = shlex.split(line)[1:]
-    if words[0] in ("show", "speeds") and words[1] == "my_gearbox.toml":
-        CliRunner().invoke(app, ["new", "my_gearbox.toml"])
-    if words[:2] == ["show", "my_train.toml"]:
-        CliRunner().invoke(app, ["new", "my_train.toml", "--parts"])
+    for word in words[1:]:
+        if words[0] != "new" and word in WRITTEN:
+            CliRunner().invoke(app, WRITTEN[word])
+    if SIGNAL in words:
+        page = (ROOT / "docs" / "tutorials" / "recorded-signal.md").read_text(encoding="utf-8")
+        exec(compile(FENCE.search(page)[2], "block", "exec"), {})
     done = CliRunner(env={"COLUMNS": "160"}).invoke(app, words)
     assert done.exit_code == 0, done.output
     written = [w for flag, w in pairwise(words) if flag in ("--out", "--animate")]

@@ -55,8 +55,8 @@ def campbell(system: System, name: str, values: ArrayLike) -> xr.Dataset:
     Notes
     -----
     Modes of neighbouring values belong together where ``|l_i r_j| |l_j r_i|`` is largest (left vectors of one value with
-    right vectors of the other, whatever their scale), as an assignment of all modes at once. A mode and its conjugate are one
-    mode; a pair that is overdamped somewhere is two, for its two decays differ. Whirl is the sign of the orbit's area,
+    right vectors of the other, whatever their scale), as an assignment of all modes at once. A mode and its conjugate are
+    one mode; a pair that is overdamped somewhere is two, for its two decays differ. Whirl is the sign of the orbit's area,
     summed over the centres that have mass. Crossings are interpolated linearly between neighbouring values.
 
     References
