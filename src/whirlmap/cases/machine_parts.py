@@ -243,10 +243,13 @@ class Tables:
         twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()
         if turning and not self.stations.elements[name]:
             table.needs(("J",), 'torsion = "free"', rotor.FIELDS)
+        if turning and name in self.stations.matrices:
+            raise table.fault("file", 'found matrices with torsion = "free", expected elements: they say nothing of torsion')
         modes = table.whole("modes", 0, 0) if "modes" in table.values else None
         shaft = Shaft(
             name, tuple(self.stations.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
             tuple(sorted(twisted)), tuple(b.station for b in mine), held=tuple(b.station for b in by_coefficients),
+            given=self.stations.matrices.get(name),
         )  # fmt: skip
         try:
             shaft = shaft.settled()

@@ -27,7 +27,7 @@ FIELDS: tuple[Field, ...] = (
     Number("nu", "1", "Poisson's ratio", fixed=True, limits={"at_least": 0, "below": 0.5}),
     Number("rho", "kg/m^3", "density", fixed=True, limits=ABOVE),
     Other("elements", "beam elements from the first end: L, d, d_i, n equal pieces, and a material of their own"),
-    Text("file", "file of a rotor that ROSS saved, whose shaft elements and disks it has"),
+    Text("file", "file of a rotor that ROSS saved (.toml), or of matrices of a free shaft (.npz)"),
     Number("m", "kg", "mass, with disks", limits=ABOVE),
     Number("K", "N/m", "stiffness m omega^2 of the lowest bending mode on rigid bearings", limits=ABOVE),
     Number("J", "kg*m^2", "polar inertia, with disks", limits=ABOVE),
