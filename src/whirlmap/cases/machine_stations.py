@@ -184,6 +184,8 @@ class Stations:
         for kind in ("disk", "bearing", "unbalance", "coupling", "rub"):
             for table in self.of(kind):
                 self._divide_at(table, self.shaft(table), table.values.get("at"))
+                if kind == "coupling" and "to" in table.texts:
+                    self._divide_at(table, self.shaft(table, "to"), table.values.get("at_to"), "at_to")
         for table in self.of("mesh"):
             at = table.values.get("at")
             if at is not None and (not isinstance(at, list) or len(at) != 2):
@@ -191,16 +193,16 @@ class Stations:
             for key, value in zip(("driver", "driven"), at or (None, None), strict=True):
                 self._divide_at(table, self.shaft(table, key), value)
 
-    def _divide_at(self, table: PartTable, shaft: str, value: Any) -> None:
+    def _divide_at(self, table: PartTable, shaft: str, value: Any, key: str = "at") -> None:
         elements = self.elements[shaft]
         if not elements or value is None or isinstance(value, int) or value in self.names.get(shaft, ()):
             return
-        place, begin = self._distance(table, shaft, value, "at"), 0.0
+        place, begin = self._distance(table, shaft, value, key), 0.0
         length = sum(e.L for e in elements)
         for i, e in enumerate(elements):
             if begin + SAME * length < place < begin + e.L - SAME * length:
                 if shaft in self.matrices:
-                    raise table.fault("at", f"found {place * 1e3:g} mm on shaft {shaft}, where its matrices have no station")
+                    raise table.fault(key, f"found {place * 1e3:g} mm on shaft {shaft}, where its matrices have no station")
                 ahead = Element(place - begin, e.d, e.d_i, e.material)
                 elements[i : i + 1] = [ahead, Element(e.L - ahead.L, e.d, e.d_i, e.material)]
                 return

@@ -15,9 +15,9 @@ def read_matrices(file: Path) -> tuple[ShaftMatrices, tuple[float, ...], tuple[s
     Parameters
     ----------
     file : Path
-        Of `numpy.savez`, with the arrays M [kg, kg m, kg m^2] and K [N/m, N, N m], shape (2 station, 2 station), z [m],
-        shape (station,); and where they are there G, gyroscopic moments per rad/s [kg m^2], and names, texts. Degrees of freedom
-        are displacement and slope of each station in turn.
+        Of `numpy.savez`, with the arrays M [kg, kg m, kg m^2] and K [N/m, N, N m], shape (2 station, 2 station), and z [m],
+        shape (station,); and where they are there G, gyroscopic moments per rad/s [kg m^2], and names, texts. Degrees of
+        freedom are displacement and slope of each station in turn.
 
     Returns
     -------
