@@ -7,6 +7,7 @@ from tests.machines.wrong_machines import GOOD
 
 import whirlmap
 from whirlmap.analysis.linear.truncation import truncation
+from whirlmap.equations.run_up import ACCELERATION, running_up
 from whirlmap.integrate.evaluation import Evaluator
 
 SPRING = 'k_xx = "4e6 N/m"\nk_yy = "4e6 N/m"\nc_xx = "2e3 N*s/m"\nc_yy = "2e3 N*s/m"\n'
@@ -69,8 +70,8 @@ def test_a_motor_in_a_train_agrees_with_all_matrices(tmp_path, free):
     assert found.error.size >= 5 and found.holds
 
 
-def test_torsion_of_a_motor_on_its_coupling(tmp_path):
-    """With teeth that hold nothing, the rotation of motor and pinion is two inertias, two springs."""
+def motor_on_its_coupling():
+    """A train whose teeth hold nothing, so that motor and pinion turn on two springs."""
     motor = stub("motor", 60, 2)
     text = GOOD.replace("[[disk]]", motor + "[[disk]]", 1).replace('K_m = "1e8 N/m"', 'K_m = "1 N/m"')
     text = text.replace('reference = "pinion"', 'reference = "pinion"\ntorsion = "free"')
@@ -80,7 +81,38 @@ def test_torsion_of_a_motor_on_its_coupling(tmp_path):
     text += 'k_r = "1e3 N/m"\nk_t = "300 N*m/rad"\n'
     text += '[[coupling]]\nname = "drive"\nshaft = "motor"\nat = 1\nk_t = "500 N*m/rad"\n'
     text += '[[coupling]]\nname = "load"\nshaft = "gear"\nat = 1\nk_t = "100 N*m/rad"\n'
-    system = loaded(tmp_path, text.replace('T = "20 N*m"', 'T = "1e-9 N*m"'))
+    return text.replace('T = "20 N*m"', 'T = "1e-9 N*m"')
+
+
+def test_the_inertia_of_a_run_up_twists_the_couplings(tmp_path):
+    """Under an acceleration the drive carries (J_motor + J_pinion) domega/dt, the other coupling J_pinion domega/dt."""
+    system = loaded(tmp_path, motor_on_its_coupling())
+    given, machine, s = system.machine.given, system.machine.case.parts.machine, float(system.values["s"])
+    a, omega_0 = 1e-3, system.machine.quantities["omega_0"][0]
+    moving = whirlmap.System(
+        running_up(system.model, "s"), {**{k: v for k, v in system.values.items() if k != "s"}, ACCELERATION: a}
+    )
+    still = whirlmap.System(moving.model, {**moving.values, ACCELERATION: 0.0})
+    turning = [i for i, name in enumerate(system.states) if name.startswith(("q", "vq"))]
+    x = np.append(np.full(len(system.states), 1e-3), s)
+    pushed, slopes = (moving.rhs(0.0, x) - still.rhs(0.0, x))[turning], still.jacobian(0.0, x)[np.ix_(turning, turning)]
+    # without the term of the clock, -lambda v
+    pushed -= np.array([-a / s**2 * 1e-3 if system.states[i].startswith("v") else 0.0 for i in turning])
+    bent = dict(zip([system.states[i] for i in turning], np.linalg.solve(slopes, -pushed), strict=True))
+    R_b, c_0 = 3e-3 * 20 * np.cos(np.radians(20)) / 2, 40e-6
+    twist = {}
+    for name in ("motor", "pinion"):
+        rotor = next(r for r in machine.rotors if r.name == name)
+        shape = rotor.shaft.twisting.shapes[1]
+        twist[name] = shape @ [bent[q.name] for q in rotor.arcs] * c_0 / R_b
+    J, torque = {n: given[f"shaft.{n}.J"] for n in twist}, a * omega_0**2
+    assert twist["motor"] == pytest.approx(-(J["motor"] + J["pinion"]) * torque / 500, rel=1e-3)
+    assert twist["pinion"] - twist["motor"] == pytest.approx(-J["pinion"] * torque / 300, rel=1e-3)
+
+
+def test_torsion_of_a_motor_on_its_coupling(tmp_path):
+    """The rotation of motor and pinion is two inertias on two springs."""
+    system = loaded(tmp_path, motor_on_its_coupling())
     J = [system.machine.given[f"shaft.{name}.J"] for name in ("motor", "pinion")]
     K = np.array([[800.0, -300.0], [-300.0, 300.0]])
     expected = np.sqrt(np.linalg.eigvals(K / np.array(J)[:, None]))
