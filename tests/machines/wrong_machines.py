@@ -189,5 +189,11 @@ WRONG = {
                                 ["[[rub]] seal", "no clearance"]),
     "rub in a journal": (None, '[[rub]]\nname = "seal"\nshaft = "pinion"\nat = 0\nK_r = "1e8 N/m"\n'
                          'clearance = "1 mm"\n', ["[[rub]] seal: at", "contact"]),
+    "coupling to nothing": (None, '[[coupling]]\nname = "m"\nshaft = "pinion"\nat = 0\nto = "motor"\nk_r = "1e6 N/m"\n',
+                            ["[[coupling]] m: to", "'motor'"]),
+    "coupling in a loop": (None, '[[coupling]]\nname = "m"\nshaft = "pinion"\nat = 1\nto = "gear"\nat_to = 1\n'
+                           'k_r = "1e6 N/m"\n', ["m", "loop", "tree"]),
+    "coupling without a spring": (None, '[[coupling]]\nname = "m"\nshaft = "pinion"\nat = 1\n',
+                                  ["[[coupling]] m", "neither k_t nor k_r"]),
     "name with a dash": ('name = "u"', 'name = "left-plane"', ["[[unbalance]]", "letters, digits and underscores"]),
 }  # fmt: skip

@@ -300,7 +300,9 @@ def _derived(one: rotor.Rotor) -> list[tuple[str, Given]]:
     if one.shaft.lumped:
         return []
     rule = "follows: elements and disks of the shaft"
-    values = {"m": one.shaft.mass, "K": one.shaft.stiffness, "J": one.shaft.inertia}
+    values = {"m": one.shaft.mass, "K": one.shaft.stiffness}
+    if one.shaft.given is None:  # matrices of bending do not say it
+        values["J"] = one.shaft.inertia
     made = []
     for key, value in values.items():
         quantity = rotor.quantity(one.name, key)

@@ -74,7 +74,7 @@ class Tables:
         self.stations.divide()
         links = [self._link(table) for table in self.of("mesh")]
         try:
-            turning = train(self.reference, [one.name for one in self.of("shaft")], links)
+            turning = train(self.reference, [one.name for one in self.of("shaft")], links, self._joints())
         except CaseError as error:
             kind, _, rest = str(error).partition(" ")
             name = rest.split(":")[0].split(" ")[0]
@@ -166,13 +166,21 @@ class Tables:
         own = {key: one.parameter(f"mesh.{mesh}") for key, one in teeth.KEYS.items()}
         return own["module"] * own[f"z_{way}"] * cos(own["alpha"]) / 2
 
-    def reference_base(self, shaft: str) -> Expr:
-        """Base radius on which arcs of a shaft are measured: that of its first mesh along the line of action."""
+    def reference_base(self, shaft: str, passed: tuple[str, ...] = ()) -> Expr:
+        """Base radius on which arcs of a shaft are measured: that of its first mesh along the line of action.
+
+        ``passed`` are couplings on the way to it.
+        """
         for table in self.of("mesh"):
             if table.texts.get("kind", "line") == "line":
                 for way in ("driver", "driven"):
                     if table.texts[way] == shaft:
                         return self.base(table.name, way)
+        for name, first, second in self._joints():  # arcs of a shaft without teeth are on the circle of its neighbour
+            if shaft in (first, second) and name not in passed:
+                found = self.reference_base(second if shaft == first else first, (*passed, name))
+                if found != 0:
+                    return found
         return Integer(0)
 
     def _unbalance(self, table: PartTable) -> unbalance.Unbalance:
@@ -192,17 +200,39 @@ class Tables:
                                     " contact = \"rub\" of that bearing")  # fmt: skip
         return contact.Rub(table.name, shaft, station, frozenset(table.numbers), reader.support(table))
 
+    def _joints(self) -> list[tuple[str, str, str]]:
+        """Couplings of two shafts: name, and both shafts."""
+        made = []
+        for table in (one for one in self.of("coupling") if "to" in one.texts):
+            shaft, other = self.shaft(table), self.shaft(table, "to")
+            if shaft == other:
+                raise table.fault("to", f"found the shaft {other!r} at both ends, expected two shafts")
+            made.append((table.name, shaft, other))
+        return made
+
     def _coupling(self, table: PartTable) -> coupling.Coupling:
-        shaft = self.shaft(table)
-        if not self.torsion:
+        shaft, to, given = self.shaft(table), table.texts.get("to", ""), frozenset(table.numbers)
+        if not {"k_t", "k_r"} & given:
+            raise table.fault("", 'found neither k_t nor k_r, expected a stiffness, as in k_t = "1e4 N*m/rad"')
+        if "c_t" in given:
+            table.needs(("k_t",), "c_t", coupling.FIELDS)
+        if not self.torsion and "k_t" in given:
             raise table.fault("", 'found a coupling of shafts that turn uniformly, expected torsion = "free" in [operation]')
-        if self.reference_base(shaft) == 0:
+        if self.torsion and to:
+            table.needs(("k_t",), 'torsion = "free"', coupling.FIELDS)
+        if "k_t" in given and self.reference_base(shaft) == 0:
             raise table.fault("shaft", f"found a coupling on shaft {shaft}, which has no teeth along a line of action")
+        if "k_t" in given and to and self.reference_base(to) != self.reference_base(shaft):
+            raise table.fault("to", f"found teeth on both shafts, {shaft} and {to}, expected torsion between shafts of which"
+                                    " one has teeth: arcs of both are counted on its base circle")  # fmt: skip
+        if not to and table.values.get("at_to") is not None:
+            raise table.fault("at_to", "found a station of another shaft, and no shaft in to; expected both")
         station = self.station(table, shaft, table.values.get("at"))
-        return coupling.Coupling(table.name, shaft, station, frozenset(table.numbers), self.reference_base(shaft))
+        other = self.stations.station(table, to, table.values.get("at_to"), "at_to") if to else 0
+        return coupling.Coupling(table.name, shaft, station, given, self.reference_base(shaft), to, other)
 
     def _refuse_free_rotation(self, couplings: Sequence[coupling.Coupling]) -> None:
-        if self.torsion and not couplings:
+        if self.torsion and not any("k_t" in one.given and not one.to for one in couplings):
             at = self.of("mesh") or self.of("shaft")
             raise at[0].fault(
                 "", 'found torsion = "free" without a coupling, expected one: nothing holds the common rotation'
@@ -238,15 +268,20 @@ class Tables:
             )
         wheels = [w for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
         pressed = {w.station for w in wheels} | {one.station for one in pressing if one.shaft == name}
+        pressed |= {at for c in couplings if {"k_r", "c_r"} & c.given for on, at, _ in c.ends() if on == name}
         pressed |= {b.station for b in by_coefficients}
         turning = self.torsion and self.reference_base(name) != 0
-        twisted = {w.station for w in wheels} | {c.station for c in couplings if c.shaft == name} if turning else set()
+        held = {at for c in couplings for on, at, _ in c.ends() if on == name}
+        twisted = {w.station for w in wheels} | held if turning else set()
         if turning and not self.stations.elements[name]:
             table.needs(("J",), 'torsion = "free"', rotor.FIELDS)
+        if turning and name in self.stations.matrices:
+            raise table.fault("file", 'found matrices with torsion = "free", expected elements: they say nothing of torsion')
         modes = table.whole("modes", 0, 0) if "modes" in table.values else None
         shaft = Shaft(
             name, tuple(self.stations.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
             tuple(sorted(twisted)), tuple(b.station for b in mine), held=tuple(b.station for b in by_coefficients),
+            given=self.stations.matrices.get(name),
         )  # fmt: skip
         try:
             shaft = shaft.settled()

@@ -3,19 +3,24 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from decimal import Decimal
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 from whirlmap.cases.machine_tables import PartTable
+from whirlmap.cases.matrix_file import read_matrices
 from whirlmap.cases.ross_file import read_ross
 from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.beams import MATERIALS, Element, Material
+from whirlmap.machines.matrices import ShaftMatrices
 from whirlmap.machines.parts import rotor
 from whirlmap.machines.shafts import ROTOR, Disk
 from whirlmap.units import read
 
 #: Two stations are one where they are nearer than this part of the shaft's length.
 SAME = 1e-9
+#: Diameter over length with which a shaft of matrices is drawn.
+NOMINAL = 0.05
 
 
 @dataclass
@@ -31,12 +36,16 @@ class Stations:
         Ends of the elements as the file has them, before distances divided some [m].
     disks : dict of str to list of Disk
         Disks of shafts that a file of another program holds, at their stations there.
+    matrices, names : dict
+        Matrices of shafts that are given by these, and names of their stations.
     """
 
     by_kind: Mapping[str, list[PartTable]]
     elements: dict[str, list[Element]] = field(default_factory=dict)
     written: dict[str, list[float]] = field(default_factory=dict)
     disks: dict[str, list[Disk]] = field(default_factory=dict)
+    matrices: dict[str, ShaftMatrices] = field(default_factory=dict)
+    names: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
     def of(self, kind: str) -> list[PartTable]:
         """Tables of one kind."""
@@ -78,11 +87,15 @@ class Stations:
         return made
 
     def _from_file(self, table: PartTable) -> list[Element]:
-        """Beam elements of a shaft that ROSS saved; its disks become those of the machine, its bearings are left."""
+        """Beam elements of a shaft that ROSS saved, with its disks and without its bearings; or stations of matrices."""
         for key in ("elements", "m", "K", "J", "material", "E", "G", "nu", "rho"):
             if table.has(key):
                 raise table.fault(key, f"found {key} beside file, from which it follows; expected one of them")
         place = Path(table.sources[0].file).parent / table.texts["file"]
+        if place.suffix not in (".toml", ".npz"):
+            raise table.fault("file", f"found {place.name!r}, expected a rotor of ROSS (.toml) or matrices (.npz)")
+        if place.suffix == ".npz":
+            return self._from_matrices(table, place)
         try:
             rotor = read_ross(place)
         except CaseError as error:
@@ -91,6 +104,14 @@ class Stations:
             Disk(f"{table.name}_disk_{i}", d.node, d.m, d.I_d, d.I_p) for i, d in enumerate(rotor.disks, start=1)
         ]
         return [Element(e.L, e.d, e.d_i, Material(e.E, e.G, e.rho)) for e in rotor.elements]
+
+    def _from_matrices(self, table: PartTable, place: Path) -> list[Element]:
+        """Pieces between the stations of matrices, which say where those are and nothing else."""
+        try:
+            self.matrices[table.name], z, self.names[table.name] = read_matrices(place)
+        except CaseError as error:
+            raise table.fault("file", str(error)) from None
+        return [Element(b - a, NOMINAL * z[-1], 0.0, MATERIALS["steel"]) for a, b in pairwise(z)]
 
     def _material(self, table: PartTable) -> Material:
         name, own = table.texts.get("material"), table.fixed
@@ -122,6 +143,8 @@ class Stations:
             raise table.fault("", f"found no {key}, expected a station of shaft {shaft}, 0 to"
                                   f" {len(self.written[shaft]) - 1}, or a"
                                   ' distance from its first end such as "120 mm"')  # fmt: skip
+        if value in self.names.get(shaft, ()):
+            return self.names[shaft].index(value)
         if isinstance(value, int) and not isinstance(value, bool):
             last = len(self.written[shaft]) - 1
             if not 0 <= value <= last:
@@ -161,6 +184,8 @@ class Stations:
         for kind in ("disk", "bearing", "unbalance", "coupling", "rub"):
             for table in self.of(kind):
                 self._divide_at(table, self.shaft(table), table.values.get("at"))
+                if kind == "coupling" and "to" in table.texts:
+                    self._divide_at(table, self.shaft(table, "to"), table.values.get("at_to"), "at_to")
         for table in self.of("mesh"):
             at = table.values.get("at")
             if at is not None and (not isinstance(at, list) or len(at) != 2):
@@ -168,14 +193,16 @@ class Stations:
             for key, value in zip(("driver", "driven"), at or (None, None), strict=True):
                 self._divide_at(table, self.shaft(table, key), value)
 
-    def _divide_at(self, table: PartTable, shaft: str, value: Any) -> None:
+    def _divide_at(self, table: PartTable, shaft: str, value: Any, key: str = "at") -> None:
         elements = self.elements[shaft]
-        if not elements or value is None or isinstance(value, int):
+        if not elements or value is None or isinstance(value, int) or value in self.names.get(shaft, ()):
             return
-        place, begin = self._distance(table, shaft, value, "at"), 0.0
+        place, begin = self._distance(table, shaft, value, key), 0.0
         length = sum(e.L for e in elements)
         for i, e in enumerate(elements):
             if begin + SAME * length < place < begin + e.L - SAME * length:
+                if shaft in self.matrices:
+                    raise table.fault(key, f"found {place * 1e3:g} mm on shaft {shaft}, where its matrices have no station")
                 ahead = Element(place - begin, e.d, e.d_i, e.material)
                 elements[i : i + 1] = [ahead, Element(e.L - ahead.L, e.d, e.d_i, e.material)]
                 return

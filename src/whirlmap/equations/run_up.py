@@ -42,8 +42,8 @@ def counts_by_clock(model: Model, name: str) -> bool:
         raise ModelError(f"model {model.name!r} is not forced: it has no speed that could change")
     if model.angular_acceleration is None:
         raise ModelError(
-            f"model {model.name!r} does not declare what an angular acceleration adds to its rates (angular_acceleration);"
-            " shafts whose rotation is free (torsion), and equations as printed, cannot run up"
+            f"model {model.name!r} does not declare what an angular acceleration adds to its rates (angular_acceleration),"
+            " as that of the gear pair with free rotation or as printed; expected one that does"
         )
     by_clock = not any(w.has(speed) for w in harmonics)
     if by_clock and speed != model.speed:

@@ -157,7 +157,8 @@ def assemble(
     positions = [q for q in unknowns if not q.name.startswith("v")]
     rates = [q for q in unknowns if q.name.startswith("v")]
     teeth = [e for one in told for e in one.teeth]
-    read = _read(equations, told)
+    accelerated = _accelerated(machine, coupled, rates)
+    read = _read([*equations.values(), *accelerated.values()], told)
     return Model(
         name="machine",
         states=(*positions, *rates),
@@ -181,7 +182,7 @@ def assemble(
         bodies=_joined(one.bodies for one in told),
         stations=_joined(one.stations for one in told),
         alike=(tuple(positions),),
-        angular_acceleration=_accelerated(machine, coupled, rates),
+        angular_acceleration=accelerated,
         speed=s,
         journals=_joined(one.journals for one in told),
         unbalances=_joined(one.unbalances for one in told),
@@ -189,10 +190,8 @@ def assemble(
     )
 
 
-def _accelerated(machine: Machine, coupled: Coupled, rates: Sequence[State]) -> dict[State, Expr] | None:
-    """What a changing speed adds to rates, over its relative rate; None where the rotation of shafts is free."""
-    if any(rotor.base is not None for rotor in machine.rotors):
-        return None
+def _accelerated(machine: Machine, coupled: Coupled, rates: Sequence[State]) -> dict[State, Expr]:
+    """What a changing speed adds to rates, over its relative rate: forces, and the change of the clock."""
     forces = _joined(rotor.accelerated(coupled) for rotor in machine.rotors)
     return {v: forces.get(v, Integer(0)) - v for v in rates}
 
@@ -201,9 +200,9 @@ def _joined(some: Iterable[Mapping[Any, Any]]) -> dict[Any, Any]:
     return {key: value for one in some for key, value in one.items()}
 
 
-def _read(equations: Mapping[State, Expr], told: Sequence[Declared]) -> frozenset[str]:
+def _read(rates: Sequence[Expr], told: Sequence[Declared]) -> frozenset[str]:
     """Names of the symbols that the declaration reads; a group that nothing reads is left out."""
-    used: list[Any] = [*equations.values()]
+    used: list[Any] = [*rates]
     for one in told:
         used += [*one.harmonics, *one.clocks.values(), *one.teeth, *one.defaults.values()]
         used += [output.expression for output in one.outputs.values()]

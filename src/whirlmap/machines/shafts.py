@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from whirlmap.errors import CaseError
 from whirlmap.machines.beams import Element, bending, torsion
+from whirlmap.machines.matrices import ShaftMatrices
 from whirlmap.machines.reduction import Modes, Spectrum, reduce, spectrum
 
 Matrix = NDArray[np.float64]
@@ -57,6 +58,8 @@ class Shaft:
         Stations of its journals.
     held : tuple of int
         Stations of its bearings by coefficients.
+    given : ShaftMatrices or None
+        Matrices that stand for those of the elements, which then say no more than where the stations are.
     """
 
     name: str
@@ -69,6 +72,7 @@ class Shaft:
     bearings: tuple[int, ...] = ()
     twists: int | None = None
     held: tuple[int, ...] = ()
+    given: ShaftMatrices | None = None
 
     @property
     def lumped(self) -> bool:
@@ -95,8 +99,8 @@ class Shaft:
         if self.lumped:
             return np.diag([1.0, 0.0]), np.zeros((2, 2)), np.array([[1.0, -1.0], [-1.0, 1.0]])
         n = 2 * self.stations
-        M, G, K = (np.zeros((n, n)) for _ in range(3))
-        for i, element in enumerate(self.elements):
+        M, G, K = (np.zeros((n, n)) for _ in range(3)) if self.given is None else self.given.arrays()
+        for i, element in enumerate(self.elements if self.given is None else ()):
             at = slice(2 * i, 2 * i + 4)
             for whole, part in zip((M, G, K), bending(element), strict=True):
                 whole[at, at] += part

@@ -64,6 +64,7 @@ class Statics:
         for rotor in self.machine.rotors:
             self._shaft(values, rotor, K, F)
         self._teeth(values, K, F)
+        self._couplings(values, K)
         springs = {b.name: self._spring(values, b) for b in self.machine.coefficients}
         for b in self.machine.coefficients:
             across = self._across(b)
@@ -176,10 +177,19 @@ class Statics:
             part = modes.mass / rotor.shaft.inertia * modes.frequency**2
             unit = self._of(values, rotor.iota) / self._of(values, OMEGA_0_2, 1.0)
             K[:, arc, arc] += unit[:, None, None] * np.diag(part)
-        for coupling in (one for one in self.machine.couplings if one.shaft == rotor.name):
-            shape = rotor.shaft.twisting.shapes[rotor.shaft.turning_station(coupling.station)]
-            arc = self.places[rotor.name, "arc"]
-            K[:, arc, arc] += self._of(values, coupling.kappa)[:, None, None] * np.outer(shape, shape)
+
+    def _couplings(self, values: Mapping[str, Array], K: Array) -> None:
+        rotors = {rotor.name: rotor for rotor in self.machine.rotors}
+        for one in self.machine.couplings:
+            for axis, stiff in (("arc", one.kappa), ("x", one.kappa_r), ("y", one.kappa_r)):
+                across = np.zeros(K.shape[1])
+                for name, station, sign in one.ends():
+                    shaft, numbers = rotors[name].shaft, rotors[name].numbers
+                    if axis != "arc":
+                        across[self.places[name, axis]] += sign * numbers.shapes[station]
+                    elif rotors[name].base is not None:
+                        across[self.places[name, axis]] += sign * shaft.twisting.shapes[shaft.turning_station(station)]
+                K += self._of(values, stiff)[:, None, None] * np.outer(across, across)
 
     def _teeth(self, values: Mapping[str, Array], K: Array, F: Array) -> None:
         rotors = {rotor.name: rotor for rotor in self.machine.rotors}

@@ -63,19 +63,35 @@ class Train:
     phases: dict[str, Expr] = field(default_factory=dict)
 
 
-def train(reference: str, shafts: Sequence[str], links: Sequence[Link]) -> Train:
-    """Follow the meshes from the reference shaft.
+def train(
+    reference: str, shafts: Sequence[str], links: Sequence[Link], coupled: Sequence[tuple[str, str, str]] = ()
+) -> Train:
+    """Follow the meshes and couplings from the reference shaft.
+
+    Couplings are a name and two shafts, which turn at one speed. The phase of a mesh behind a coupling is that of how it was
+    put together, which is taken as zero.
 
     Raises
     ------
     CaseError
-        A loop of meshes, or a shaft that no mesh joins to the reference.
+        A loop of meshes and couplings, or a shaft that none joins to the reference.
     """
     found = Train({reference: Integer(1)}, {reference: 1})
     reached_by: dict[str, Link] = {}
-    waiting, left = [reference], list(links)
+    waiting, left, joints = [reference], list(links), list(coupled)
     while waiting:
         shaft = waiting.pop(0)
+        for joint in [one for one in joints if shaft in one[1:]]:
+            joints.remove(joint)
+            name, first, second = joint
+            other = second if shaft == first else first
+            if other in found.speeds:
+                raise CaseError(
+                    f"coupling {name}: found a loop, for its shafts {shaft} and {other} are joined by other meshes or"
+                    " couplings already; expected a tree"
+                )
+            found.speeds[other], found.senses[other] = found.speeds[shaft], found.senses[shaft]
+            waiting.append(other)
         for link in [one for one in left if shaft in (one.driver, one.driven)]:
             left.remove(link)
             other = link.other(shaft)
@@ -93,7 +109,8 @@ def train(reference: str, shafts: Sequence[str], links: Sequence[Link]) -> Train
     alone = [shaft for shaft in shafts if shaft not in found.speeds]
     if alone:
         raise CaseError(
-            f"shaft {alone[0]}: found no mesh that joins it to the reference shaft {reference}, expected one:"
+            f"shaft {alone[0]}: found no mesh or coupling that joins it to the reference shaft {reference}, expected"
+            " one:"
             " its speed would not be known"
         )
     return found

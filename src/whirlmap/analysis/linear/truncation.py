@@ -13,6 +13,7 @@ from whirlmap.integrate.system import System
 from whirlmap.machines.assembly import AnyBearing, Machine
 from whirlmap.machines.parts.coefficients import CoefficientBearing
 from whirlmap.machines.parts.contact import Rub
+from whirlmap.machines.parts.coupling import Coupling
 from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.rotor import Rotor
 from whirlmap.models import mesh
@@ -141,9 +142,7 @@ class _Full:
             self._coefficients(by_coefficients)
         self._teeth()
         for coupling in self.machine.couplings:
-            i = self.places[coupling.shaft, "arc"] + self._rotor(coupling.shaft).shaft.turning_station(coupling.station)
-            self.K[i, i] += self._number(coupling.kappa) / self.s2
-            self.C[i, i] += 2 * self._number(coupling.xi) / self.values["s"]
+            self._coupling(coupling)
         massive = np.diag(self.M) > 0
         return _eigenvalues(self.M, self.C, self.K, massive)
 
@@ -212,6 +211,18 @@ class _Full:
             if bearing.support:
                 between[i, self.places[bearing.support, axis]] = -1.0
         return between
+
+    def _coupling(self, one: Coupling) -> None:
+        laws = (("arc", one.kappa, one.xi), ("x", one.kappa_r, one.xi_r), ("y", one.kappa_r, one.xi_r))
+        for axis, stiff, damped in laws:
+            across = np.zeros(self.M.shape[0])
+            for name, station, sign in one.ends():
+                shaft = self._rotor(name).shaft
+                row = shaft.turning_station(station) if axis == "arc" else shaft.freedom(station)
+                if (name, axis) in self.places:
+                    across[self.places[name, axis] + row] += sign
+            self.K += self._number(stiff) / self.s2 * np.outer(across, across)
+            self.C += 2 * self._number(damped) / self.values["s"] * np.outer(across, across)
 
     def _teeth(self) -> None:
         s = self.values["s"]

@@ -10,7 +10,7 @@ with mass mu_k, stiffness l_k and gyroscopic g_kj over the shaft's own mass and 
 from dataclasses import dataclass
 
 import numpy as np
-from sympy import Expr, Integer, sqrt
+from sympy import Abs, Expr, Integer, sqrt
 
 from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter, State
@@ -27,7 +27,7 @@ FIELDS: tuple[Field, ...] = (
     Number("nu", "1", "Poisson's ratio", fixed=True, limits={"at_least": 0, "below": 0.5}),
     Number("rho", "kg/m^3", "density", fixed=True, limits=ABOVE),
     Other("elements", "beam elements from the first end: L, d, d_i, n equal pieces, and a material of their own"),
-    Text("file", "file of a rotor that ROSS saved, whose shaft elements and disks it has"),
+    Text("file", "file of a rotor that ROSS saved (.toml), or of matrices of a free shaft (.npz)"),
     Number("m", "kg", "mass, with disks", limits=ABOVE),
     Number("K", "N/m", "stiffness m omega^2 of the lowest bending mode on rigid bearings", limits=ABOVE),
     Number("J", "kg*m^2", "polar inertia, with disks", limits=ABOVE),
@@ -54,6 +54,8 @@ DISK: tuple[Field, ...] = (
     Number("I_d", "kg*m^2", "diametral inertia of a disk", fixed=True, limits=AT_LEAST),
     Number("I_p", "kg*m^2", "polar inertia of a disk", fixed=True, limits=AT_LEAST),
 )
+#: Part of uniform rotation in a twisting mode below which it is none: they are orthogonal to it.
+ROUNDING = 1e-9
 #: What frequencies of twisting are over.
 OMEGA_0_2 = Parameter("omega_0_2", "1", "omega_0^2 in rad^2/s^2: what squares of twisting frequencies are over", above=0)
 OF_SHAFT = {one.key: one for one in FIELDS if isinstance(one, Number)}
@@ -143,6 +145,12 @@ class Rotor:
         meaning = f"polar inertia of {self.name}, J/(m_0 R_b^2)"
         return Parameter(f"iota_{self.name}", "1", meaning, latex=rf"\iota_\mathrm{{{self.name}}}", above=0)
 
+    @property
+    def radius(self) -> Parameter:
+        """Base radius of its arcs."""
+        meaning = f"base radius of the arcs of {self.name} over c_0"
+        return Parameter(f"rho_{self.name}", "1", meaning, latex=rf"\rho_\mathrm{{{self.name}}}", above=0)
+
     def groups(self, scale: Scale) -> dict[Parameter, Expr]:
         """Parameters of the modes; the speed follows from the teeth."""
         m, K = quantity(self.name, "m"), quantity(self.name, "K")
@@ -153,6 +161,7 @@ class Rotor:
             made[self.zeta] = quantity(self.name, "zeta")
         if self.base is not None:
             made[self.iota] = quantity(self.name, "J") / (scale.m_0 * self.base**2)
+            made[self.radius] = self.base / scale.c_0
             if np.any(self.shaft.twisting.frequency > 0):
                 made[OMEGA_0_2] = scale.K_0 / scale.m_0
         return made
@@ -293,6 +302,12 @@ class Rotor:
                     weight = number(self.numbers.shapes[station, k] / self.numbers.mass[k])
                     total += weight / (self.nu * s**2) * force[plane]
                 made[rate] = total
+        if self.base is not None:
+            # Arcs are counted from a rotation that gains speed itself: its inertia J |r| domega/dt acts against it.
+            modes, (J, _) = self.shaft.twisting, self.shaft.torsion
+            for k, rate in enumerate(self.arc_rates):
+                part = float(modes.shapes[:, k] @ J.sum(axis=1) / modes.mass[k])
+                made[rate] = -number(part if abs(part) > ROUNDING else 0.0) * Abs(self.r) * self.radius
         return made
 
     def _turning(self, coupled: Coupled) -> dict[State, Expr]:
