@@ -7,6 +7,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from sympy import sympify
+
 from whirlmap.errors import InputError, nearest
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.loading import changed
@@ -130,7 +132,12 @@ def system_at(system: System, controls: Mapping[str, Control], values: Mapping[s
     InputError
         A name that is none of them, or a value that the model or the case cannot take.
     """
-    return changed(system, **changes_of(system, controls, values)) if values else system
+    changes = changes_of(system, controls, values)
+    rules = [sympify(rule) for rule in system.model.defaults.values()]
+    followed = {q.name for rule in rules for q in rule.free_symbols}
+    if set(changes) <= set(system.parameters) - followed:
+        return system.replace(**changes)  # nothing follows: a tenth of the time of loading the case once more
+    return changed(system, **changes)
 
 
 def changes_of(system: System, controls: Mapping[str, Control], values: Mapping[str, float]) -> dict[str, Any]:

@@ -197,14 +197,14 @@ def label_json(m: Motion) -> dict[str, Any]:
 
 def _numbers(m: Motion) -> list[dict[str, Any]]:
     """Amplitudes, films and loads over the record of the labelled point, in the units that are shown."""
-    ds = shown(m.system, m.point)
+    words = {"max_eccentricity": "largest eccentricity", "min_film": "thinnest film", "max_load": "largest load"}
+    ds = shown(m.system, m.point[["peak_to_peak", *(name for name in words if name in m.point)]])
     found: list[dict[str, Any]] = []
     units = dict(zip([str(q) for q in np.asarray(ds["quantity"])], _each(ds["peak_to_peak"]), strict=False))
     for state in m.system.model.swing or m.system.model.states[:1]:
         value = float(ds["peak_to_peak"].sel(quantity=state.name)[0])
         found.append({"name": f"peak to peak of {state.meaning}", "of": state.name, "value": value,
                       "unit": units.get(state.name, "1")})  # fmt: skip
-    words = {"max_eccentricity": "largest eccentricity", "min_film": "thinnest film", "max_load": "largest load"}
     for name, text in words.items():
         for bearing in np.asarray(ds["bearing"]).tolist() if name in ds else ():
             value = float(ds[name].sel(bearing=bearing)[0])

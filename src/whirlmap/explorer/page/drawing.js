@@ -30,6 +30,15 @@ explorer.ends = (...arrays) => {
   return [low, high];
 };
 
+/** Ticks of a logarithmic axis. uPlot's own do not end where 1e-6 * 10 is not 1e-5 to the last bit. */
+explorer.logTicks = (low, high) => {
+  const decades = Math.log10(high / low), steps = decades > 3 ? [1] : decades > 1.2 ? [1, 2, 5] : [1, 1.5, 2, 3, 4, 5, 6, 8], out = [];
+  for (let e = Math.floor(Math.log10(low)); e <= Math.log10(high); e++) {
+    for (const s of steps) { const v = Number(`${s}e${e}`); if (v >= low && v <= high) out.push(v); }
+  }
+  return out;
+};
+
 /** A panel in an element: `show({x, y, equal, data, series, draw, onClick, onZoom})` draws it anew. */
 explorer.Panel = class {
   constructor(element) {
@@ -63,7 +72,8 @@ explorer.Panel = class {
       side, label: a.label, labelSize: 18, labelGap: 0, size: side === 3 ? 52 : 30, gap: 3, font: "11px system-ui, sans-serif",
       labelFont: "12px system-ui, sans-serif", stroke: explorer.colour("muted"),
       grid: {stroke: explorer.colour("grid"), width: 1}, ticks: {stroke: explorer.colour("line"), width: 1, size: 4},
-      values: (u, splits) => splits.map((v) => (v === null ? "" : explorer.digits(v * (a.size || 1), 6))), ...(a.axis || {}),
+      values: (u, splits) => splits.map((v) => (v === null ? "" : explorer.digits(v * (a.size || 1), 6))),
+      ...(a.log ? {splits: (u, k, low, high) => explorer.logTicks(low, high), filter: (u, splits) => splits} : {}),
     });
     const ranges = {x: [...x.range], y: [...y.range]};
     if (options.equal) this.equalise(ranges, width - 78, height - 62);
