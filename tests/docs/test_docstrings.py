@@ -25,8 +25,8 @@ PLAIN = {"labels"}
 CITED = {
     "correlation_dimension": {"grassberger1983", "theiler1986"}, "lyapunov_spectrum": {"benettin1980"},
     "floquet_multipliers": {"lust2001", "prince1981"}, "film_coefficients": {"lund1966"}, "ross_bearing": {"lund1966"},
-    "campbell": {"childs1993"}, 
-    "unbalance_response": {"api617", "childs1993"}, "simulate": {"prince1981", "tsitouras2011", "kutta1901"}, "label_points": {"benettin1980"},
+    "campbell": {"childs1993"}, "unbalance_response": {"api617", "childs1993"}, "label_points": {"benettin1980"},
+    "simulate": {"prince1981", "tsitouras2011", "kutta1901"},
     "diagnose": {"benettin1980", "gottwald2009", "das2017", "grassberger1983", "kaplan1979", "lust2001"},
     "diagnose_series": {"takens1981", "rosenstein1993", "kantz1994", "gottwald2009", "fraser1986", "kennel1992"},
     "section": {"parker1989"}, "attractors": {"parker1989"}, "power_spectrum": {"welch1967"},

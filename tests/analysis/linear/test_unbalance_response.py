@@ -145,7 +145,7 @@ def test_what_has_no_response_is_refused(ask, words):
 
 def test_an_unknown_station_is_refused():
     system = whirlmap.load("jeffcott", b=0.1)
-    with pytest.raises(InputError, match="rotr.*rotor"):
+    with pytest.raises(InputError, match=r"rotr.*rotor"):
         whirlmap.unbalance_response(system, "s", [1, 2, 3, 4], stations=["rotr"])
 
 
