@@ -18,7 +18,7 @@ _RESULTS = """
     frequency frequency_step resolution power density floor line_frequency line_power line_present line_floor
     line_fraction broadband_fraction
     mode growth damping_ratio whirl line clock equilibrium drift_state drift_rate growth_rate thinning grazings
-    order clock_amplitude clock_phase spectrum elapsed end_speed
+    phase_order clock_amplitude clock_phase spectrum elapsed end_speed
     rotation_number rotation_number_error
 """
 

@@ -84,7 +84,7 @@ def run_up(
     xr.Dataset
         Over the varied speed, in the middle of each window: ``minimum``, ``maximum`` and ``mean`` of every state and output
         (``quantity``); ``clock_amplitude`` and ``clock_phase`` at the order of each ``clock``: x = A cos(order phase + phi);
-        ``spectrum`` by ``order``, the multiple of the clock's phase, as amplitudes; ``elapsed``, the time, in seconds where
+        ``spectrum`` by ``phase_order``, the multiple of the clock's phase, as amplitudes; ``elapsed``, the time, in seconds where
         the case has them; ``status``, ``end_time`` (a phase) and ``end_speed``. Windows that an event cuts off are NaN.
 
     Raises
@@ -196,7 +196,7 @@ class Running:
                 **{key: variable(each, summed[key], "1", f"{key} in each window") for key in ("minimum", "maximum", "mean")},
                 "clock_amplitude": variable(at_clock, summed["amplitude"], "1", "amplitude at the clock"),
                 "clock_phase": variable(at_clock, summed["phase"], "rad", "phase before the clock's"),
-                "spectrum": variable((ramp.name, "order", "quantity"), summed["spectrum"], "1", "amplitude at each order"),
+                "spectrum": variable((ramp.name, "phase_order", "quantity"), summed["spectrum"], "1", "amplitude at each order"),
                 "elapsed": variable(ramp.name, elapsed, unit, "time in the middle of the window"),
                 "status": status_variable((), ensemble.status[0]),
                 "end_time": variable((), end, "rad", "phase at which the run ended early"),
@@ -206,7 +206,7 @@ class Running:
             coords={
                 ramp.name: variable(ramp.name, ramp.speed(middle), own.unit, own.meaning),
                 "clock": names_coordinate("clock", list(model.clocks), "clock"),
-                "order": variable("order", self.order, "1", "multiple of the phase"),
+                "phase_order": variable("phase_order", self.order, "1", "multiple of the phase"),
                 "quantity": names_coordinate("quantity", names, "state or output"),
             },
         )  # fmt: skip

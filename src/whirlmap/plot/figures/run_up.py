@@ -62,8 +62,8 @@ def run_up_figure(ds: xr.Dataset, quantity: str, *, diagram: xr.Dataset | None =
     middle.set_ylabel(f"amplitude {unit_text(unit)}")
     turn.set_ylabel("phase [deg], dotted")
     middle.legend(loc="upper left", fontsize="x-small")
-    order = ds["order"].values
-    level = 20 * np.log10(np.maximum(of["spectrum"].transpose("order", speed).values, 1e-300))
+    order = ds["phase_order"].values
+    level = 20 * np.log10(np.maximum(of["spectrum"].transpose("phase_order", speed).values, 1e-300))
     top = float(np.nanmax(level))
     mesh = lower.pcolormesh(cell_edges(at), cell_edges(order), level, vmin=top - 20 * DECADES, vmax=top, cmap="magma")
     fig.colorbar(mesh, ax=[upper, middle, lower], label="amplitude [dB]", shrink=0.5, anchor=(0, 0))
