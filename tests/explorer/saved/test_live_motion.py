@@ -67,8 +67,9 @@ def test_motions_in_the_browser_are_those_of_python():
 
 
 @pytest.mark.slow
-def test_every_stock_case_moves_in_the_browser_as_in_python():
-    compared(names())
+@pytest.mark.parametrize("case", names())
+def test_every_stock_case_moves_in_the_browser_as_in_python(case):
+    compared([case])
 
 
 # --- a model of its own: endings, retried steps, phases --------------------------------------------------------------

@@ -47,6 +47,15 @@ def test_returns_sections_and_series_are_those_of_python(duffing):
 
 
 @needs_node
+def test_points_that_a_map_left_out_are_computed_with_care(duffing):
+    ds = duffing.overview.copy(deep=True)
+    ds["steps"][2], ds["settled_after"][2], ds["period_T"][2], ds["regime"][2] = 0, 0, 0, 0
+    (m,), _ = shown(of_result(ds, "duffing.nc"), [{"gamma": 0.29}], "x")
+    assert m["label"]["text"] == "periodic, 4T"
+    assert m["computed"]["steps"] >= 100
+
+
+@needs_node
 def test_engineering_units_are_those_of_in_units():
     system = whirlmap.load("machines/jeffcott-rig")
     ds = whirlmap.bifurcation_diagram(system, "c", ["80 um", "100 um"], lyapunov=0)

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from sympy import Poly, PolynomialError, sympify
 
 from whirlmap.analysis.motion.record_length import slowest_turn, spectrum_periods
+from whirlmap.analysis.simulation.time_series import SAMPLES
 from whirlmap.errors import InputError
 from whirlmap.explorer.encoding import json_text
 from whirlmap.explorer.exploration import DIRECTION, Exploration, axis_of, axis_values
@@ -132,7 +133,11 @@ def _live(e: Exploration, most: int) -> tuple[dict[str, Any], bytes]:
 
 
 def _known(e: Exploration) -> tuple[Integers, Integers]:
-    """Steps per T of every point; and its return in T, 0 where there is none, with the T that it took to settle."""
+    """Steps per T of every point; and its return in T, 0 where there is none, with the T that it took to settle.
+
+    Points that a map has not computed, as those that a refinement leaves out, take the most steps and T of the others, and
+    their return is looked for: -1.
+    """
     ds, forced = e.overview, e.system.model.forced
     if ds is None:
         name, value = e.system.parameters[0], float(e.system.vector[0])
@@ -142,7 +147,12 @@ def _known(e: Exploration) -> tuple[Integers, Integers]:
     common = np.asarray(ds["common_multiple"]) if "common_multiple" in ds else e.system.strobe
     waits = np.maximum(np.asarray(ds["settled_after"]) * np.maximum(common, 1), 1)
     period = np.asarray(ds["period_T"]) if forced else np.zeros(waits.shape)  # that of an unforced motion counts crossings
-    return np.maximum(np.asarray(ds["steps"]), 1).astype(np.int64), np.stack([period, waits]).astype(np.int64)
+    steps = np.asarray(ds["steps"]).astype(np.int64)
+    unknown = steps < 1
+    steps = np.where(unknown, max(int(steps.max()), SAMPLES), steps)
+    waits = np.where(unknown, waits.max(), waits)
+    period = np.where(unknown, -1 if forced else 0, period)
+    return steps, np.stack([period, waits]).astype(np.int64)
 
 
 def _section(grid: Grid, packing: Packing) -> dict[str, Any]:
