@@ -128,6 +128,7 @@ def test_a_zoom_is_computed_finer_and_can_be_left(page: Page) -> None:
     page.until("explorer.state.zoom === null")
 
 
+@pytest.mark.slow  # test_server asks the same without a browser
 def test_votes_coexisting_motions_and_branches(page: Page) -> None:
     page.then(lambda: page.page.mouse.click(*page.place(0.24)))
     page.page.click("#ask-votes")

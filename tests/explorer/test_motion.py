@@ -67,7 +67,7 @@ def test_the_script_gives_the_same_bits(exploration: Exploration, tmp_path: Path
     values = {"gamma": 0.29, "delta": 0.31}
     m = motion(system_at(exploration.system, exploration.controls, values), exploration.labelling)
     (tmp_path / "motion.py").write_text(script(exploration, values, m))
-    code = "import runpy; runpy.run_path('motion.py')['series'].to_netcdf('again.nc')"
+    code = "import runpy; runpy.run_path('motion.py', run_name='__main__')['series'].to_netcdf('again.nc')"
     subprocess.run([sys.executable, "-c", code], cwd=tmp_path, check=True, timeout=250)
     again = read(tmp_path / "again.nc")
     np.testing.assert_array_equal(again["x"].values, m.series["x"].values)

@@ -29,6 +29,9 @@ def test_every_number_is_the_same(case: str, changes: dict[str, Any]) -> None:
     system = whirlmap.load(case, **changes)
     again = recorded_system(provenance(pieces(system)), "a file")
     assert dict(again.values) == dict(system.values)
+    assert again.machine is not None
+    assert system.machine is not None
+    assert dict(again.machine.given) == dict(system.machine.given)
     assert again.model.switches == system.model.switches
     assert pieces(again).model_hash == pieces(system).model_hash
 

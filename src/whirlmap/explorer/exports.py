@@ -23,7 +23,7 @@ series = whirlmap.simulate(system{start}, periods={periods}, steps={steps}{metho
 if __name__ == "__main__":
     print(whirlmap.labels(point).values, "period in T:", point["period_T"].values)
     print(series)
-    print(whirlmap.diagnose(system).dataset())  # exponents, multipliers, and the vote of every indicator
+    print(whirlmap.diagnose(system))  # exponents, multipliers, and the vote of every indicator
 '''
 
 
@@ -37,9 +37,9 @@ def all_changes(exploration: Exploration, values: dict[str, float]) -> dict[str,
 def script(exploration: Exploration, values: dict[str, float], m: Motion) -> str:
     """A script that computes this motion again, to the bit."""
     system, labelling = m.system, exploration.labelling
-    changes = "".join(f",\n    {name}={value!r}" for name, value in all_changes(exploration, values).items())
+    changes = "".join(f", {name}={value!r}" for name, value in all_changes(exploration, values).items())
     if exploration.system.start:
-        changes += f",\n    start={dict(exploration.system.start)!r}"
+        changes += f", start={dict(exploration.system.start)!r}"
     usual, s, options = Settling(), labelling.settling, ""
     for name in ("transient", "most", "tolerance"):
         if getattr(s, name) != getattr(usual, name):
@@ -64,9 +64,8 @@ def commands(exploration: Exploration, values: dict[str, float]) -> list[str]:
     starts = [word for name, value in exploration.system.start.items() for word in ("--start", f"{name}={value!r}")]
     place = [exploration.system.case, *sets, *starts]
     found = [shlex.join(["whirlmap", "diagnose", *place]), shlex.join(["whirlmap", "simulate", *place])]
-    if exploration.overview is not None and "command" in exploration.overview.attrs:
-        found.append(str(exploration.overview.attrs["command"]))
-    return found
+    made = "" if exploration.overview is None else str(exploration.overview.attrs.get("command", ""))
+    return [*found, made] if made.startswith("whirlmap ") else found  # a result of Python names its script
 
 
 def data_csv(m: Motion) -> str:

@@ -32,9 +32,9 @@ Array = NDArray[np.float64]
 #: T of the record at least, steps per T and per turn of the slowest clock at least, and T of a run that ends.
 RECORD, PER_T, PER_TURN, ENDED = 256, 24, 192, 400
 #: Samples of the time series that the page gets at most, and bins of the spectrum.
-SAMPLES, BINS = 2400, 2400
+SAMPLES, BINS = 1600, 2000
 #: Turns of the slowest clock, or returns, that the page shows where they fit.
-TURNS = 4
+TURNS = 3
 #: Crossings of the section of an unforced motion, in typical times.
 CROSSINGS = 400
 #: Lines of the spectrum that are named.
@@ -138,7 +138,7 @@ def _shown_samples(m: Motion, steps: int, count: int) -> int:
     """Samples at the end of the record that are shown: whole returns, or turns of the slowest clock."""
     n = int(m.point["period_T"][0])
     turn = max(1, round(slowest_turn(m.system)))
-    whole = n * max(1, ceil(TURNS * turn / n)) if n else TURNS * 4 * turn
+    whole = n * max(min(ceil(TURNS * turn / n), SAMPLES // (n * steps)), 1) if n else TURNS * 4 * turn
     return int(min(whole * steps, count - 1, max(SAMPLES, 0))) + 1
 
 
@@ -203,8 +203,9 @@ def _numbers(m: Motion) -> list[dict[str, Any]]:
     units = dict(zip([str(q) for q in np.asarray(ds["quantity"])], _each(ds["peak_to_peak"]), strict=False))
     for state in m.system.model.swing or m.system.model.states[:1]:
         value = float(ds["peak_to_peak"].sel(quantity=state.name)[0])
-        found.append({"name": f"peak to peak of {state.meaning}", "of": state.name, "value": value,
-                      "unit": units.get(state.name, "1")})  # fmt: skip
+        unit = units.get(state.name, "1")
+        meaning = state.meaning if unit == "1" else state.meaning.partition(", over ")[0]  # in a unit it is over nothing
+        found.append({"name": f"peak to peak of {meaning}", "of": state.name, "value": value, "unit": unit})
     for name, text in words.items():
         for bearing in np.asarray(ds["bearing"]).tolist() if name in ds else ():
             value = float(ds[name].sel(bearing=bearing)[0])

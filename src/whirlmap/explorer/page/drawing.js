@@ -39,6 +39,14 @@ explorer.logTicks = (low, high) => {
   return out;
 };
 
+/** Round ticks of an axis whose numbers are written in another unit: `size` of it are one of its own. */
+explorer.ticks = (low, high, size, count) => {
+  const rough = (high - low) * size / count, power = 10 ** Math.floor(Math.log10(rough)), out = [];
+  const step = power * [1, 2, 5, 10].find((s) => s * power >= rough);
+  for (let k = Math.ceil(low * size / step); k * step <= high * size; k++) out.push(k * step / size);
+  return out;
+};
+
 /** A panel in an element: `show({x, y, equal, data, series, draw, onClick, onZoom})` draws it anew. */
 explorer.Panel = class {
   constructor(element) {
@@ -73,7 +81,8 @@ explorer.Panel = class {
       labelFont: "12px system-ui, sans-serif", stroke: explorer.colour("muted"),
       grid: {stroke: explorer.colour("grid"), width: 1}, ticks: {stroke: explorer.colour("line"), width: 1, size: 4},
       values: (u, splits) => splits.map((v) => (v === null ? "" : explorer.digits(v * (a.size || 1), 6))),
-      ...(a.log ? {splits: (u, k, low, high) => explorer.logTicks(low, high), filter: (u, splits) => splits} : {}),
+      ...(a.log ? {splits: (u, k, low, high) => explorer.logTicks(low, high), filter: (u, splits) => splits}
+        : {splits: (u, k, low, high) => explorer.ticks(low, high, a.size || 1, Math.max((k ? height / 45 : width / 75), 2))}),
     });
     const ranges = {x: [...x.range], y: [...y.range]};
     if (options.equal) this.equalise(ranges, width - 78, height - 62);

@@ -71,7 +71,7 @@ explorer.make = (tag, text = "", attributes = {}) => {
 /** A number in a few digits. */
 explorer.digits = (v, n = 4) => {
   if (v === null || v === undefined || !Number.isFinite(v)) return "–";
-  if (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)) return v.toExponential(n - 2).replace("e+", "e").replaceAll("-", "−");
+  if (v !== 0 && (Math.abs(v) < 1e-3 || Math.abs(v) >= 1e6)) return v.toExponential(n - 2).replace(/\.?0*e\+?/, "e").replaceAll("-", "−");
   return String(+v.toPrecision(n)).replace("-", "−");
 };
 explorer.unit = (unit) => (unit && unit !== "1" ? ` ${unit.replace("um", "µm")}` : "");
