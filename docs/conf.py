@@ -46,7 +46,6 @@ myst_links_external_new_tab = False
 
 autosummary_generate = True
 autosummary_imported_members = False
-autodoc_preserve_defaults = True
 autodoc_typehints = "none"  # the docstring says them, with shapes and units
 autodoc_member_order = "bysource"
 napoleon_google_docstring = False
