@@ -84,8 +84,8 @@ def run_up(
     xr.Dataset
         Over the varied speed, in the middle of each window: ``minimum``, ``maximum`` and ``mean`` of every state and output
         (``quantity``); ``clock_amplitude`` and ``clock_phase`` at the order of each ``clock``: x = A cos(order phase + phi);
-        ``spectrum`` by ``phase_order``, the multiple of the clock's phase, as amplitudes; ``elapsed``, the time, in seconds where
-        the case has them; ``status``, ``end_time`` (a phase) and ``end_speed``. Windows that an event cuts off are NaN.
+        ``spectrum`` by ``phase_order``, the multiple of the clock's phase, as amplitudes; ``elapsed``, the time, in seconds
+        where the case has them; ``status``, ``end_time`` (a phase) and ``end_speed``. Windows that an event cuts off are NaN.
 
     Raises
     ------
@@ -190,13 +190,13 @@ class Running:
         own, unit = model.states[-1], ("s" if np.isfinite(ramp.unit) else "1")
         elapsed = ramp.elapsed(middle) * (ramp.unit if np.isfinite(ramp.unit) else 1.0)
         end = float(ensemble.end_time[0])
-        each, at_clock = (ramp.name, "quantity"), (ramp.name, "clock", "quantity")
+        each, at_clock, at_order = (tuple([ramp.name, *over, "quantity"]) for over in ([], ["clock"], ["phase_order"]))
         ds = xr.Dataset(
             {
                 **{key: variable(each, summed[key], "1", f"{key} in each window") for key in ("minimum", "maximum", "mean")},
                 "clock_amplitude": variable(at_clock, summed["amplitude"], "1", "amplitude at the clock"),
                 "clock_phase": variable(at_clock, summed["phase"], "rad", "phase before the clock's"),
-                "spectrum": variable((ramp.name, "phase_order", "quantity"), summed["spectrum"], "1", "amplitude at each order"),
+                "spectrum": variable(at_order, summed["spectrum"], "1", "amplitude at each order"),
                 "elapsed": variable(ramp.name, elapsed, unit, "time in the middle of the window"),
                 "status": status_variable((), ensemble.status[0]),
                 "end_time": variable((), end, "rad", "phase at which the run ended early"),
