@@ -190,7 +190,7 @@ class Running:
         own, unit = model.states[-1], ("s" if np.isfinite(ramp.unit) else "1")
         elapsed = ramp.elapsed(middle) * (ramp.unit if np.isfinite(ramp.unit) else 1.0)
         end = float(ensemble.end_time[0])
-        each, at_clock, at_order = (tuple([ramp.name, *over, "quantity"]) for over in ([], ["clock"], ["phase_order"]))
+        each, at_clock, at_order = ((ramp.name, *over, "quantity") for over in ([], ["clock"], ["phase_order"]))
         ds = xr.Dataset(
             {
                 **{key: variable(each, summed[key], "1", f"{key} in each window") for key in ("minimum", "maximum", "mean")},
