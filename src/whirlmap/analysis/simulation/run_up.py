@@ -85,7 +85,8 @@ def run_up(
         Over the varied speed, in the middle of each window: ``minimum``, ``maximum`` and ``mean`` of every state and output
         (``quantity``); ``clock_amplitude`` and ``clock_phase`` at the order of each ``clock``: x = A cos(order phase + phi);
         ``spectrum`` by ``phase_order``, the multiple of the clock's phase, as amplitudes; ``elapsed``, the time, in seconds
-        where the case has them; ``status``, ``end_time`` (a phase) and ``end_speed``. Windows that an event cuts off are NaN.
+        where the case has them; ``status``, ``end_time`` (a phase) and ``end_speed``. Windows that an event
+        cuts off are NaN.
 
     Raises
     ------
