@@ -5,7 +5,10 @@ from importlib.resources import files
 from whirlmap.explorer.encoding import json_text
 
 #: Scripts in the order in which they are read; the source of motions comes before the last one.
-SCRIPTS = ("explorer.js", "drawing.js", "overview.js", "panels.js", "controls.js", "address.js", "exports.js")
+SCRIPTS = (
+    "explorer.js", "drawing.js", "cells.js", "branches.js", "overview.js", "panels.js", "controls.js",
+    "address.js", "exports.js",
+)  # fmt: skip
 #: The source of motions of the local page.
 SERVER = "server.js"
 

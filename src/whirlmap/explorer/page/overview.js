@@ -1,7 +1,7 @@
 /* The map or the diagram: regimes of all points, the chosen one, branches, and finer parts over coarser ones. */
 "use strict";
 explorer.overview = (() => {
-  const {$, make, digits} = explorer;
+  const {$, make, digits} = explorer, {borders, cells, palette, HATCHED} = explorer.cells;
   let panel, raster = null, key = "";
 
   /** Decode points over their axes; later layers lie over earlier ones. */
@@ -28,37 +28,6 @@ explorer.overview = (() => {
     if (zoom?.y) return {x, y: zoom.y};
     const all = Object.values(explorer.layers[0].section).map((s) => s[explorer.state.section]).filter(Boolean);
     return {x, y: explorer.span(...explorer.ends(...all))};
-  };
-
-  /** Borders of the cells of an axis: midway, of a logarithmic one in its logarithm. */
-  const borders = (values, log) => {
-    const t = log ? Math.log : (v) => v, back = log ? Math.exp : (v) => v, n = values.length, out = new Float64Array(n + 1);
-    for (let i = 1; i < n; i++) out[i] = back((t(values[i - 1]) + t(values[i])) / 2);
-    if (n === 1) { out[0] = values[0]; out[1] = values[0]; return out; }
-    out[0] = back(t(values[0]) - (t(values[1]) - t(values[0])) / 2);
-    out[n] = back(t(values[n - 1]) + (t(values[n - 1]) - t(values[n - 2])) / 2);
-    return out;
-  };
-
-  /** Index of the cell in which each pixel along an axis lies; -1 outside. */
-  const cells = (count, value, edges) => {
-    const out = new Int32Array(count).fill(-1);
-    for (let p = 0; p < count; p++) {
-      const v = value(p);
-      let low = 0, high = edges.length - 1;
-      if (v < edges[0] || v >= edges[high]) continue;
-      while (high - low > 1) { const m = (low + high) >> 1; if (edges[m] <= v) low = m; else high = m; }
-      out[p] = low;
-    }
-    return out;
-  };
-
-  const HATCHED = new Set(["contact", "diverged", "drifting", "growing", "not_settled"]);
-  /** Colours of all codes, as [r, g, b, hatched]. */
-  const palette = () => {
-    const out = Array(256).fill([...explorer.rgb("absent"), false]);
-    for (const r of explorer.data.regimes) out[r.code] = [...explorer.rgb(r.name), HATCHED.has(r.name)];
-    return out;
   };
 
   /** Colour of a point of a layer, as a function of its index. */
@@ -134,37 +103,11 @@ explorer.overview = (() => {
     }
   };
 
-  const lines = (ctx, X, Y, dpr) => {
-    for (const b of [...explorer.data.branches || [], ...explorer.branches]) {
-      const values = explorer.array(b.values), of = explorer.array(b.branch), stable = explorer.array(b.stable);
-      const section = explorer.array(b.section[explorer.state.section]);
-      if (!section || b.name !== explorer.layers[0].axes[0].name) continue;
-      const rows = section.length / values.length;
-      ctx.strokeStyle = explorer.colour("ink");
-      ctx.lineWidth = 1.2 * dpr;
-      for (let from = 0; from < values.length;) {
-        let to = from + 1;
-        while (to < values.length && of[to] === of[from] && stable[to] === stable[to - 1]) to++;
-        const last = to < values.length && of[to] === of[from] ? to + 1 : to;
-        ctx.setLineDash(stable[from] ? [] : [4 * dpr, 3 * dpr]);
-        for (let k = 0; k < rows; k++) {
-          const y = Float64Array.from({length: last - from}, (_, i) => section[(from + i) * rows + k]);
-          explorer.path(ctx, X, Y, values.subarray(from, last), y);
-        }
-        from = to;
-      }
-      ctx.setLineDash([]);
-      ctx.fillStyle = explorer.colour("ink");
-      const at = b.events.filter((e) => Number.isFinite(e.section[explorer.state.section]));
-      explorer.dots(ctx, X, Y, at.map((e) => e.value), at.map((e) => e.section[explorer.state.section]), 3.2 * dpr);
-    }
-  };
-
   const draw = (ctx, u, {X, Y, dpr}) => {
     const {bbox} = u, now = [key, bbox.width, bbox.height].join();
     if (!raster || raster.key !== now) raster = {key: now, image: paint(u)};
     ctx.drawImage(raster.image, Math.round(bbox.left), Math.round(bbox.top));
-    if (!map()) lines(ctx, X, Y, dpr);
+    if (!map()) explorer.drawBranches(ctx, X, Y, dpr);
     const x = X(explorer.value(explorer.layers[0].axes[0].name));
     const cross = (colour, width) => {
       ctx.strokeStyle = colour; ctx.lineWidth = width * dpr;

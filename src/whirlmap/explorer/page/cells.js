@@ -1,0 +1,35 @@
+/* Cells of a map: their borders along an axis, the cell in which a pixel lies, and the colours of their codes. */
+"use strict";
+explorer.cells = (() => {
+  /** Borders of the cells of an axis: midway, of a logarithmic one in its logarithm. */
+  const borders = (values, log) => {
+    const t = log ? Math.log : (v) => v, back = log ? Math.exp : (v) => v, n = values.length, out = new Float64Array(n + 1);
+    for (let i = 1; i < n; i++) out[i] = back((t(values[i - 1]) + t(values[i])) / 2);
+    if (n === 1) { out[0] = values[0]; out[1] = values[0]; return out; }
+    out[0] = back(t(values[0]) - (t(values[1]) - t(values[0])) / 2);
+    out[n] = back(t(values[n - 1]) + (t(values[n - 1]) - t(values[n - 2])) / 2);
+    return out;
+  };
+
+  /** Index of the cell in which each pixel along an axis lies; -1 outside. */
+  const cells = (count, value, edges) => {
+    const out = new Int32Array(count).fill(-1);
+    for (let p = 0; p < count; p++) {
+      const v = value(p);
+      let low = 0, high = edges.length - 1;
+      if (v < edges[0] || v >= edges[high]) continue;
+      while (high - low > 1) { const m = (low + high) >> 1; if (edges[m] <= v) low = m; else high = m; }
+      out[p] = low;
+    }
+    return out;
+  };
+
+  const HATCHED = new Set(["contact", "diverged", "drifting", "growing", "not_settled"]);
+  /** Colours of all codes, as [r, g, b, hatched]. */
+  const palette = () => {
+    const out = Array(256).fill([...explorer.rgb("absent"), false]);
+    for (const r of explorer.data.regimes) out[r.code] = [...explorer.rgb(r.name), HATCHED.has(r.name)];
+    return out;
+  };
+  return {borders, cells, palette, HATCHED};
+})();
