@@ -315,7 +315,7 @@ def test_no_part_of_a_declaration_is_forgotten():
     }  # fmt: skip
     read_when_running = {
         "start_where_none", "plain", "checks", "switches", "swing", "sources", "films", "bodies", "equilibrium",
-        "speed", "journals", "unbalances", "assumptions", "near_equilibrium",
+        "speed", "journals", "unbalances", "assumptions", "near_equilibrium", "stations", "angular_acceleration",
     }  # fmt: skip
     assert {f.name for f in dataclasses.fields(Model)} == digested | read_when_running
 

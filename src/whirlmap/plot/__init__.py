@@ -37,6 +37,7 @@ from whirlmap.plot.figures.regime_map import draw_shares as draw_shares
 from whirlmap.plot.figures.regime_map import regime_line_figure as regime_line_figure
 from whirlmap.plot.figures.regime_map import regime_map_figure as regime_map_figure
 from whirlmap.plot.figures.response import response_figure as response_figure
+from whirlmap.plot.figures.run_up import run_up_figure as run_up_figure
 from whirlmap.plot.figures.signal_figure import series_figure as series_figure
 from whirlmap.plot.figures.speeds import speeds_figure as speeds_figure
 from whirlmap.plot.panels.branches import draw_branches as draw_branches
