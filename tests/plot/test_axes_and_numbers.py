@@ -26,6 +26,8 @@ def found(chaos, diagram, diagnosed, rotor):
         "attractors": whirlmap.attractors(system, starts=8, **steps),
         "basins": whirlmap.basins(system, {"x": [-1.0, 0.0, 1.0], "v": [-0.5, 0.5]}, **steps),
         "campbell": whirlmap.campbell(whirlmap.load(RIG), "s", np.linspace(0.5, 2.0, 11)),
+        "response": whirlmap.unbalance_response(whirlmap.load(RIG), "s", np.linspace(0.5, 2.0, 11)),
+        "run_up": whirlmap.run_up(system, "omega", 1.0, 1.4, time=600.0),
         "speeds": whirlmap.safe_speeds(whirlmap.load(RIG), np.linspace(0.5, 1.5, 6), 0.6, follow=False),
         "branch": whirlmap.continue_orbit(system, "gamma", (0.2, 0.3)),
         "curves": whirlmap.event_curve(system, {"gamma": (0.2, 0.3), "omega": (1.15, 1.25)}, "period-doubling"),
@@ -70,6 +72,11 @@ AXES = {
     "basins_figure": ("basins", [], {}, [(f"displacement, {X}", f"velocity, {V}")]),
     "campbell_figure": (
         "campbell", [], {}, [("", "damped frequency [–]"), ("speed ratio omega sqrt(c/g), $s$ [–]", "damping ratio [–]")]),
+    "response_figure": (
+        "response", [], {}, [("", "peak to peak [–]"), ("speed ratio omega sqrt(c/g), $s$ [–]", "lag, rotor [deg]")]),
+    "run_up_figure": (
+        "run_up", ["x"], {}, [("", X), ("", "amplitude [–]"), (r"forcing frequency, $\omega$ [–]", "order of the phase"),
+        ("", "phase [deg], dotted"), ("", "amplitude [dB]")]),
     "diagram_figure": ("diagram", [["x"]], {"exponents": False}, [("", X), (AMPLITUDE, "")]),
     "paper_diagram_figure": ("diagram", [("x", "v")], {}, [("", X), (AMPLITUDE, ""), ("", V), (AMPLITUDE, "")]),
     "diagnosis_figure": (
@@ -155,6 +162,24 @@ def test_numbers_of_campbell_diagrams(found):
     assert all(holds(upper, at, ds["line"].sel(clock=clock)) for clock in ds["clock"].values)
     rings = [line for line in upper.lines if line.get_marker() == "o"]
     assert ds["critical"].size and np.allclose(rings[0].get_xdata(), ds["critical"])
+
+
+def test_numbers_of_responses_and_run_ups(found):
+    ds = found["response"]
+    upper, *lags = drawn(found, "response_figure").axes
+    for station in ds["station"].values:
+        for axis in ("x", "y"):
+            here = ds.sel(station=station, axis=axis)
+            assert holds(upper, ds["s"], here["total"])
+            for ax, rotor in zip(lags, ds["rotor"].values, strict=True):
+                assert holds(ax, ds["s"], np.degrees(here["phase"].sel(rotor=rotor)))
+    ds = found["run_up"].sel(quantity="x")
+    upper, middle, lower = drawn(found, "run_up_figure").axes[:3]
+    assert all(holds(upper, ds["omega"], ds[name]) for name in ("minimum", "maximum"))
+    assert holds(middle, ds["omega"], ds["clock_amplitude"].isel(clock=0))
+    (mesh,) = lower.collections
+    level = 20 * np.log10(ds["spectrum"].transpose("phase_order", "omega").values)
+    np.testing.assert_allclose(np.ma.getdata(mesh.get_array()).reshape(level.shape), level, rtol=1e-12)
 
 
 def test_numbers_of_speeds_and_designs(found):
