@@ -40,7 +40,7 @@ def test_no_exponent_is_said(chaos):
     ds = chaos["lyapunov"].copy(deep=True)
     ds["running"][:] = np.nan
     ds["status"] = ds["status"].copy(data=np.int8(1))
-    assert "journal reached" in words(draw_convergence(ds))
+    assert "a stop that the model declares was" in words(draw_convergence(ds))
 
 
 @pytest.mark.parametrize(

@@ -52,7 +52,7 @@ def test_defaults_are_those_of_python(command):
 
 def test_every_command_that_computes_is_compared():
     """A new one stands in the list above, or computes nothing of a system."""
-    others = {"cases", "recipes", "show", "new", "linear", "reproduce", "identify", "cache", "bench"}
+    others = {"cases", "recipes", "show", "new", "linear", "reproduce", "identify", "cache", "bench", "explore"}
     assert set(COMMANDS) - others == set(FUNCTIONS)
 
 
