@@ -25,7 +25,7 @@ def test_a_run_is_printed_and_written_over_its_diagram(tmp_path):
     assert facts["status"] == "ok" and facts["varied"] == "omega" and facts["largest"] > 0
     assert sorted(p.suffix for p in out.iterdir()) == [".nc", ".png"]
     ds = xr.load_dataset(next(p for p in out.iterdir() if p.suffix == ".nc"))
-    assert ds["spectrum"].dims == ("omega", "order", "quantity")
+    assert ds["spectrum"].dims == ("omega", "phase_order", "quantity")
     assert "forcing, amplitude" in called(*RUN).output
 
 

@@ -12,11 +12,10 @@ Source: Fritsch and Carlson 1980 [fritsch1980].
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.interpolate import PchipInterpolator
 from sympy import Abs, Expr, Float, Integer, Rational
 
 from whirlmap.equations.parts import Output
@@ -26,6 +25,9 @@ from whirlmap.machines.fields import ABOVE, Choice, Field, Number, Other, Statio
 from whirlmap.machines.parts.part import Coupled, Declared, Vector
 from whirlmap.machines.parts.rotor import speed_over_clock
 from whirlmap.machines.scale import Scale, s
+
+if TYPE_CHECKING:
+    from scipy.interpolate import PchipInterpolator
 
 DIRECTIONS = ("xx", "xy", "yx", "yy")
 STIFFNESS = tuple(f"k_{ij}" for ij in DIRECTIONS)
@@ -133,8 +135,10 @@ class CoefficientBearing:
         return Abs(speed_over_clock(self.shaft)) * s * self.sigma
 
     @cached_property
-    def curves(self) -> dict[str, PchipInterpolator]:
+    def curves(self) -> "dict[str, PchipInterpolator]":
         """Coefficients over the largest of their kind, against `at_speed`."""
+        from scipy.interpolate import PchipInterpolator  # other cases start without it
+
         knots = np.array(self.speeds) / self.speeds[-1]
         largest = {"k": self._largest(STIFFNESS), "c": self._largest(DAMPING)}
         return {
