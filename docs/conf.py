@@ -30,6 +30,7 @@ extensions = [
     "repository_links",
     "site_checks",
 ]
+html_extra_path = ["llms.txt"]
 exclude_patterns = ["_templates", "gallery"]
 templates_path = ["_templates"]
 suppress_warnings = [
