@@ -6,7 +6,7 @@ from functools import cache
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
-from sympy import Abs, sin, sqrt, tan
+from sympy import Abs, Piecewise, sin, sqrt, tan
 
 from whirlmap.analysis.diagnosis.diagnosis import diagnose
 from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
@@ -186,6 +186,7 @@ def test_denominators_with_a_zero_on_the_way_are_poles():
     of = {
         1 / (1.2 - x) ** 2: [1.2 - x], a / (b - x): [b - x], 1 / (1e-9 - x): [1e-9 - x], 1 / (x**2 - 2 * x + 1): [x - 1],
         1 / x**3: [x], 1 / (x - y): [x - y],
+        Piecewise((1 / x, (x > 0) & (a > 0)), (y, True)): [x],
         1 / (x**2 + 1): [], 1 / sqrt(x**2 + a**2 + 1): [], sin(x) / x: [], v / Abs(v): [], 1 / (2 + sin(x)): [], a / b: [],
     }  # fmt: skip
     for term, wanted in of.items():

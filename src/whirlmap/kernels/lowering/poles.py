@@ -133,7 +133,8 @@ class _Lines:
     def evaluate(self, expression: Expr, place: Array) -> Array:
         """An expression at one place of every line, or at many: shape (..., line)."""
         x = [b + place * a for b, a in zip(self.begin, self.along, strict=True)]
-        (value,) = self._function(expression)(*x, *self.values)
+        values = [np.broadcast_to(v, place.shape) for v in self.values]  # conditions are joined in arrays of one shape
+        (value,) = self._function(expression)(*x, *values)
         return np.broadcast_to(np.asarray(value, dtype=float), place.shape)
 
     def _function(self, expression: Expr) -> Callable[..., Sequence[Any]]:
