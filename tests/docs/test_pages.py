@@ -32,7 +32,7 @@ NOT_RUN = {
 SLOW = (
     "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve",
     "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
-    "whirlmap bifurcation rub.toml", "whirlmap diagnose --series my_signal.csv",
+    "whirlmap bifurcation rub.toml", "whirlmap map duffing --set delta=0.05", "whirlmap diagnose --series my_signal.csv",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
     "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap show machines/two-shaft-gearbox",
     "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',

@@ -86,7 +86,9 @@ def spread(system, full, x):
     return q, v
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@pytest.mark.parametrize(
+    "name", [pytest.param(n, marks=pytest.mark.slow) if n in ("turning", "driven by the gear") else n for n in MACHINES]
+)
 def test_eigenvalues_are_those_of_the_full_matrices(tmp_path, name, validate):
     """Every mode below 2.5 times the highest shaft speed: to 1 % where it is lightly damped, else to 3 %."""
     box = MACHINES[name]

@@ -73,7 +73,7 @@ def response(system):
     return np.linalg.solve(1j * np.eye(n) - system.jacobian(0.0, np.zeros(n)), F)
 
 
-@pytest.mark.parametrize("at", range(len(ROTORS)))
+@pytest.mark.parametrize("at", [pytest.param(0, marks=pytest.mark.slow), *range(1, len(ROTORS))])
 def test_eigenvalues_and_unbalance_response_are_those_of_ross(tmp_path, at):
     """At the speeds of the table, to 0.5 %: eigenvalues below 2.5 times the highest, amplitudes of x and y everywhere."""
     kept, q = json.loads((HERE / "ross_coefficients.json").read_text()), ROTORS[at]

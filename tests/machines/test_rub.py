@@ -29,6 +29,7 @@ for name, at in (("a", 0), ("b", 2)):
 RUB = '[[rub]]\nname = "seal"\nshaft = "rotor"\nat = 1\nclearance = "80 um"\nK_r = "6e5 N/m"\nmu_r = 0.05\n'
 
 
+@pytest.mark.slow
 def test_friction_pushes_against_the_rotation_of_each_shaft(tmp_path):
     """Rates with and without the rub, at a place where the shaft touches; the gear turns clockwise."""
     for shaft, sense in (("pinion", 1), ("gear", -1)):

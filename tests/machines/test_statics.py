@@ -13,7 +13,7 @@ TURNING = GOOD.replace('reference = "pinion"', 'reference = "pinion"\ntorsion = 
 ) + '[[coupling]]\nname = "motor"\nshaft = "gear"\nat = 0\nk_t = "2e4 N*m/rad"\n'
 
 
-@pytest.mark.parametrize("text", [GOOD, TURNING], ids=["uniform", "turning"])
+@pytest.mark.parametrize("text", [GOOD, pytest.param(TURNING, marks=pytest.mark.slow)], ids=["uniform", "turning"])
 def test_equilibria_are_found_over_speeds_and_loads(tmp_path, text):
     file = tmp_path / "machine.toml"
     file.write_text(text, encoding="utf-8")

@@ -68,7 +68,7 @@ def test_a_branch_that_leaves_the_range_ends_there(beyond, events, longest):
     np.testing.assert_allclose(left, 0.04 * omega**4, rtol=1e-9)
 
 
-@pytest.mark.parametrize("longest", [0.1, 1.0])
+@pytest.mark.parametrize("longest", [pytest.param(0.1, marks=pytest.mark.slow), 1.0])
 def test_two_folds_near_a_cusp_are_seen_with_long_steps(longest):
     """Both folds of the forced Hopf oscillator at g = 0.45, and the cusp of their curve."""
     ds = continue_orbit(forced_hopf(g=0.45, Omega=2.05), "Omega", (2.0, 3.0), begin=2.05, longest=longest)
@@ -111,7 +111,9 @@ def test_just_below_the_wall_nothing_grazes():
     assert kinds(continue_orbit(one_sided_spring(F=0.19899549), "Omega", (0.3, 1.6))) == []
 
 
-@pytest.mark.parametrize(("start", "longest"), [((0.5, 0.0), 0.02), ((0.5, 0.4), 0.02), ((0.5, 0.4), 0.5)])
+@pytest.mark.parametrize(
+    ("start", "longest"), [((0.5, 0.0), 0.02), pytest.param((0.5, 0.4), 0.02, marks=pytest.mark.slow), ((0.5, 0.4), 0.5)]
+)
 def test_a_pitchfork_is_a_branch_point_and_no_fold(start, longest):
     """y = 0 loses its stability at the mean of x^2, 1/(2 (1 + Omega^2)) = 1/4; the other branch turns there.
 
@@ -168,6 +170,7 @@ def test_twice_the_segments_give_the_same_events(monkeypatch):
     np.testing.assert_allclose(many["event_Omega"].values, few["event_Omega"].values, rtol=1e-10)
 
 
+@pytest.mark.slow
 def test_a_cycle_whose_section_moves_with_the_parameter_is_followed_to_its_homoclinic_end():
     """Lorenz' unstable cycle ends in the homoclinic orbit of the origin at rho = 13.926557; the end is said."""
     near = {"begin": 20.0, "period": 1, "orbit": (1.7555102308, 2.189519035, 11.755379157)}
@@ -180,6 +183,7 @@ def test_a_cycle_whose_section_moves_with_the_parameter_is_followed_to_its_homoc
     assert (np.diff(ds["duration"].values) < 0).all()
 
 
+@pytest.mark.slow
 def test_a_cycle_that_grows_without_bound_ends_in_words():
     """Radius 1/sqrt(mu), duration 2 pi: it is followed as far as there are points, and that is said."""
     near = {"begin": 1.0, "orbit": (1.0, 0.0), "period": 1}

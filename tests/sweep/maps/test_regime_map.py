@@ -281,6 +281,7 @@ def test_a_chunk_that_fails_three_times_is_recorded_and_the_sweep_goes_on(duffin
     assert differences(whole, place) == []
 
 
+@pytest.mark.slow
 def test_a_refined_map_has_the_full_maps_boundaries(duffing, tmp_path):
     """Every point that was computed is the full map's, and so are nearly all inferred ones."""
     axes = {"gamma": np.linspace(0.1, 0.5, 65), "omega": np.linspace(0.8, 1.3, 33)}

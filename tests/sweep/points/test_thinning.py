@@ -50,6 +50,7 @@ def test_the_power_is_that_of_the_narrowest_gap():
     assert np.isnan(thinning_power(model, values, thin[::-1], 199.5, 1.0))
 
 
+@pytest.mark.slow  # minutes: a film that thins for ever, followed at 256 steps per T and more
 def test_oil_whip_of_the_stock_rotor_is_locked_at_one_half_and_thins():
     rigid = label_points(whirlmap.load("jeffcott"), {"s": [2.5, 2.6, 2.9]}, lyapunov=256)
     assert [Regime(int(r)).label for r in rigid["regime"].values] == ["periodic", "not-settled", "not-settled"]

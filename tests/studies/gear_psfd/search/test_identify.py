@@ -74,6 +74,7 @@ def test_every_variant_has_sets_of_its_own_whose_blocks_nest():
     np.testing.assert_array_equal(drawn[0][:, 256:], sets_of(VARIANTS[0], settings, 256, 256))
 
 
+@pytest.mark.slow
 def test_points_of_a_block_do_not_depend_on_its_other_sets():
     sets = design(BRIEF.ranges, 0, 6, seed=BRIEF.seed)
     whole = diagrams(QUICK, sets, BRIEF)
@@ -157,6 +158,7 @@ for name in identify.search(chosen((), ("literal-printed-clock",)), settings, bl
 """
 
 
+@pytest.mark.slow
 def test_a_killed_search_goes_on_to_the_same_bits(small, tmp_path):
     store = tmp_path / "store"
     command = [sys.executable, "-c", KILLED, str(store)]
@@ -293,6 +295,7 @@ def judged_case(case: str, reading: str) -> tuple[Judged, set[str]]:
     return judged, {c for c, holds in zip(judged.claims, judged.holds[:, 0], strict=True) if holds}
 
 
+@pytest.mark.slow
 def test_the_set_nearest_to_figure_3_makes_four_of_its_claims_true():
     _, held = judged_case("gear-psfd/intended-fig3", "intended-porous-positive-clock")
     assert {c for c in held if c.startswith("fig3")} == {
@@ -300,6 +303,7 @@ def test_the_set_nearest_to_figure_3_makes_four_of_its_claims_true():
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_the_numbers_of_intended_make_the_claims_about_permeability_true_but_for_one_speed():
     """At psi = 1e-3 one speed less returns than at 1e-4, where it is locked with a high period; at 0.1 twice as many do."""
     judged, held = judged_case("gear-psfd/intended", "intended-porous-fixed-shaft")
