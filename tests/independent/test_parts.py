@@ -86,9 +86,13 @@ def spread(system, full, x):
     return q, v
 
 
-@pytest.mark.parametrize(
+#: Those that take longest are slow tests.
+SHORTER = pytest.mark.parametrize(
     "name", [pytest.param(n, marks=pytest.mark.slow) if n in ("turning", "driven by the gear") else n for n in MACHINES]
 )
+
+
+@SHORTER
 def test_eigenvalues_are_those_of_the_full_matrices(tmp_path, name, validate):
     """Every mode below 2.5 times the highest shaft speed: to 1 % where it is lightly damped, else to 3 %."""
     box = MACHINES[name]
@@ -108,7 +112,7 @@ def test_eigenvalues_are_those_of_the_full_matrices(tmp_path, name, validate):
              within=np.where(damping < 0.3, 0.01, 0.03))  # fmt: skip
 
 
-@pytest.mark.parametrize("name", MACHINES)
+@SHORTER
 def test_journals_rest_where_those_of_the_full_matrices_do(tmp_path, name):
     box = MACHINES[name]
     system, full = loaded(tmp_path, box), Matrices(box)
