@@ -26,13 +26,15 @@ NOT_RUN = {
     "whirlmap map duffing --vary gamma=0.2:0.6:80": "a job array of SLURM",
     "whirlmap map --status": "the store of that job array",
     "whirlmap explore": "serves a page until Ctrl-C; tests/cli/test_cli_explore.py and tests/explorer run it",
+    "import whirlmap\nimport xarray as xr\n\nsystem = whirlmap.load(\"machines/turbo": "draws what two long commands write",
     "with SLURMCluster": "needs a cluster",
 }  # fmt: skip
 #: Start of a command or of a Python block that takes more than about 10 s.
 SLOW = (
     "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve",
     "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
-    "whirlmap bifurcation rub.toml", "whirlmap map duffing --set delta=0.05", "whirlmap diagnose --series my_signal.csv",
+    "whirlmap bifurcation rub.toml", "whirlmap continue machines/turbo-gearbox", "whirlmap map duffing --set delta=0.05",
+    "whirlmap diagnose --series my_signal.csv",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
     "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap show machines/two-shaft-gearbox",
     "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',
