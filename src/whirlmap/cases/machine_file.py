@@ -59,20 +59,19 @@ OIL: tuple[Field, ...] = (
 #: Tables of parts, and their fields.
 KINDS: Mapping[str, Sequence[Field]] = {
     "shaft": rotor.FIELDS, "disk": rotor.DISK, "bearing": journal.FIELDS, "support": support.FIELDS, "mesh": teeth.FIELDS,
-    "unbalance": unbalance.FIELDS, "coupling": coupling.FIELDS, "rub": contact.FIELDS,
-    "lubricant": OIL,
+    "unbalance": unbalance.FIELDS, "coupling": coupling.FIELDS, "rub": contact.FIELDS, "lubricant": OIL,
 }  # fmt: skip
-def fields_of(kind: str, values: Mapping[str, Any]) -> Sequence[Field]:
-    """Fields of a table of a part: a bearing by its coefficients has others than one with a film."""
-    by_coefficients = kind == "bearing" and values.get("kind") == "coefficients"
-    return coefficients.FIELDS if by_coefficients else KINDS[kind]
-
-
 #: Keys that stand for several.
 BOTH = {"support": support.BOTH}
 HEAD = ("model", "extends", "description", "start")
 #: Gravity where a file says none.
 GRAVITY = Given("g", "9.81 m/s^2", None, "assumed: standard gravity, rounded, where the file says none")
+
+
+def fields_of(kind: str, values: Mapping[str, Any]) -> Sequence[Field]:
+    """Fields of a table of a part: a bearing by its coefficients has others than one with a film."""
+    by_coefficients = kind == "bearing" and values.get("kind") == "coefficients"
+    return coefficients.FIELDS if by_coefficients else KINDS[kind]
 
 
 @dataclass(frozen=True)

@@ -12,6 +12,7 @@ from whirlmap.analysis.simulation.run_up import Running
 from whirlmap.equations import Model, Parameter, State, Stop, cos, t
 from whirlmap.equations.run_up import ACCELERATION, running_up
 from whirlmap.errors import CaseError, InputError, RangeError
+from whirlmap.integrate.system import System
 from whirlmap.options.computed import Integration
 from whirlmap.options.execution import EXECUTION
 
@@ -68,6 +69,23 @@ def test_a_rotor_through_resonance_is_that_of_scipy_in_seconds(tmp_path, begin, 
     ours = 1e-4 * x[:, [*at[0], *at[1]]]
     largest = np.abs(theirs).max(axis=0)
     assert (np.abs(ours - theirs).max(axis=0) < 1e-4 * largest.max()).all()
+
+
+def test_extremes_lie_between_the_steps():
+    """A linear oscillator run up slowly: its amplitude at the faster end of each window, in closed form."""
+    x, v = State("x", "1", "displacement"), State("v", "1", "velocity")
+    W, c = Parameter("W", "1", "speed", above=0), Parameter("c", "1", "damping")
+    model = Model(
+        "slow", (x, v), (W, c), {x: v, v: cos(W * t) - c * v - x}, harmonics=(W,), clocks={"shaft": W}, swing=(x,), speed=W,
+        angular_acceleration={},
+    )  # fmt: skip
+    ds = whirlmap.run_up(System(model, {"W": 0.3, "c": 0.1}), "W", 0.3, 0.302, time=20_000.0, transient=60, windows=20)
+    at = ds["W"].values
+    fastest = at + np.diff(at).mean() / 2
+    largest = 1 / np.abs(1 - fastest**2 + 0.1j * fastest)
+    of = ds.sel(quantity="x")
+    np.testing.assert_allclose(of["maximum"][1:], largest[1:], rtol=4e-6)  # the last turn ends before the window
+    np.testing.assert_allclose(of["minimum"][1:], -largest[1:], rtol=4e-6)
 
 
 def test_energy_balance_with_the_driving_torque_closes(tmp_path):

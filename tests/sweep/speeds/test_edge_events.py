@@ -9,7 +9,10 @@ from tests.sweep.branches.exact_systems import cubic_rotor, forced_hopf
 
 from whirlmap.equations import Parameter
 from whirlmap.integrate.system import System
+from whirlmap.sweep.speeds.edge_events import moved
 from whirlmap.sweep.speeds.safe_speeds import safe_speeds
+from whirlmap.sweep.speeds.verdicts import Verdict
+from whirlmap.sweep.speeds.windows import Edge
 
 
 def running_at(system, displacement):
@@ -49,3 +52,24 @@ def test_an_edge_where_the_amplitude_crosses_the_limit_is_no_event():
     system = running_at(cubic_rotor(Omega=0.6), "xy")
     (window,) = windows(system, np.linspace(0.6, 0.9, 7), 0.3)
     assert (window["above"], window["above_event"]) == ("amplitude", "")
+
+
+@pytest.mark.parametrize("way", [1.0, -1.0])
+@pytest.mark.parametrize(
+    ("lost", "at", "kind"),
+    [
+        ([(1, (1.02, "fold"))], 1.02, "fold"),
+        ([(1, (0.95, "fold"))], 0.95, "fold"),  # it lives farther into the window than steps carried it
+        ([(0, (1.03, "neimark-sacker"))], 1.03, "neimark-sacker"),
+        ([(0, (1.03, "neimark-sacker")), (1, (1.02, "fold"))], 1.02, "fold"),
+        ([(1, (1.02, "fold")), (0, (1.03, "neimark-sacker"))], 1.02, "fold"),
+        ([(0, (1.03, "fold")), (1, None)], 1.0, ""),  # beside a motion that is not safe and goes on
+        ([(0, None)], 1.0, ""),
+        ([], 1.0, ""),
+    ],
+)
+def test_the_innermost_loss_counts(lost, at, kind, way):
+    """A window that ends at 1 as far as was judged, with a speed that is not safe at 1.1; and its mirror image."""
+    turned = [(side, found and (way * found[0], found[1])) for side, found in lost]
+    found = moved(Edge(way * 1.0, way * 1.1, Verdict.coexisting), turned)
+    assert (found.safe, found.beyond, found.event) == (way * at, way * 1.1, kind)

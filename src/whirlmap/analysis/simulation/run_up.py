@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from whirlmap.integrate.ensemble import Ensemble
+    from whirlmap.integrate.segment import Segment
 
 Array = NDArray[np.float64]
 
@@ -96,9 +97,10 @@ def run_up(
     Notes
     -----
     The speed is a state, and the phase of the forcing the time (`whirlmap.equations.run_up`), so that the steps stay locked
-    to the phase. In a window samples are weighted by a Hann window. Steps are chosen for the accuracy at the start and at
-    both speeds, and checked after every tenth part of the run; where more are needed the run begins anew with them. An end
-    by an event is believed where twice the steps find it again in the same window.
+    to the phase. Extremes are found between the steps too, by cubic Hermite interpolation. For lines and spectra the samples
+    of a window are weighted by a Hann window. Steps are chosen for the accuracy at the start and at both speeds, and checked
+    after every tenth part of the run; where more are needed the run begins anew with them. An end by an event is believed
+    where twice the steps find it again in the same window.
     """
     refuse_counts(transient=(transient, 0), **({} if windows is None else {"windows": (windows, 2)}))
     return Running(system, ramp_of(system, name, begin, end, time), transient, windows, integration, execution).dataset()
@@ -236,22 +238,26 @@ class Running:
         if self.before:
             ensemble.advance(self.before, progress=self.execution.progress)
         for i in range(self.windows):
-            saved = ensemble.advance(self.length, save_every=1, progress=self.execution.progress).saved[:, :, 0]
-            parts.append(self._summed(saved, self.before + i * self.length))
+            window = ensemble.advance(self.length, save_every=1, extremes="between", progress=self.execution.progress)
+            parts.append(self._summed(window, self.before + i * self.length))
             if ensemble.running[0] and (i + 1) % every == 0 and check_steps(ensemble):
                 return None
         return {key: np.stack([part[key] for part in parts]) for key in parts[0]}
 
-    def _summed(self, x: Array, began: int) -> dict[str, Array]:
-        """Extremes, order lines and spectrum of one window; ``x`` has shape (sample, state)."""
-        model = self.moving.model
+    def _summed(self, window: "Segment", began: int) -> dict[str, Array]:
+        """Extremes, order lines and spectrum of one window."""
+        model, x, extremes = self.moving.model, window.saved[:, :, 0], window.extremes
+        assert extremes is not None
+        own = len(model.states) - 1  # the row of the speed
+        low, high, mean = (np.delete(extremes[key][:, 0], own) for key in ("minimum", "maximum", "mean"))
         rows = np.concatenate([x[:, :-1], outputs_of(model, self.moving.vector, x.T).T], axis=1)
         phase = (began + np.arange(1, len(rows) + 1) / len(rows) * self.length) * self.moving.period
         weight = np.hanning(len(rows) + 1)[1:]
         weighted = (rows - rows.mean(axis=0)) * (2 * weight / weight.sum())[:, None]
         lines = np.array([weighted.T @ np.exp(-1j * w * phase) for w in self._orders().values()]).reshape(-1, rows.shape[1])
         bins = np.fft.rfft(weighted, axis=0)[1 : self.order.size + 1]
+        whole = np.where(np.isfinite(rows).all(axis=0), 1.0, np.nan)
         return {
-            "minimum": rows.min(axis=0), "maximum": rows.max(axis=0), "mean": rows.mean(axis=0),
+            "minimum": whole * low, "maximum": whole * high, "mean": whole * mean,
             "amplitude": np.abs(lines), "phase": np.angle(lines), "spectrum": np.abs(bins),
         }  # fmt: skip

@@ -1,6 +1,6 @@
 """Bifurcation points at the edges of windows: where a motion that decides an edge begins or is lost, to many digits."""
 
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -43,13 +43,13 @@ def with_events(judge: Judge, at: Array, edges: Mapping[int, Edge], ends: tuple[
     -----
     A motion that is not safe is followed from the end beyond the edge into the window, as far as the cell goes: the window
     ends where it is lost, which may be farther in than a run-up with steps can carry it. A safe motion is followed from the
-    last safe speed to the first that is not. Where the motions at both ends have the same amplitude the edge is where it
-    crosses the limit, and no event is sought. Not sought either are those of models whose speed changes the ratio of two
-    frequencies of the forcing, and of unforced ones.
+    last safe speed to the first that is not. The innermost loss counts (`moved`). Where the
+    motions at both ends have the same amplitude the edge is where it crosses the limit, and no event is sought. Not sought
+    either are those of models whose speed changes the ratio of two frequencies of the forcing, and of unforced ones.
     """
     if not edges or not judge.system.model.forced:
         return dict(edges)
-    out, sought = dict(edges), []
+    sought = []
     for place, (cell, edge) in enumerate(edges.items()):
         sides = [side.isel(point=np.flatnonzero(side["place"].values == place)) for side in ends]
         safe_end = float(at[cell] if edge.safe < edge.beyond else at[cell + 1])
@@ -59,15 +59,32 @@ def with_events(judge: Judge, at: Array, edges: Mapping[int, Edge], ends: tuple[
                 sought += [(cell, side, _towards(seed, begin, end)) for seed in seeds]
     for _ in stepping([run for _, _, (_, run) in sought]):
         pass
-    for cell, side, (part, _) in sought:
-        lost = [e for _, e in part.events if e.kind in LOSSES]
-        if lost:
-            edge, value = out[cell], lost[0].at.value
-            # Beyond the window's last judged speed only what is lost between the two ends moves the edge outwards.
-            inwards = (value - edge.safe) * (edge.beyond - edge.safe) < 0
-            if side == 1 or not inwards:
-                out[cell] = replace(edge, safe=value, event=lost[0].kind)
-    return out
+    lost = [(cell, side, next(iter(_losses(part)), None)) for cell, side, (part, _) in sought]
+    return {cell: moved(edge, [(side, at) for of, side, at in lost if of == cell]) for cell, edge in edges.items()}
+
+
+def moved(edge: Edge, lost: Sequence[tuple[int, tuple[float, str] | None]]) -> Edge:
+    """The edge at the innermost speed at which a motion is lost.
+
+    Parameters
+    ----------
+    lost : sequence of (side, (speed, kind) or None)
+        Of each motion that was followed, side 0 from the last safe speed and side 1 from beyond: where it is lost; None
+        where it is not.
+
+    Returns
+    -------
+    Edge
+        As it was where a motion that is not safe goes on into the window, and where none is lost.
+    """
+    outwards = np.sign(edge.beyond - edge.safe)
+    if any(side == 1 and found is None for side, found in lost):
+        return edge
+    reached = [found for side, found in lost if found and (side == 1 or (found[0] - edge.safe) * outwards >= 0)]
+    if not reached:
+        return edge
+    value, kind = min(reached, key=lambda found: found[0] * outwards)
+    return replace(edge, safe=value, event=kind)
 
 
 def _lost(here: xr.Dataset, there: xr.Dataset, *, unsafe: bool) -> NDArray[np.intp]:
@@ -84,10 +101,10 @@ def _seeds(judge: Judge, begin: float, end: float, motion: xr.Dataset) -> list[S
     system = judge.system
     try:
         free = FreeParameters(system, (Varied.of(system, system.speed, sorted((begin, end))),))
-    except RangeError:  # the speed changes the ratio of two frequencies
+        first = Beginning(free, (begin,), judge.labelling, judge.execution, ACCURACY)
+        return first.orbits([motion["end_state"].values], int(motion["period_T"]))
+    except RangeError:  # the speed changes the ratio of two frequencies, or the orbit does not close
         return []
-    first = Beginning(free, (begin,), judge.labelling, judge.execution, ACCURACY)
-    return first.orbits([motion["end_state"].values], int(motion["period_T"]))
 
 
 def _towards(seed: Seed, begin: float, end: float) -> tuple[Trace, Generator[Ask, Corrected | Lost, None]]:
@@ -98,9 +115,14 @@ def _towards(seed: Seed, begin: float, end: float) -> tuple[Trace, Generator[Ask
     return part, _until_lost(part, trace(part, np.sign(end - begin) * rises(seed.at), limits))
 
 
+def _losses(part: Trace) -> list[tuple[float, str]]:
+    """Speeds at which a motion is lost, and how."""
+    return [(e.at.value, e.kind) for _, e in part.events if e.kind in LOSSES]
+
+
 def _until_lost(part: Trace, run: Generator[Ask, Corrected | Lost, None]) -> Generator[Ask, Corrected | Lost, None]:
     answer: Corrected | Lost | None = None
-    while not any(e.kind in LOSSES for _, e in part.events):
+    while not _losses(part):
         try:
             answer = yield run.send(answer)  # type: ignore[arg-type]  # a generator begins with None
         except StopIteration:

@@ -137,8 +137,9 @@ def safe_speeds(
             followed = True
             missing = "the edges of the windows"
             yield at.size + 1
-        found, ends = refined_edges(judge, at, met, limit, follow=follow)
-        edges = with_events(judge, at, found, ends) if follow else found
+        edges, ends = refined_edges(judge, at, met, limit, follow=follow)
+        if follow:
+            edges = with_events(judge, at, edges, ends)
         missing = ""
         yield at.size + 1 + follow
 
