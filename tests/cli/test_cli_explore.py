@@ -49,6 +49,8 @@ def test_it_serves_while_a_map_fills_and_ends_with_ctrl_c(tmp_path: Path) -> Non
         ("duffing --vary gamm=0.2:0.5:40", "gamm"),
         ("duffing --vary gamma=0.2:0.5:40 --store there", "--store with two"),
         ("duffing --vary gamma=0.2:0.5:40 --follow along", "--follow"),
+        ("duffing --vary gamma=0.2:0.5:4000 --vary omega=1:2:4000", "found 16000000 points"),
+        ("duffing --vary gamma=0.2:0.5:99999999", "expected at most 1000000 in a page"),
         ("duffing --case duffing", "--case"),
         ("duffing --token short", "--token"),
         ("gone.nc", "gone.nc"),

@@ -3,13 +3,14 @@
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
+from math import prod
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from whirlmap.errors import InputError
+from whirlmap.errors import InputError, RangeError
 from whirlmap.explorer.control import Control, controls_of
 from whirlmap.explorer.recorded_system import recorded_system
 from whirlmap.integrate.in_units import in_units
@@ -24,6 +25,8 @@ from whirlmap.sweep.store.zarr_store import Store
 
 #: Dimension of a diagram that was swept up and down.
 DIRECTION = "direction"
+#: Points at most that a page computes: all of them are drawn, and sent in one answer.
+MOST = 1_000_000
 
 
 @dataclass(frozen=True)
@@ -111,8 +114,11 @@ def explored_case(system: System, ranges: Mapping[str, Range], labelling: Labell
     Raises
     ------
     InputError, RangeError
-        A range of what is no parameter and no input, or with a unit that it does not have.
+        A range of what is no parameter and no input, or with a unit that it does not have; more points than a page holds.
     """
+    points = prod(given.count for given in ranges.values())
+    if points > MOST:
+        raise RangeError(f"--vary: found {points} points, expected at most {MOST} in a page: `whirlmap map` computes more")
     axes = {}
     for given in ranges.values():
         name, values, unit = read_axis(system, given.name, given, "--vary", beside=len(ranges) > 1)
