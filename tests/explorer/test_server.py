@@ -88,7 +88,7 @@ def test_nothing_lies_elsewhere(client: Client, path: str) -> None:
     ("name", "body", "status"),
     [
         ("motion", {"values": {"gamm": 0.2}}, 422), ("motion", {"values": {"gamma": "0.2"}}, 422),
-        ("motion", {"values": {"gamma": 1e13}}, 422), ("motion", {"values": {"gamma": True}}, 422),
+        ("motion", {"values": {"gamma": 1e31}}, 422), ("motion", {"values": {"gamma": True}}, 422),
         ("motion", {"values": [0.2]}, 422), ("motion", {"values": {"gamma": 0.2}, "quantity": "y"}, 422),
         ("motion", {"values": {"gamma": 0.2}, "quantity": 3}, 422), ("motion", {"values": {"__class__": 1}}, 422),
         ("motion", {"values": {f"p{k}": 1 for k in range(300)}}, 422), ("motion", {"values": {"omega": -1.0}}, 422),

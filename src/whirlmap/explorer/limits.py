@@ -8,7 +8,7 @@ from typing import Any
 from whirlmap.errors import nearest
 
 #: Bytes of a request's body at most, values in it, letters of a name, and the largest size of a number.
-BODY, VALUES, NAME, LARGEST = 65536, 256, 64, 1e12
+BODY, VALUES, NAME, LARGEST = 65536, 256, 64, 1e30
 
 
 class Refused(Exception):  # noqa: N818 (an answer, not a defect)
