@@ -4,7 +4,8 @@ Run it with ``python benchmarks/lanes.py``, or with ``--full`` for the whole dia
 
 1. whirlmap's lanes: RK4, phase-locked, 100 steps per T.
 2. The same module written and compiled for blocks of a single lane, in a process of its own that takes turns with 1.
-3. SciPy's `solve_ivp` (DOP853 and LSODA) with a Numba right-hand side at the tolerance that gives the lanes' median error.
+3. Two points in a block with steps of their own (255 and 256 per T) over the same with equal steps.
+4. SciPy's `solve_ivp` (DOP853 and LSODA) with a Numba right-hand side at the tolerance that gives the lanes' median error.
 """
 
 import argparse
@@ -30,6 +31,26 @@ def lane_time(psi, count, common_periods):
     ensemble.advance(common_periods * ensemble.common_multiple)
     taken = time.thread_time() - begin
     return taken / (common_periods * ensemble.common_multiple * STEPS * 4 * count)
+
+
+def own_steps_ratio():
+    """Time of a block of two points with steps of their own over that with equal ones; six of its lanes never run."""
+    import numpy as np
+
+    import whirlmap
+    from whirlmap.analysis.motion.ensembles import make_ensemble
+
+    system = whirlmap.load("gear-psfd/machine")
+    times = {}
+    for steps in (255, 256):
+        for _ in range(3):
+            first, _ = make_ensemble(system, {"s": np.full(2, system.values["s"])}, steps=256, workers=1)
+            ensemble = first.subset(np.arange(2), steps=np.array([steps, 256]))
+            ensemble.advance(1)
+            begin = time.thread_time()
+            ensemble.advance(300)
+            times[steps] = min(times.get(steps, np.inf), time.thread_time() - begin)
+    return times[255] / times[256]
 
 
 def write_for_one_lane():
@@ -96,6 +117,7 @@ def main():
         "scipy_over_lanes": peers,
         "porous_over_plain": porous / min(lanes),
         "median_error_after_8T": error,
+        "own_steps_over_equal": own_steps_ratio(),
     }
     if arguments.json:
         print(json.dumps(result))

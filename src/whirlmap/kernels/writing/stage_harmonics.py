@@ -10,7 +10,7 @@ from math import pi
 
 from llvmlite import ir
 
-from whirlmap.kernels.writing.routine import DOUBLE, INT, INTS, LANE, Kind, Routine, Value, integer, integers
+from whirlmap.kernels.writing.routine import DOUBLE, INT, INTS, LANE, Kind, Routine, Value, integer, integers, number
 from whirlmap.kernels.writing.stepping import Sizes
 
 #: Arguments of ``own_harmonics``: rows for each harmonic (`advancing.advance`), and their phases in place.
@@ -44,7 +44,8 @@ class StageHarmonics:
     def __init__(self, r: Routine, sizes: Sizes, nodes: int, asked: Value, *, only_begin: bool) -> None:
         b, a, count = r.b, r.at, sizes.harmonics
         self.r, self.count, self.nodes = r, count, nodes
-        self.stage, self.out = r.local(LANE, 2 * count), r.local(LANE, 2 * count * (1 if only_begin else nodes + 1))
+        rows = 2 * count * (1 if only_begin else nodes + 1)
+        self.stage, self.out = r.local(LANE, 2 * count), r.local(LANE, rows)
         self.routine = _own_harmonics(r.module, count, nodes, only_begin=only_begin) if count else None
         self.turned = r.local(DOUBLE, 2 * (nodes + 1) * count)
         self.counters, self.phase = r.local(INT, count), r.local(INTS, count)
@@ -57,6 +58,10 @@ class StageHarmonics:
             r.store(b.load(r.lane(a["begin"], j, lane), align=8), self.counters, j)
             r.store(r.load(a["begin"], j), self.phase, j)
         self.own = own
+        # Lanes that never run have their rates worked out too. What lies in memory by chance may be subnormal numbers, with
+        # which every operation takes a hundred times as long.
+        with b.if_then(own, likely=False), r.loop(rows) as i:
+            r.store(number(0.0), self.out, i)
 
     def begin_step(self, active: Value) -> None:
         """Write what is needed at the begin of a step of active lanes, at least one."""
