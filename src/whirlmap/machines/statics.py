@@ -17,7 +17,6 @@ from sympy import Expr, lambdify
 from whirlmap.films.porous_short import film_integrals
 from whirlmap.machines.assembly import Machine
 from whirlmap.machines.parts.coefficients import CoefficientBearing
-from whirlmap.machines.parts.journal import JournalBearing
 from whirlmap.machines.parts.rotor import OMEGA_0_2, Rotor
 from whirlmap.machines.parts.support import Support
 from whirlmap.models import mesh
@@ -79,8 +78,7 @@ class Statics:
                 loads[b.name] = np.einsum("pab,pb->pa", springs[b.name], q @ self._across(b).T)
             for one in self.machine.supports:
                 held[one.name] = self._sunk(values, one, loads)
-        u = {b.name: self._on_locus(values, b, loads[b.name]) for b in self.machine.bearings}
-        return self._named(q, u, held)
+        return self._named(q, self._on_loci(values, loads), held)
 
     def _across(self, b: CoefficientBearing) -> Array:
         """Displacement of the station of a bearing along x and y, by the unknowns."""
@@ -121,7 +119,7 @@ class Statics:
         """
         K, F, springs = K.copy(), F.copy(), list[tuple[Any, ...]]()
         by_name = {b.name: b for b in self.machine.bearings}
-        points = F.shape[0]
+        points, tangents = F.shape[0], self._tangents(values, loads)
         for rotor in self.machine.rotors:
             m, numbers, kappa = len(rotor.bearings), rotor.numbers, self._of(values, rotor.kappa)
             soft, away = np.zeros((points, 2 * m, 2 * m)), np.zeros((points, 2 * m))  # x of all journals, then y
@@ -130,7 +128,7 @@ class Statics:
                 soft[:, i : i + m, i : i + m] += flexibility / kappa[:, None, None]
             for i, (name, alike) in enumerate(zip(rotor.bearings, rotor.alike, strict=True)):
                 b, load = by_name[name], loads[name]
-                u, S = self._tangent(values, b, load)
+                u, S = tangents[name]
                 rest = u - np.einsum("pij,pj->pi", S, load)
                 if b.support:
                     rest = rest + held[b.support]
@@ -154,16 +152,20 @@ class Statics:
                 found[name] = np.stack([force[:, i], force[:, i + m]], axis=1) / alike
         return q, found
 
-    def _tangent(self, values: Mapping[str, Array], b: JournalBearing, load: Array) -> tuple[Array, Array]:
-        """Place of a journal on its locus, and its derivative by the load, by central differences."""
-        unit = self._of(values, b.Gamma) * values["s"] / 2
-        step = 1e-4 * (np.hypot(*load.T) + 1e-2 * unit)
-        S = np.empty((load.shape[0], 2, 2))
-        for k in (0, 1):
-            moved = step[:, None] * np.eye(2)[k]
-            ahead, behind = (self._on_locus(values, b, load + sign * moved) for sign in (1, -1))
-            S[:, :, k] = (ahead - behind) / (2 * step[:, None])
-        return self._on_locus(values, b, load), S
+    def _tangents(self, values: Mapping[str, Array], loads: Mapping[str, Array]) -> dict[str, tuple[Array, Array]]:
+        """Place of each journal on its locus, and its derivative by the load, by central differences."""
+        tried, steps = {}, {}
+        for b in self.machine.bearings:
+            load = loads[b.name]
+            unit = self._of(values, b.Gamma) * values["s"] / 2
+            steps[b.name] = 1e-4 * (np.hypot(*load.T) + 1e-2 * unit)
+            along = np.array([[0, 0], [1, 0], [0, 1], [-1, 0], [0, -1]])
+            tried[b.name] = load + steps[b.name][:, None] * along[:, None, :]
+        found = {}
+        for name, (at, *moved) in self._on_loci(values, tried).items():
+            ahead, behind = np.stack(moved[:2], axis=2), np.stack(moved[2:], axis=2)
+            found[name] = at, (ahead - behind) / (2 * steps[name][:, None, None])
+        return found
 
     def _shaft(self, values: Mapping[str, Array], rotor: Rotor, K: Array, F: Array) -> None:
         numbers, kappa = rotor.numbers, self._of(values, rotor.kappa)
@@ -214,23 +216,31 @@ class Statics:
                         across[:, self.places[wheel.shaft, "arc"]] += arm[:, None] * shape
                 K += stiff[:, None, None] * across[:, :, None] * across[:, None, :]
 
-    def _on_locus(self, values: Mapping[str, Array], b: JournalBearing, load: Array) -> Array:
-        """Where a film carries a load at rest, over c_0."""
-        size, angle = np.hypot(*load.T), np.arctan2(load[:, 1], load[:, 0])
-        gamma, spin = self._of(values, b.gamma), self._of(values, b.spin)
-        if b.kind == "damper":
-            stiff = self._of(values, b.kappa_c)
-            sag = np.divide(size, stiff, out=np.zeros_like(size), where=stiff > 0)
-            far = np.minimum(sag, DEEPEST * gamma)
-            return np.stack([far * np.cos(angle), far * np.sin(angle)], axis=1)
-        strength = self._of(values, b.Gamma) * values["s"] / 2 * np.abs(spin)
-        if b.film == "printed":
-            eps = np.minimum(self._of(values, b.psi) * size / (np.pi / 2 * strength), DEEPEST)
-            attitude = np.full_like(eps, np.pi / 2)
-        else:
-            eps, attitude = _carrying(size / strength, self._of(values, b.psi))
-        toward = angle + np.sign(spin) * attitude
-        return (gamma * eps)[:, None] * np.stack([np.cos(toward), np.sin(toward)], axis=1)
+    def _on_loci(self, values: Mapping[str, Array], loads: Mapping[str, Array]) -> dict[str, Array]:
+        """Where films carry loads at rest, over c_0: arrays of shape (..., point, 2), by the bearing."""
+        bearings = self.machine.bearings
+        size = {b.name: np.hypot(loads[b.name][..., 0], loads[b.name][..., 1]) for b in bearings}
+        strength = {b.name: self._of(values, b.Gamma) * values["s"] / 2 * np.abs(self._of(values, b.spin)) for b in bearings}
+        eps, attitude = {}, {}
+        films = [b for b in bearings if b.kind != "damper" and b.film != "printed"]
+        if films:  # all of them in one search
+            load = np.stack([size[b.name] / strength[b.name] for b in films])
+            psi = np.stack([np.broadcast_to(self._of(values, b.psi), size[b.name].shape) for b in films])
+            for b, *found in zip(films, *_carrying(load, psi), strict=True):
+                eps[b.name], attitude[b.name] = found
+        places = {}
+        for b in bearings:
+            name, gamma, way = b.name, self._of(values, b.gamma), np.sign(self._of(values, b.spin))
+            if b.kind == "damper":
+                stiff = np.broadcast_to(self._of(values, b.kappa_c), size[name].shape)
+                sag = np.divide(size[name], stiff, out=np.zeros_like(size[name]), where=stiff > 0)
+                eps[name], attitude[name] = np.minimum(sag / gamma, DEEPEST), 0.0
+            elif b.film == "printed":
+                far = self._of(values, b.psi) * size[name] / (np.pi / 2 * strength[name])
+                eps[name], attitude[name] = np.minimum(far, DEEPEST), np.pi / 2
+            toward = np.arctan2(loads[name][..., 1], loads[name][..., 0]) + way * attitude[name]
+            places[name] = (gamma * eps[name])[..., None] * np.stack([np.cos(toward), np.sin(toward)], axis=-1)
+        return places
 
     def _named(self, q: Array, u: Mapping[str, Array], held: Mapping[str, Array]) -> dict[str, Array]:
         made: dict[str, Array] = {}
