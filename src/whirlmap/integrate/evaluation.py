@@ -1,6 +1,7 @@
 """Rates and Jacobians of many operating points at given states, from the compiled kernel."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -54,11 +55,38 @@ class Evaluator:
         """
         rates, moving, p = self._evaluate(time, x, points, forced=forced)
         n, columns = x.shape
-        dense = np.zeros((n, n, columns))
-        rows = {"input": unblocked(p, columns), "slot": unblocked(moving, columns)}
-        for i, j, weight, where, value in self.kernel.source.entries:
-            dense[i, j] += weight * (value if where == "constant" else rows[where][int(value)])
-        return rates, dense
+        dense = np.zeros((n * n, columns))
+        place, terms = self._values(p, moving, columns, slice(None))
+        np.add.at(dense, place, terms)
+        return rates, dense.reshape(n, n, columns)
+
+    def trace(self, time: ArrayLike, x: Array, points: NDArray[np.intp]) -> Array:
+        """Trace of the Jacobian, shape (column,), without its other entries."""
+        _, moving, p = self._evaluate(time, x, points, forced=True)
+        n = x.shape[0]
+        on_diagonal = np.flatnonzero(self._terms[0] % (n + 1) == 0)
+        return np.asarray(self._values(p, moving, x.shape[1], on_diagonal)[1].sum(axis=0))
+
+    def _values(
+        self, p: Array, moving: Array, columns: int, which: slice | NDArray[np.intp]
+    ) -> tuple[NDArray[np.intp], Array]:
+        """Places of some terms of the Jacobian, and their values, shape (term, column)."""
+        place, weight, by, factor = self._terms
+        rows = np.concatenate([unblocked(p, columns), unblocked(moving, columns), np.ones((1, columns))])
+        return place[which], weight[which][:, None] * rows[by[which]] * rows[factor[which]]
+
+    @cached_property
+    def _terms(self) -> tuple[NDArray[np.intp], Array, NDArray[np.intp], NDArray[np.intp]]:
+        """Of each term of the Jacobian its place, its number, and two rows of inputs, slots and a last one of ones."""
+        source, n = self.kernel.source, self.kernel.source.sizes.states
+        slots, ones = source.sizes.inputs, source.sizes.inputs + source.sizes.slots
+        place, weight, by, factor = [], [], [], []
+        for term in source.entries:
+            place.append(term.row * n + term.column)
+            weight.append(term.weight * (term.value if term.kind == "constant" else 1.0))
+            by.append(ones if term.by < 0 else term.by)
+            factor.append(ones if term.kind == "constant" else int(term.value) + (slots if term.kind == "slot" else 0))
+        return np.array(place, dtype=np.intp), np.array(weight), np.array(by, np.intp), np.array(factor, np.intp)
 
     def rates(self, time: ArrayLike, x: Array, points: NDArray[np.intp], *, forced: bool = True) -> Array:
         """Rates alone, bit by bit those of a call."""

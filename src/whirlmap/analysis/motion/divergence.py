@@ -169,8 +169,8 @@ class _Trace:
         self.evaluate = Evaluator.of(model, values, jacobian=True)
         source = self.evaluate.kernel.source
         self.jumps = source.sizes.surfaces > 0 and any(sided(model).jumps)
-        self.constant = not any(i == j and where == "slot" for i, j, _, where, _ in source.entries)
+        self.constant = not any(term.row == term.column and term.kind == "slot" for term in source.entries)
 
     def __call__(self, time: ArrayLike, x: Array, points: NDArray[np.intp]) -> Array:
         """Evaluate, shape (column,), for columns of the points given."""
-        return np.asarray(np.einsum("iij->j", self.evaluate(time, x, points)[1]))
+        return self.evaluate.trace(time, x, points)

@@ -3,7 +3,9 @@
 Differentiating the whole expressions and sharing subexpressions afterwards takes SymPy a minute for a film read from a
 table; going through assignments that are shared already takes a second, and gives the shorter code. Derivatives are taken
 by *seeds*: the states, and every assignment that is a linear form of states with constant coefficients (a shaft's
-deflection), so that the parts of a linear form are not differentiated one by one. An assignment that depends on several
+deflection), so that the parts of a linear form are not differentiated one by one. A form of `WIDE` states or more may have
+parameters in its coefficients: the deflection of teeth between two shafts of many modes acts on each of them, and the
+entries by the states would be the product of their numbers. An assignment that depends on several
 seeds and serves several others (the square of the eccentricity) is an intermediate seed: what depends on it is
 differentiated by it alone, and the chain rule is applied once at the end. A directional derivative has one seed, the
 direction itself.
@@ -26,9 +28,11 @@ from whirlmap.kernels.lowering.powers import inverse, root
 Gradient = dict[Symbol, Expr]
 
 
+#: States of a linear form from which its coefficients may contain parameters.
+WIDE = 8
 #: Derivatives of results: by number of the result, and by seed.
 Entries = dict[tuple[int, Symbol], Expr]
-#: Linear forms of states: by seed, the weight of each state.
+#: Linear forms of states: by seed, the weight of each state, a number or a kernel input.
 Forms = dict[Symbol, Gradient]
 
 
@@ -114,6 +118,7 @@ class _Forward:
         self.steps.append((symbol, e))
         weights = self._linear_form(e) if self.uses is not None else {}
         if weights:
+            weights = {variable: self.hoist(weight) for variable, weight in weights.items()}
             self.linear[symbol] = weights
             if len(e.free_symbols & set(self.by_seed)) > 1:  # else it is a multiple of a seed that there is
                 self.by_seed[symbol] = {symbol: Integer(1)}
@@ -191,16 +196,23 @@ class _Forward:
         return {seed: slope for seed, slope in out.items() if slope != 0}
 
     def _linear_form(self, e: Expr) -> Gradient:
-        """Weights of the states in a linear form with constant coefficients and any constant; empty where it is none."""
+        """Weights of the states in a linear form with any constant; empty where it is none.
+
+        They are numbers, or of `WIDE` states or more expressions of kernel inputs.
+        """
         out: Gradient = {}
         for symbol, holding in self._holding(e):
             weight = holding.diff(symbol)
             parts = {symbol: Integer(1)} if symbol in self.variables else self.linear.get(symbol)
-            if parts is None or not weight.is_number:
+            if parts is None or not self._fixed(weight):
                 return {}
             for variable, inner in parts.items():
                 out[variable] = out.get(variable, Integer(0)) + weight * inner
-        return out
+        return out if len(out) >= WIDE or all(weight.is_number for weight in out.values()) else {}
+
+    def _fixed(self, e: Expr) -> bool:
+        """Whether an expression is a number, or one of kernel inputs alone."""
+        return all(q in self.hoisted.places for q in e.free_symbols)
 
     def _parted(self, e: Expr) -> Expr:
         """The expression with assignments of their own for sums inside of products and for factors that have rates."""
@@ -258,10 +270,10 @@ class _Forward:
 
     def hoist(self, e: Expr) -> Expr:
         """The kernel input that an expression of inputs alone becomes; any other expression as it is."""
-        places, own = self.hoisted.places, e.free_symbols
-        if not own or not all(q in places for q in own):
+        own = e.free_symbols
+        if not own or not self._fixed(e):
             return e
-        return self.hoisted.symbol(e.xreplace({q: self.hoisted.expressions[places[q]] for q in own}))
+        return self.hoisted.symbol(e.xreplace({q: self.hoisted.expressions[self.hoisted.places[q]] for q in own}))
 
     def _name(self, e: Expr) -> Expr:
         if e.is_number or e.is_Symbol or (-e).is_Symbol:

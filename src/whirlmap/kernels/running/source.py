@@ -48,11 +48,15 @@ TermKind = Literal["constant", "input", "slot"]
 
 
 class JacobianTerm(NamedTuple):
-    """A term of an entry of the Jacobian: its weight, and a constant (its value), an input or a slot (its index)."""
+    """A term of an entry of the Jacobian: a constant (its value), an input or a slot (its index), times a weight.
+
+    The weight is a number, times the input of the index ``by`` where that is not -1.
+    """
 
     row: int
     column: int
     weight: float
+    by: int
     kind: TermKind
     value: float
 
@@ -248,7 +252,9 @@ def _terms(
             kind, value = "constant", float(e)
         weights = forms.get(seed, {seed: Integer(1)})
         for name in sorted(weights, key=columns.__getitem__):
-            yield JacobianTerm(row, columns[name], float(weights[name]), kind, value)
+            weight = weights[name]
+            number, by = (1.0, hoisted.places[weight]) if weight in hoisted.places else (float(weight), -1)
+            yield JacobianTerm(row, columns[name], number, by, kind, value)
 
 
 def _table_parameters(model: Model) -> dict[str, str | float]:

@@ -117,16 +117,16 @@ class ModelRoutines:
             products = [r.mul(factor, value) for factor, value in terms]
             return reduce(r.add, products) if products else number(0.0)
 
+        def fixed(e: Expr) -> Value:
+            return r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))
+
         for seed, weights in forms.items():
-            vector[seed] = weighted((number(float(weights[name])), vector[name]) for name in names if name in weights)
+            vector[seed] = weighted((fixed(weights[name]), vector[name]) for name in names if name in weights)
         for i in set(range(self.model.dimension)) - set(unwanted):
             terms = []
             for (row, seed), e in entries.items():
                 if row == i:
-                    if (row, seed) in slots:
-                        factor = r.load(r.at["jac"], slots[row, seed])
-                    else:
-                        factor = r.load(r.at["p"], inputs[e]) if e in inputs else number(float(e))
+                    factor = r.load(r.at["jac"], slots[row, seed]) if (row, seed) in slots else fixed(e)
                     terms.append((factor, vector[seed]))
             r.store(weighted(terms), r.at["dy"], i)
         r.done()
