@@ -19,10 +19,14 @@ from whirlmap.results.findings import Findings, gives_dataset
 
 Array = NDArray[np.float64]
 
-#: Segments of the orbit per T to begin with: within one of them no direction may shrink by more than doubles hold.
-SEGMENTS = 4
+#: Segments of the orbit per T to begin with: within one of them no direction may shrink by more than doubles hold. An
+#: orbit of more than `LONG` T begins with one per T, for its T are short beside its motion, and each costs a pass of all
+#: frames.
+SEGMENTS, LONG = 4, 16
 #: Largest change of a logarithm, over the larger of it and one, with which segments are short enough; most doublings.
-CLOSE, DOUBLINGS = 1e-9, 6
+CLOSE, DOUBLINGS = 1e-9, 6  # of long orbits two more, so that segments are as short in the end
+#: Logarithm of a modulus below which a multiplier is zero as a number: no segments are halved for its sake.
+VANISHES = float(np.log(np.finfo(float).tiny))
 #: Least steps of the eighth-order method per T.
 STEPS = 64
 
@@ -66,8 +70,8 @@ def floquet_multipliers(
     carried round the orbit (QR) until the subspaces they span return to themselves; the multipliers are the
     eigenvalues of the diagonal blocks, each a product of triangular blocks with its own scale [lust2001]. Each is good to
     rounding relative to itself, as long as no direction shrinks by more than about 1e-12 within one segment. So
-    segments, and the steps with them, are doubled until no logarithm of a modulus changes by more than `CLOSE`;
-    ``log_modulus_error`` is the last change.
+    segments, and the steps with them, are doubled until no logarithm of a modulus above `VANISHES` changes by more than
+    `CLOSE`; ``log_modulus_error`` is the last change.
     Multipliers of moduli within some percent of each other share a block and are good relative to the largest in it.
     An unstable orbit must be given precisely: an error of its start grows along it.
 
@@ -84,17 +88,19 @@ def floquet_multipliers(
     if system.model.forced and abs(turns - round(turns)) > 1e-9:
         raise RangeError(f"duration is {turns:g} T: an orbit of a forced system lasts a whole number of T")
     whole = ceil(round(turns, 9))
-    segments, each = SEGMENTS, ceil(steps / SEGMENTS)
+    segments = 1 if whole > LONG else SEGMENTS
+    each, doublings = ceil(steps / segments), DOUBLINGS + (2 if whole > LONG else 0)
     orbit, log_modulus, argument = _round(system, start, duration, segments * whole, each)
     error = np.full(n, np.inf)
-    for _ in range(DOUBLINGS):
+    for _ in range(doublings):
         segments *= 2
         orbit, finer, argument = _round(system, start, duration, segments * whole, each)
         with np.errstate(invalid="ignore"):  # multipliers of zero, of a motion that sticks, stay what they are
             found = np.where(finer == log_modulus, 0.0, np.abs(finer - log_modulus))
         stalled = not (found < error).any()
         log_modulus, error = finer, found
-        if stalled or (found <= CLOSE * np.maximum(1.0, np.abs(finer))).all():
+        close = found <= CLOSE * np.maximum(1.0, np.abs(finer))
+        if stalled or (close | (finer < VANISHES)).all():
             break
     segments *= whole
     value = np.exp(log_modulus + 1j * argument)
