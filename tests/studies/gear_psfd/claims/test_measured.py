@@ -36,7 +36,7 @@ def test_numbers_of_evidence_in_the_papers_words():
     assert found["fig3-low-8T"] == found["fig3-chaos-window"] == found["fig3-mid-8T"] == found["fig3-high-chaos"] == "100%"
     assert first(found["fig3-large-amplitude"]) == pytest.approx(3 * 1.54 / 1.3275, rel=0.01)  # middles of both windows
     assert found["fig4-windows"] == found["fig5-windows"] == "100% / 100% / 100%"
-    assert found["fig67-lyapunov"] == "+0.1000 / +0.1000 / +0.1000 / +0.1000; 4 of 4 above zero"
+    assert found["fig67-lyapunov"] == "+0.10000 / +0.10000 / +0.10000 / +0.10000; 4 of 4 above zero"
     assert found["fig6-dimension-yp"].startswith("1.28 ± 0.02 / ")
     assert found["fig67-spectrum"] == "40 / 40 / 40 / 40"
     assert found["permeability-regularises"].startswith("100% / ")

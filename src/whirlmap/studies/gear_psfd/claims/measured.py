@@ -32,6 +32,11 @@ from whirlmap.studies.gear_psfd.claims.thresholds import (
 )
 
 ALMOST = f"at least {ALMOST_ALL:.0%}"
+#: Where numbers of all permeabilities stand beside each other.
+AT_EACH = f"at ψ = {' / '.join(f'{psi:g}' for psi in PSI)}"
+#: Speeds of a kind, and coordinates, in words.
+SPEEDS = {"chaotic": "chaotic speeds", "with the forcing": "speeds with the period of the forcing"}
+SYMBOLS = {"yp": "y_p", "y2": "y_2"}
 
 
 @dataclass(frozen=True)
@@ -59,8 +64,8 @@ def _amplitude_grows(d: Labelled, _claim: Claim) -> Measured:
 
 
 def _window(psi: float, low: float, high: float, kind: str) -> Callable[[Labelled, Claim], Measured]:
-    speeds = f"from s = {low:g}" if np.isinf(high) else f"at s = {low:g} .. {high:g}" if low else f"up to s = {high:.2f}"
-    quantity = f"{'chaotic speeds' if kind == 'chaotic' else f'speeds {kind}'} {speeds}"
+    speeds = f"from s = {low:g}" if np.isinf(high) else f"at s = {low:.2f} .. {high:.2f}" if low else f"up to s = {high:.2f}"
+    quantity = f"{SPEEDS[kind]} {speeds}"
 
     def found(d: Labelled, _claim: Claim) -> Measured:
         return Measured(quantity, ALMOST, _share(d, PSI.index(psi), kind, d.between(low, high)))
@@ -83,9 +88,11 @@ def _large_amplitude(d: Labelled, _claim: Claim) -> Measured:
 
 
 def _three_windows(psi: float) -> Callable[[Labelled, Claim], Measured]:
+    quantity = "chaotic speeds at s = 1.60 .. 1.62 / above 3.15 / speeds with the period of the forcing elsewhere"
+
     def found(d: Labelled, _claim: Claim) -> Measured:
         shares = " / ".join(_share(d, PSI.index(psi), kind, where) for kind, where in windows_of(d))
-        return Measured("chaotic at s = 1.60 .. 1.62 / above 3.15 / with the forcing elsewhere", f"{ALMOST} each", shares)
+        return Measured(quantity, f"{ALMOST} each", shares)
 
     return found
 
@@ -100,10 +107,10 @@ def _each(values: Array, write: str, none: str = "none") -> str:
 def _lyapunov(d: Labelled, _claim: Claim) -> Measured:
     o = d.orbits
     above = int(positive(o.exponent, o.error, o.least)[0].sum())
-    number = _each(o.exponent[0], "+.4f")
+    number = _each(o.exponent[0], "+.5f")
     if number != "none":
         number += f"; {above} of {len(PSI)} above zero"
-    return Measured("largest exponent per radian, at each psi", "three standard errors above zero", number)
+    return Measured(f"largest exponent per radian {AT_EACH}", "three standard errors above zero", number)
 
 
 def _dimension(coordinate: str) -> Callable[[Labelled, Claim], Measured]:
@@ -111,26 +118,27 @@ def _dimension(coordinate: str) -> Callable[[Labelled, Claim], Measured]:
         value, error = (rows[0] for rows in d.orbits.dimension[coordinate])
         had = [f"{v:.2f} ± {e:.2f}" if np.isfinite(v) else "–" for v, e in zip(value, error, strict=True)]
         number = " / ".join(had) if np.isfinite(value).any() else "none"
-        return Measured(f"dimension of {coordinate} at each psi", f"{claim.value} within {DIMENSION_ERRORS} errors", number)
+        wanted = f"{claim.value} within {DIMENSION_ERRORS} errors, at any"
+        return Measured(f"dimension of {SYMBOLS[coordinate]} {AT_EACH}", wanted, number)
 
     return found
 
 
 def _spectrum(d: Labelled, _claim: Claim) -> Measured:
     wanted = f"at least {counted(MANY_LINES, 'line')}, or {BROADBAND:.0%} of the power beside them"
-    return Measured("lines in the spectrum of y_p, at each psi", wanted, _each(d.orbits.lines[0], ".0f"))
+    return Measured(f"lines in the spectrum of y_p {AT_EACH}", wanted, _each(d.orbits.lines[0], ".0f"))
 
 
 def _regularises(d: Labelled, _claim: Claim) -> Measured:
-    return Measured("speeds without a return, at each psi", "falls with psi", _each(without_return(d)[0], ".0%"))
+    return Measured(f"speeds without a return {AT_EACH}", "falls with ψ", _each(without_return(d)[0], ".0%"))
 
 
 def _suppresses(d: Labelled, _claim: Claim) -> Measured:
     shared, median, less = suppressed(d)
-    number = "none: no speed runs to its end at every psi"
+    number = "none: no speed runs to its end at every ψ"
     if shared[0].any():
         number = f"{float(median[0, -1] / median[0, 0]):.2f}; smaller at {float(less[0]):.0%}"
-    quantity = f"peak-to-peak of y_p at psi = {PSI[-1]:g}, over that at psi = {PSI[0]:g}; speeds at which it is smaller"
+    quantity = f"peak-to-peak of y_p at ψ = {PSI[-1]:g}, over that at ψ = {PSI[0]:g}; speeds at which it is smaller"
     return Measured(quantity, f"below {SMALLER:g}; more than half", number)
 
 
@@ -138,7 +146,7 @@ def _safe_speeds(d: Labelled, _claim: Claim) -> Measured:
     choice, calm, rough = (rows[0] for rows in calm_and_rough(d))
     with np.errstate(invalid="ignore", divide="ignore"):
         ratio = np.where(choice, calm / rough, np.nan)
-    quantity = "peak-to-peak of y_p at periodic speeds, over that at the others, at each psi"
+    quantity = f"peak-to-peak of y_p at periodic speeds, over that at the others, {AT_EACH}"
     return Measured(quantity, "below 1", _each(ratio, ".2f", "none: no choice of speeds"))
 
 
