@@ -12,7 +12,7 @@ from whirlmap.studies.gear_psfd.reproduction.figures import DIAGRAM_NUMBER
 
 #: Bytes of one diagram at most, about: the report holds four for each edition. And section points of each coordinate in it:
 #: a page shows hardly more, and the NetCDF files hold all.
-LARGEST, DOTS = 3_500_000, 12_000
+LARGEST, DOTS = 3_500_000, 8_000
 
 
 @dataclass(frozen=True)
