@@ -38,7 +38,7 @@ def test_numbers_of_evidence_in_the_papers_words():
     assert found["fig4-windows"] == found["fig5-windows"] == "100% / 100% / 100%"
     assert found["fig67-lyapunov"] == "+0.10000 / +0.10000 / +0.10000 / +0.10000; 4 of 4 above zero"
     assert found["fig6-dimension-yp"].startswith("1.28 ± 0.02 / ")
-    assert found["fig67-spectrum"] == "40 / 40 / 40 / 40"
+    assert found["fig67-spectrum"] == "40 / 40 / 40 / 40; 30.0% / 30.0% / 30.0% / 30.0%"
     assert found["permeability-regularises"].startswith("100% / ")
     assert found["permeability-suppresses-amplitude"] == "0.05; smaller at 100%"
 

@@ -8,7 +8,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from whirlmap.errors import counted
 from whirlmap.studies.gear_psfd.claims.claims import (
     Claim,
     calm_and_rough,
@@ -125,8 +124,11 @@ def _dimension(coordinate: str) -> Callable[[Labelled, Claim], Measured]:
 
 
 def _spectrum(d: Labelled, _claim: Claim) -> Measured:
-    wanted = f"at least {counted(MANY_LINES, 'line')}, or {BROADBAND:.0%} of the power beside them"
-    return Measured(f"lines in the spectrum of y_p {AT_EACH}", wanted, _each(d.orbits.lines[0], ".0f"))
+    number = _each(d.orbits.lines[0], ".0f")
+    if number != "none":
+        number += f"; {_each(d.orbits.broadband[0], '.1%')}"
+    quantity = f"lines in the spectrum of y_p; power beside them, {AT_EACH}"
+    return Measured(quantity, f"at least {MANY_LINES} lines; or at least {BROADBAND:.0%}", number)
 
 
 def _regularises(d: Labelled, _claim: Claim) -> Measured:
