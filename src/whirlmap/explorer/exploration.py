@@ -45,6 +45,9 @@ class Exploration:
     follow : str, optional
         Direction in which a diagram carries the state along.
     title : str
+    branches : sequence of xr.Dataset
+    instead : mapping of str to Control
+        Controls in place of the system's own, where a page counts a quantity otherwise than the case does.
     """
 
     system: System
@@ -54,11 +57,12 @@ class Exploration:
     follow: Any = None
     title: str = ""
     branches: Sequence[xr.Dataset] = field(default_factory=list)
+    instead: Mapping[str, Control] = field(default_factory=dict)
 
     @cached_property
     def controls(self) -> dict[str, Control]:
         """Quantities that can be changed."""
-        return controls_of(self.system, self.axes)
+        return {**controls_of(self.system, self.axes), **self.instead}
 
 
 def opened(place: str, case: str | None = None) -> Exploration | None:

@@ -13,7 +13,7 @@ SCRIPTS = (
 SERVER = "server.js"
 
 
-def page_html(*, nonce: str = "", source: str | None = None, data: object = None) -> str:
+def page_html(*, nonce: str = "", source: str | None = None, data: object = None, embedded: bool = False) -> str:
     """The page.
 
     Parameters
@@ -24,13 +24,16 @@ def page_html(*, nonce: str = "", source: str | None = None, data: object = None
         Script that sets ``explorer.source``, where motions come from; that of the local server where absent.
     data : object, optional
         The page's data (`page_data.page_data`), where no server gives them.
+    embedded : bool
+        For a frame inside of another page: without the header, and as wide as low.
     """
     mark = f' nonce="{nonce}"' if nonce else ""
     scripts = [part("uPlot.iife.min.js"), *map(part, SCRIPTS), part(SERVER) if source is None else source, part("main.js")]
     if data is not None:
         scripts.insert(2, f"explorer.data = {_in_script(json_text(data))};")
     inlined = "\n".join(f"<script{mark}>{text}</script>" for text in scripts)
-    style = "\n".join(f"<style{mark}>{part(name)}</style>" for name in ("uPlot.min.css", "explorer.css"))
+    sheets = ("uPlot.min.css", "explorer.css", *(("embedded.css",) if embedded else ()))
+    style = "\n".join(f"<style{mark}>{part(name)}</style>" for name in sheets)
     html = part("explorer.html")
     return html.replace("<!-- style -->", style).replace("<!-- scripts -->", inlined)
 

@@ -43,6 +43,8 @@ SCRIPTS = ("harmonics.js", "live_motion.js", "spectrum.js", "saved.js")
 #: Bytes of a file, of the page and its kernels, and least ones of numbers of live points. Numbers grow by this factor in a
 #: file: base64 takes four letters for three bytes, and doubles are hardly compressed.
 LARGEST, OWN, LEAST, GROWTH = 7_500_000, 500_000, 500_000, 1.35
+#: Stands in an empty page where the content comes.
+CONTENT = "/* content */null"
 
 
 def saved_page(exploration: Exploration) -> str:
@@ -63,10 +65,19 @@ def saved_page(exploration: Exploration) -> str:
     InputError
         The points are still to be computed.
     """
-    data, packed = saved_data(exploration)
+    return empty_page().replace(CONTENT, saved_content(exploration))
+
+
+def empty_page(*, embedded: bool = False) -> str:
+    """The page without its content: it stands where `CONTENT` does. Several diagrams in one file need it once."""
     source = "\n".join((files("whirlmap.explorer.saved") / name).read_text(encoding="utf-8") for name in SCRIPTS)
-    text = json_text({"data": text_of(json_text(data).encode()), "bytes": text_of(packed)})
-    return page_html(source=f"{source}\nexplorer.source = whirlmapSaved.source({text});")
+    return page_html(source=f"{source}\nexplorer.source = whirlmapSaved.source({CONTENT});", embedded=embedded)
+
+
+def saved_content(exploration: Exploration, *, largest: int = LARGEST) -> str:
+    """The content of a page, an expression of JavaScript of letters, digits and ``{}":,+/=``; ``largest``: bytes, about."""
+    data, packed = saved_data(exploration, largest=largest)
+    return json_text({"data": text_of(json_text(data).encode()), "bytes": text_of(packed)})
 
 
 def completed(exploration: Exploration, execution: Execution, store: Path | None = None) -> Exploration:
@@ -83,7 +94,7 @@ def completed(exploration: Exploration, execution: Execution, store: Path | None
     return replace(e, overview=ds)
 
 
-def saved_data(exploration: Exploration) -> tuple[dict[str, Any], bytes]:
+def saved_data(exploration: Exploration, *, largest: int = LARGEST) -> tuple[dict[str, Any], bytes]:
     """What a saved page holds beside the page itself, as ``saved.js`` describes it."""
     e = exploration
     if e.axes and e.overview is None:
@@ -92,7 +103,7 @@ def saved_data(exploration: Exploration) -> tuple[dict[str, Any], bytes]:
     page["controls"] = [control for control in page["controls"] if control["axis"]]
     data: dict[str, Any] = {"page": page, "record": _record(e), "note": ""}
     try:
-        room = LARGEST - len(text_of(json_text(page).encode())) - OWN
+        room = largest - len(text_of(json_text(page).encode())) - OWN
         data["live"], packed = _live(e, min(max(int(room / GROWTH), LEAST), MOST))
         thinned = [(name, t) for name, t in zip(e.axes, data["live"]["thinned"], strict=True) if t > 1]
         if thinned:

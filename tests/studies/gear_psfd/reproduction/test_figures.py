@@ -29,14 +29,14 @@ def refused(title):
     raise RangeError(title)
 
 
-PLANS = [Plan(name, "", sheet, (name,)) for name in "abcdef"]
+PLANS = [Plan(name, 2, "", sheet, (name,)) for name in "abcdef"]
 
 
 def test_pictures_are_the_same_from_any_number_of_processes_and_in_order():
     with Studio(1) as alone, Studio(2) as two:
         one = list(alone.draw(PLANS))
         assert list(two.draw(PLANS)) == one
-        here, there = (next(studio.draw([Plan("p", "", own_process, ("p",))]))[1] for studio in (alone, two))
+        here, there = (next(studio.draw([Plan("p", 2, "", own_process, ("p",))]))[1] for studio in (alone, two))
     assert [plan.stem for plan, _ in one] == list("abcdef")
     assert len({png for _, png in one}) == len(PLANS)
     assert here != there, "no other process has drawn anything"
@@ -44,11 +44,11 @@ def test_pictures_are_the_same_from_any_number_of_processes_and_in_order():
 
 def test_an_interrupt_of_the_terminal_is_left_to_the_process_that_started_them():
     with Studio(2) as studio:
-        drawn = list(studio.draw([Plan("a", "", interrupted, ("a",)), *PLANS]))
+        drawn = list(studio.draw([Plan("a", 2, "", interrupted, ("a",)), *PLANS]))
     assert drawn[0][1] == drawn[1][1]  # the interrupted one was drawn all the same, as "a"
 
 
 @pytest.mark.parametrize("workers", [1, 2])
 def test_an_error_in_a_figure_is_raised(workers):
     with Studio(workers) as studio, pytest.raises(RangeError, match="why"):
-        list(studio.draw([Plan("a", "", refused, ("why",))]))
+        list(studio.draw([Plan("a", 2, "", refused, ("why",))]))

@@ -9,7 +9,7 @@ A score lies in [0, 1], is 1 exactly where the claim holds, and grows towards it
 """
 
 import tomllib
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from importlib.resources import files
 
@@ -19,29 +19,40 @@ from scipy.stats import rankdata
 
 from whirlmap.results.regime import WITHOUT_BOUND, Regime
 from whirlmap.studies.gear_psfd.claims.labelled import PSI, Array, Labelled, Mask, median_of, positive
+from whirlmap.studies.gear_psfd.claims.thresholds import (
+    ALMOST_ALL,
+    BROADBAND,
+    DIMENSION_ERRORS,
+    GROWS,
+    LARGER,
+    LEAST_SPEEDS,
+    MANY_LINES,
+    PARTLY,
+    SMALLER,
+    THREE_WINDOWS,
+    WINDOWS,
+    chaotic_windows,
+    windows_of,
+)
 
 #: Verdicts by their number.
 WORDS = ("fails", "partly", "holds", "cannot be evaluated")
 FAILS, PARTLY_HOLDS, HOLDS, UNKNOWN = range(4)
 
-#: "Almost all", and the least share at which a claim is met in part.
-ALMOST_ALL, PARTLY = 0.9, 0.5
-#: Lines above the floor, and share of power beside them, from which a spectrum has "numerous excitation frequencies".
-MANY_LINES, BROADBAND = 10, 0.01
-#: Least number of speeds that a comparison of amplitudes needs.
-LEAST_SPEEDS = 8
 #: Largest score of a claim that does not hold.
 NEARLY = 0.95
 
 
 @dataclass(frozen=True)
 class Claim:
-    """One statement of the paper."""
+    """One statement of the paper; ``title`` says it in a few words, ``figures`` are those that it is about, if any."""
 
     id: str
+    title: str
     where: str
     says: str
     measure: str
+    figures: Sequence[int] = ()
     psi: float | None = None
     value: float | None = None
 
@@ -107,7 +118,7 @@ def amplitude_grows(d: Labelled, _claim: Claim) -> Judgement:
     """Rank correlation of the amplitude with the speed."""
     rank = rank_correlation(d)
     with np.errstate(invalid="ignore"):
-        word = np.where(rank > 0.8, HOLDS, np.where(rank > 0.3, PARTLY_HOLDS, FAILS))
+        word = np.where(rank > GROWS[1], HOLDS, np.where(rank > GROWS[0], PARTLY_HOLDS, FAILS))
     return _judgement(np.where(np.isnan(rank), UNKNOWN, word), (rank + 1) / 1.8)
 
 
@@ -139,11 +150,6 @@ def own_windows(d: Labelled, k: int) -> dict[str, Callable[[Labelled, Claim], Ju
     return out
 
 
-def chaotic_windows(d: Labelled) -> tuple[Mask, Mask]:
-    """Speeds of 1.48 .. 1.60, and of the rest of the chaotic window of Figure 3."""
-    return d.between(1.48, 1.60), d.between(1.18, 1.475)
-
-
 def large_amplitude(d: Labelled, _claim: Claim) -> Judgement:
     """Amplitude in 1.48 .. 1.60 against the rest of the window."""
     at = PSI.index(1e-4)
@@ -151,18 +157,12 @@ def large_amplitude(d: Labelled, _claim: Claim) -> Judgement:
     pp, chaotic = d.amplitude[:, at], d.kinds["chaotic"][:, at]
     a, b = median_of(pp, inside), median_of(pp, rest)
     with np.errstate(invalid="ignore", divide="ignore"):
-        larger, ratio = a > 1.2 * b, np.minimum(a / (1.2 * b), 1.0)
+        larger, ratio = a > LARGER * b, np.minimum(a / (LARGER * b), 1.0)
     word = np.where(larger & (chaotic & inside).any(axis=-1), HOLDS, FAILS)
     word = np.where((chaotic & (inside | rest)).any(axis=-1), word, UNKNOWN)
     credit = d.credit("chaotic")[:, at]
     best = np.where(inside, credit, 0.0).max(axis=-1, initial=0.0)
     return _judgement(word, 0.5 * np.nan_to_num(ratio) + 0.5 * best)
-
-
-def windows_of(d: Labelled) -> tuple[tuple[str, Mask], ...]:
-    """Kinds and speeds of the three windows of Figures 4 and 5."""
-    low, high = d.between(1.60, 1.62), d.s > 3.15
-    return ("chaotic", low), ("chaotic", high), ("with the forcing", ~(low | high))
 
 
 def three_windows(psi: float) -> Callable[[Labelled, Claim], Judgement]:
@@ -200,7 +200,7 @@ def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
         assert claim.value is not None
         value, error = d.orbits.dimension[coordinate]
         with np.errstate(invalid="ignore"):
-            met = np.abs(value - claim.value) <= 2 * error
+            met = np.abs(value - claim.value) <= DIMENSION_ERRORS * error
             near = np.nan_to_num(np.exp(-0.5 * ((value - claim.value) / (2 * error + 0.1)) ** 2))
         whole = (Regime.periodic, Regime.quasi_periodic, Regime.contact, *WITHOUT_BOUND)
         asked = ~np.isin(d.orbits.regime, whole)
@@ -213,8 +213,7 @@ def dimension(coordinate: str) -> Callable[[Labelled, Claim], Judgement]:
 
 def spectrum(d: Labelled, _claim: Claim) -> Judgement:
     """Lines above the floor and broadband power of y_p at s = 3.27."""
-    o = d.orbits
-    asked = np.isfinite(o.lines)
+    o, asked = d.orbits, np.isfinite(d.orbits.lines)
     with np.errstate(invalid="ignore"):
         many = (o.lines >= MANY_LINES) | (o.broadband >= BROADBAND)
         near = np.nan_to_num(np.minimum(np.fmax(o.lines / MANY_LINES, o.broadband / BROADBAND), 1.0))
@@ -222,9 +221,14 @@ def spectrum(d: Labelled, _claim: Claim) -> Judgement:
     return _judgement(np.where(asked.any(axis=-1), word, UNKNOWN), near.mean(axis=-1))
 
 
+def without_return(d: Labelled) -> Array:
+    """Share of speeds that do not return, or end, shape (set, psi)."""
+    return np.asarray((d.open | d.ended).mean(axis=-1))
+
+
 def regularises(d: Labelled, _claim: Claim) -> Judgement:
     """Share of speeds that do not return, or end, against psi: it must never rise, and fall in all."""
-    shares = (d.open | d.ended).mean(axis=-1)
+    shares = without_return(d)
     never = (np.diff(shares, axis=-1) <= 1e-12).all(axis=-1)
     less = shares[:, -1] < shares[:, 0]
     word = np.where(never & less, HOLDS, np.where(less, PARTLY_HOLDS, FAILS))
@@ -247,38 +251,41 @@ def suppresses(d: Labelled, _claim: Claim) -> Judgement:
     """Amplitude against psi, at the speeds that all permeabilities run through."""
     shared, median, less = suppressed(d)
     with np.errstate(invalid="ignore", divide="ignore"):
-        word = np.where((median[:, -1] < 0.95 * median[:, 0]) & (less > PARTLY), HOLDS, FAILS)
-        ratio = np.nan_to_num(np.minimum(0.95 * median[:, 0] / median[:, -1], 1.0))
+        word = np.where((median[:, -1] < SMALLER * median[:, 0]) & (less > PARTLY), HOLDS, FAILS)
+        ratio = np.nan_to_num(np.minimum(SMALLER * median[:, 0] / median[:, -1], 1.0))
     enough = shared.sum(axis=-1) >= LEAST_SPEEDS
     near = np.where(enough, 0.5 * ratio + 0.5 * np.minimum(less / PARTLY, 1.0), 0.1 * shared.sum(axis=-1) / LEAST_SPEEDS)
     return _judgement(np.where(enough, word, UNKNOWN), near)
 
 
-def safe_speeds(d: Labelled, _claim: Claim) -> Judgement:
-    """Are there speeds to choose, and does choosing them lower the amplitude."""
+def calm_and_rough(d: Labelled) -> tuple[Mask, Array, Array]:
+    """Whether there are periodic speeds and others to choose from; median amplitude of both; shape (set, psi)."""
     safe = d.regime == Regime.periodic
     moving = ~safe & np.isfinite(d.amplitude)
-    choice = safe.any(axis=-1) & moving.any(axis=-1)
-    calm, rough = median_of(d.amplitude, safe), median_of(d.amplitude, moving)
+    return safe.any(axis=-1) & moving.any(axis=-1), median_of(d.amplitude, safe), median_of(d.amplitude, moving)
+
+
+def safe_speeds(d: Labelled, _claim: Claim) -> Judgement:
+    """Are there speeds to choose, and does choosing them lower the amplitude."""
+    choice, calm, rough = calm_and_rough(d)
     with np.errstate(invalid="ignore", divide="ignore"):
         lowered = choice & (calm < rough)
         ratio = np.where(choice, np.minimum(rough / calm, 1.0), 0.0)
-    any_choice = choice.any(axis=-1)
     word = np.where((lowered | ~choice).all(axis=-1), HOLDS, np.where(lowered.any(axis=-1), PARTLY_HOLDS, FAILS))
     near = ratio.sum(axis=-1) / np.maximum(choice.sum(axis=-1), 1)
-    return _judgement(np.where(any_choice, word, UNKNOWN), near)
+    return _judgement(np.where(choice.any(axis=-1), word, UNKNOWN), near)
 
 
 JUDGES: dict[str, Callable[[Labelled, Claim], Judgement]] = {
     "fig2-nonperiodic": nonperiodic,
     "fig2-amplitude-grows": amplitude_grows,
-    "fig3-low-8T": window(1e-4, 0.0, 1.1799, "with the forcing"),
-    "fig3-chaos-window": window(1e-4, 1.18, 1.60, "chaotic"),
+    "fig3-low-8T": window(*WINDOWS["fig3-low-8T"]),
+    "fig3-chaos-window": window(*WINDOWS["fig3-chaos-window"]),
     "fig3-large-amplitude": large_amplitude,
-    "fig3-mid-8T": window(1e-4, 1.61, 3.10, "with the forcing"),
-    "fig3-high-chaos": window(1e-4, 3.11, np.inf, "chaotic"),
-    "fig4-windows": three_windows(1e-3),
-    "fig5-windows": three_windows(0.1),
+    "fig3-mid-8T": window(*WINDOWS["fig3-mid-8T"]),
+    "fig3-high-chaos": window(*WINDOWS["fig3-high-chaos"]),
+    "fig4-windows": three_windows(THREE_WINDOWS["fig4-windows"]),
+    "fig5-windows": three_windows(THREE_WINDOWS["fig5-windows"]),
     "fig67-lyapunov": lyapunov_positive,
     "fig6-dimension-yp": dimension("yp"),
     "fig7-dimension-y2": dimension("y2"),

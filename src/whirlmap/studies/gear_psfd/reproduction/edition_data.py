@@ -152,16 +152,10 @@ def gather(
 ) -> EditionData:  # fmt: skip
     """Compute everything for one edition; ``keep(kind, psi, ds)`` takes each diagram and orbit as it is finished."""
     system = load(edition.case)
-    at = speeds(quality) / edition.scale
     here = system.replace(s=S_ORBIT / edition.scale)
 
     def diagram(psi: float) -> xr.Dataset:
-        ds = bifurcation_diagram(
-            system.replace(psi=psi), "s", at, settling=quality.settling, lyapunov=quality.exponent_periods,
-            workers=1, progress=progress, **PAPERS_METHOD,
-        )  # fmt: skip
-        attributes = {"units": "1", "long_name": "speed ratio of the paper"}
-        return ds.assign_coords(paper_s=("s", ds["s"].values * edition.scale, attributes))
+        return diagram_of(edition, system.replace(psi=psi), quality, progress)
 
     def orbit(psi: float) -> xr.Dataset:
         return diagnose(
@@ -179,6 +173,18 @@ def gather(
         diagrams, orbits = made["diagram"], made["orbit"]
     dimensions = {(psi, y): _dimensions(orbits[psi], y, workers or cores()) for psi in PSI for y in ORBITS}
     return EditionData(edition, system, quality, diagrams, orbits, dimensions)
+
+
+def diagram_of(
+    edition: Edition, system: System, quality: Quality, progress: Callable[[int], None] | None = None
+) -> xr.Dataset:  # fmt: skip
+    """The diagram of a system, the edition's at some permeability, with the paper's speeds beside its own."""
+    ds = bifurcation_diagram(
+        system, "s", speeds(quality) / edition.scale, settling=quality.settling, lyapunov=quality.exponent_periods,
+        workers=1, progress=progress, **PAPERS_METHOD,
+    )  # fmt: skip
+    attributes = {"units": "1", "long_name": "speed ratio of the paper"}
+    return ds.assign_coords(paper_s=("s", ds["s"].values * edition.scale, attributes))
 
 
 def _dimensions(ds: xr.Dataset, coordinate: str, workers: int) -> dict[str, xr.Dataset]:

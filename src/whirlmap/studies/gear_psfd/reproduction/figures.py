@@ -32,6 +32,7 @@ class Plan:
     """A figure before it is drawn: plain data, so that another process can draw it."""
 
     stem: str
+    figure: int
     caption: str
     draw: Callable[..., Figure]
     arguments: tuple[Any, ...]
@@ -46,14 +47,14 @@ def plans(e: EditionData) -> Iterator[Plan]:
             f"Figure {number} ({name}): pinion, gear and bearing centres against s, once per T, psi = {psi:g};"
             f" {e.edition.says}{SCALED if e.edition.scale != 1 else ''}"
         )
-        yield Plan(f"fig{number}-{name}", caption, diagram_sheet, (ds, f"{name}, ψ = {psi:g}"))
+        yield Plan(f"fig{number}-{name}", number, caption, diagram_sheet, (ds, f"{name}, ψ = {psi:g}"))
     for coordinate, number in ORBITS.items():
         for psi, ds in e.orbits.items():
             label = Regime(int(ds["regime"])).label
             title = f"{name}, s = {S_ORBIT} of the paper, ψ = {psi:g}: {label}"
             caption = f"Figure {number} ({name}): {coordinate} at the paper's s = {S_ORBIT}, psi = {psi:g}: {label}"
             plane = e.dimensions[psi, coordinate].get("plane")
-            yield Plan(f"fig{number}-{name}-psi{psi:g}", caption, orbit_sheet, (ds, coordinate, plane, title))
+            yield Plan(f"fig{number}-{name}-psi{psi:g}", number, caption, orbit_sheet, (ds, coordinate, plane, title))
 
 
 def diagram_sheet(ds: xr.Dataset, title: str) -> Figure:

@@ -13,15 +13,15 @@ from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI
 from whirlmap.studies.gear_psfd.reproduction.edition_data import (
     EDITIONS,
     Edition,
-    EditionData,
     edition_of,
     gather,
     quality_named,
 )
 from whirlmap.studies.gear_psfd.reproduction.figures import DIAGRAM_NUMBER, Studio, plans
+from whirlmap.studies.gear_psfd.reproduction.live_diagrams import live_diagrams
 from whirlmap.studies.gear_psfd.reproduction.output import Folder
-from whirlmap.studies.gear_psfd.reproduction.report import Picture, write_report
-from whirlmap.studies.gear_psfd.reproduction.verdicts import ClaimVerdict, judge
+from whirlmap.studies.gear_psfd.reproduction.report import Finished, Picture, write_report
+from whirlmap.studies.gear_psfd.reproduction.verdicts import judge
 
 REPORT = "report.html"
 
@@ -51,7 +51,7 @@ def reproduce(
     Returns
     -------
     dict
-        ``report`` (path), ``figures`` (paths), ``verdicts`` {edition: {claim id: {verdict, found}}}.
+        ``report`` (path), ``figures`` (paths), ``verdicts`` {edition: {claim id: {verdict, number, found}}}.
 
     Raises
     ------
@@ -69,8 +69,7 @@ def reproduce(
         raise RangeError(f"several cases are called {', '.join(twice)}, and their files would be, too: rename the cases")
     folder = Folder(Path(out))
     folder.check(file_names(editions))
-    done: list[tuple[EditionData, list[ClaimVerdict]]] = []
-    pictures: list[Picture] = []
+    done: list[Finished] = []
     with Studio(workers or cores()) as studio:
         for edition in editions:
 
@@ -78,16 +77,20 @@ def reproduce(
                 folder.write(f"{kind}-{name}-psi{psi:g}.nc", lambda trial: write(ds, trial))
 
             evidence = gather(edition, level, workers=workers, progress=progress, keep=keep)
+            pictures: list[Picture] = []
             for plan, png in studio.draw(plans(evidence)):
                 path = folder.write(f"{plan.stem}.png", lambda trial, png=png: trial.write_bytes(png))  # type: ignore[misc]
-                pictures.append(Picture(path, plan.caption, edition.name))
-            done.append((evidence, judge(evidence)))
-            folder.write(REPORT, lambda trial: write_report(trial, done, pictures, quality=quality))
+                pictures.append(Picture(path, plan.figure, plan.caption))
+            done.append(Finished(evidence, judge(evidence), pictures, live_diagrams(evidence)))
+            folder.write(REPORT, lambda trial: write_report(trial, done, quality=quality))
     return {
         "report": folder.path / REPORT,
-        "figures": [p.path for p in pictures],
+        "figures": [p.path for one in done for p in one.pictures],
         "verdicts": {
-            e.edition.name: {v.claim.id: {"verdict": v.word, "found": v.found} for v in verdicts} for e, verdicts in done
+            one.name: {
+                v.claim.id: {"verdict": v.word, "number": v.measured.number, "found": v.found} for v in one.verdicts
+            }
+            for one in done
         },
     }
 

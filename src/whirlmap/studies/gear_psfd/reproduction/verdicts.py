@@ -13,14 +13,14 @@ from whirlmap.results.status import Status
 from whirlmap.studies.gear_psfd.claims.claims import (
     WORDS,
     Claim,
-    chaotic_windows,
     claims,
     judge_all,
     rank_correlation,
     suppressed,
-    windows_of,
 )
 from whirlmap.studies.gear_psfd.claims.labelled import ORBITS, PSI, Array, Labelled, Mask, Orbits, least_exponent, median_of
+from whirlmap.studies.gear_psfd.claims.measured import Measured, measured
+from whirlmap.studies.gear_psfd.claims.thresholds import THREE_WINDOWS, WINDOWS, chaotic_windows, windows_of
 from whirlmap.studies.gear_psfd.reproduction.edition_data import EditionData, dimension_text
 
 #: Regime of a point whose numbers could not be had: it is of no kind.
@@ -29,10 +29,11 @@ NOT_KNOWN = -1
 
 @dataclass(frozen=True)
 class ClaimVerdict:
-    """A word, and the numbers that decided it."""
+    """A word, the number that it comes from, and all numbers that decided it, in words."""
 
     claim: Claim
     word: str
+    measured: Measured
     found: str
 
 
@@ -40,7 +41,9 @@ def judge(evidence: EditionData) -> list[ClaimVerdict]:
     """Judge every statement by the evidence of one edition."""
     d = labelled(evidence)
     judged = judge_all(d)
-    return [ClaimVerdict(c, WORDS[int(judged[c.id].word[0])], FOUND[c.id](evidence, d, c)) for c in claims()]
+    return [
+        ClaimVerdict(c, WORDS[int(judged[c.id].word[0])], measured(d, c), FOUND[c.id](evidence, d, c)) for c in claims()
+    ]
 
 
 def labelled(e: EditionData) -> Labelled:
@@ -134,7 +137,8 @@ def _window(psi: float, low: float, high: float) -> Callable[[EditionData, Label
 
 def _chaos_window(e: EditionData, d: Labelled, claim: Claim) -> str:
     both = counts(d, PSI.index(1e-4), d.between(1.61, 1.80))
-    return f"{_window(1e-4, 1.18, 1.60)(e, d, claim)}; s = 1.61 .. 1.80, where the paper says both: {both}"
+    psi, low, high, _ = WINDOWS[claim.id]
+    return f"{_window(psi, low, high)(e, d, claim)}; s = 1.61 .. 1.80, where the paper says both: {both}"
 
 
 def _large_amplitude(_e: EditionData, d: Labelled, _claim: Claim) -> str:
@@ -230,13 +234,10 @@ def _safe_speeds(e: EditionData, d: Labelled, _claim: Claim) -> str:
 FOUND: dict[str, Callable[[EditionData, Labelled, Claim], str]] = {
     "fig2-nonperiodic": _nonperiodic,
     "fig2-amplitude-grows": _amplitude_grows,
-    "fig3-low-8T": _window(1e-4, 0.0, 1.1799),
+    **{name: _window(psi, low, high) for name, (psi, low, high, _) in WINDOWS.items()},
     "fig3-chaos-window": _chaos_window,
     "fig3-large-amplitude": _large_amplitude,
-    "fig3-mid-8T": _window(1e-4, 1.61, 3.10),
-    "fig3-high-chaos": _window(1e-4, 3.11, np.inf),
-    "fig4-windows": _three_windows(1e-3),
-    "fig5-windows": _three_windows(0.1),
+    **{name: _three_windows(psi) for name, psi in THREE_WINDOWS.items()},
     "fig67-lyapunov": _lyapunov,
     "fig6-dimension-yp": _dimension("yp"),
     "fig7-dimension-y2": _dimension("y2"),
