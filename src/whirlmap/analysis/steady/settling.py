@@ -12,6 +12,8 @@ check. A point is checked on its own, by its own history, every `ROUND` common p
 3. A point that approaches its orbit slowly is moved to its extrapolated orbit, and kept there if the verification run
    succeeds (`acceleration`); otherwise it is restored, and the attempt costs nothing but time.
 4. A point that has returned, ended, or run its full length leaves the pool, and the next one enters.
+5. Points that have returned are asked for their multipliers, all together (`proof`): one whose way is not over, or that
+   leaves an orbit which repels it, settles on, and counts as not returned where that does not help.
 
 Which lane a point runs in, and when, changes none of its bits (`Ensemble`).
 """
@@ -25,6 +27,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.steady.acceleration import Attempts
 from whirlmap.analysis.steady.extrapolation import DIFFERENCES
 from whirlmap.analysis.steady.periodicity import period_of
+from whirlmap.analysis.steady.proof import unproved
 from whirlmap.analysis.steady.return_search import search_windows
 from whirlmap.analysis.steady.settled import Settled
 from whirlmap.analysis.steady.slow_approach import LONGEST_RETURN
@@ -50,6 +53,8 @@ PAST = 1e-3
 SWINGS = 10.0
 #: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
 POOL = 128
+#: How often a point whose return was no proof settles on.
+PROOFS = 2
 
 
 def looks(ran: Integers, longest: Integers) -> Integers:
@@ -83,10 +88,35 @@ def settle(
     Settled
         Points that ended, and points that did not return in the longest time, have multiple 0.
     """
-    common = ensemble.strobe
     longest = np.full(ensemble.points, settling.longest) if longest is None else longest
     wide = np.ones(ensemble.points) if wide is None else wide
-    pool = _Pool(ensemble, settling, longest, wide, period_of(cyclic, ensemble.model.dimension))
+    period = period_of(cyclic, ensemble.model.dimension)
+    settled = _settle(ensemble, settling, longest, wide, np.ones(ensemble.points), period, progress)
+    left: NDArray[np.intp] = np.arange(ensemble.points if not ensemble.tangents else 0)
+    for proof in range(PROOFS + 1):
+        doubt = unproved(ensemble, settled, left, settling.tolerance, cyclic or {}, longest)
+        left = doubt.points
+        if not left.size:
+            break
+        if proof == PROOFS:
+            settled.multiple[left] = 0
+            break
+        part = ensemble.subset(left)
+        part.advance(doubt.ahead * part.strobe, progress=progress)
+        again = _settle(part, settling, longest[left], wide[left], doubt.strict, period, progress)
+        again.waited[:] += doubt.ahead
+        ensemble.absorb(part, left)
+        settled.take(again, left)
+    return settled
+
+
+def _settle(
+    ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, strict: Array, period: Array,
+    progress: Callable[[int], None] | None,
+) -> Settled:  # fmt: skip
+    """Settle; returns of points that have not been accelerated are within the part ``strict`` of their tolerance."""
+    common = ensemble.strobe
+    pool = _Pool(ensemble, settling, longest, wide, strict, period)
     while pool.active.size:
         stretch = pool.stretch()
         segment = ensemble.advance(
@@ -99,7 +129,7 @@ def settle(
     if refused.size:
         part = ensemble.subset(refused)
         plainly = replace(settling, accelerate=False)
-        again = settle(part, plainly, longest=longest[refused], wide=wide[refused], cyclic=cyclic, progress=progress)
+        again = _settle(part, plainly, longest[refused], wide[refused], strict[refused], period, progress)
         ensemble.absorb(part, refused)
         pool.settled.take(again, refused)
     pool.settled.distance[kept] *= wide[kept]
@@ -148,11 +178,13 @@ def _take_over(
 class _Pool:
     """Points that run now, with their last section points, and the queue of those that wait."""
 
-    def __init__(self, ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, period: Array) -> None:
+    def __init__(
+        self, ensemble: Ensemble, settling: Settling, longest: Integers, wide: Array, strict: Array, period: Array
+    ) -> None:
         n, states = ensemble.points, ensemble.model.dimension
         self.ensemble, self.settling, self.longest, self.period = ensemble, settling, longest.astype(np.int64), period
         self.accelerate = settling.accelerate and not ensemble.tangents
-        self.wide, self.waiting = wide, 0
+        self.wide, self.strict, self.waiting = wide, strict, 0
         self.active = np.zeros(0, dtype=np.intp)
         self.size = min(POOL * LANES * ensemble.workers, n)
         kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
@@ -275,6 +307,7 @@ class _Pool:
             looked=self.looked, longest=self.longest, period=self.period, tolerance=self.tolerance, scale=s.scale,
             own=self._own, size=self._size, room=self._room, multiple=s.multiple, distance=s.distance,
         )  # fmt: skip
+        s.distance[points] *= self.strict[points]
 
 
 def windows(settling: Settling) -> list[int]:

@@ -3,9 +3,10 @@
 The tangent vectors of an orbit begin as the unit vectors and are integrated over one return without orthonormalisation;
 they end as the columns of its monodromy matrix. The largest modulus of its eigenvalues is good to rounding relative to
 itself, the small ones drown in that rounding: `floquet` finds these, for one orbit. Of models with many states the largest
-modulus is sought in a subspace of a few vectors first (`largest_multipliers`).
+modulus is sought in a subspace of a few vectors first (`go_round`).
 """
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -25,6 +26,8 @@ BATCH = 512
 MANY, SUBSPACE, RETURNS = 40, 6, 4
 #: Part of the largest multiplier, and of its distance from the unit circle, that its residual in the subspace may have.
 RESIDUAL, FROM_CIRCLE = 1e-4, 0.01
+#: Singular value of 1 - M, over the largest, below which a direction is one that M leaves as it is.
+SAME = 1e-12
 
 
 @dataclass(frozen=True)
@@ -95,8 +98,33 @@ def _with_vectors(ensemble: Ensemble, points: Points, x: Array, count: int) -> E
     )  # fmt: skip
 
 
+@dataclass(frozen=True)
+class Return:
+    """What one return of some points tells of the orbit near them.
+
+    Attributes
+    ----------
+    largest : array, shape (point,)
+        Largest modulus of the multipliers; infinite where the orbit ends before its return, or sticks to a surface.
+    change, left : array, shape (state, point)
+        Change over the return, and what is left of the way to the orbit after it.
+    """
+
+    largest: Array
+    change: Array
+    left: Array
+
+
 def largest_multipliers(ensemble: Ensemble, points: Points, multiple: Integers, x: Array | None = None) -> Array:
-    """Largest modulus of the multipliers over one return of some points that lie on periodic orbits.
+    """Largest modulus of the multipliers over one return of some points that lie on periodic orbits: see `go_round`."""
+    return go_round(ensemble, points, multiple, x).largest
+
+
+def go_round(
+    ensemble: Ensemble, points: Points, multiple: Integers, x: Array | None = None,
+    cyclic: Mapping[int, float] | None = None,
+) -> Return:  # fmt: skip
+    """Go round once from points that lie on periodic orbits, or near them.
 
     Parameters
     ----------
@@ -107,52 +135,79 @@ def largest_multipliers(ensemble: Ensemble, points: Points, multiple: Integers, 
         Return of each, in common periods.
     x : array, shape (state, len(points)), optional
         A point of each orbit; the present states where absent.
-
-    Returns
-    -------
-    array, shape like ``points``
-        Infinite where the orbit ends before its return, or sticks to a surface.
+    cyclic : mapping of state index to period, optional
+        States that are angles.
 
     Notes
     -----
+    With the monodromy matrix M and the change d over the return, (1 - M)^-1 M d is left. Directions in which M is one are
+    left out: nothing is known of a way along them.
+
     Of `MANY` states or more, `SUBSPACE` vectors go round the orbit again and again, orthonormalised after each return:
     subspace iteration with Rayleigh-Ritz projection, Saad 2011, chapter 5 [saad2011]. The largest Ritz value is taken where
     its residual is below `RESIDUAL` of it, and below `FROM_CIRCLE` of its distance from the unit circle, so that
-    stability is not in doubt. The other points, whose multipliers are close to each other, take all vectors.
+    stability is not in doubt; what is left is that in the subspace, for the other directions have died away. The other
+    points, whose multipliers are close to each other, take all vectors.
     """
-    x, largest = ensemble.x[:, points] if x is None else x, np.full(points.size, np.nan)
+    x = ensemble.x[:, points] if x is None else x
+    found = Return(np.full(points.size, np.nan), np.full(x.shape, np.nan), np.full(x.shape, np.nan))
     left = np.arange(points.size)
     if ensemble.model.dimension >= MANY:
         for these in batches(points.size):
-            largest[these] = _largest_in_subspace(ensemble, points[these], multiple[these], x[:, these])
-        left = np.flatnonzero(np.isnan(largest))
+            _in_subspace(ensemble, points, multiple, x, cyclic, these, found)
+        left = np.flatnonzero(np.isnan(found.largest))
     for part in batches(left.size):
         these = left[part]
-        largest[these] = spectral_radius(monodromies(ensemble, points[these], multiple[these], x[:, these]).matrix)
-    return largest
+        went = monodromies(ensemble, points[these], multiple[these], x[:, these])
+        found.largest[these] = spectral_radius(went.matrix)
+        found.change[:, these] = change = _change(x[:, these], went.end, cyclic)
+        known = np.isfinite(found.largest[these])
+        found.left[:, these[known]] = _left(went.matrix[known], change[:, known].T).T
+    return found
 
 
-def _largest_in_subspace(ensemble: Ensemble, points: Points, multiple: Integers, x: Array) -> Array:
-    """The same by subspace iteration; NaN where that has not converged, or the motion ends."""
-    largest, left = np.full(points.size, np.nan), np.arange(points.size)
-    n = ensemble.model.dimension
+def _change(begin: Array, end: Array, cyclic: Mapping[int, float] | None) -> Array:
+    change = end - begin
+    for k, period in (cyclic or {}).items():
+        change[k] -= period * np.rint(change[k] / period)
+    return change
+
+
+def _left(matrix: Array, change: Array) -> Array:
+    """(1 - M)^-1 M d for matrices (point, n, n) and changes (point, n)."""
+    away = np.linalg.pinv(np.eye(matrix.shape[-1]) - matrix, rcond=SAME)
+    return np.asarray((away @ matrix @ change[:, :, None])[:, :, 0])
+
+
+def _in_subspace(
+    ensemble: Ensemble, points: Points, multiple: Integers, x: Array, cyclic: Mapping[int, float] | None, these: Points,
+    found: Return,
+) -> None:  # fmt: skip
+    """The same of ``these`` by subspace iteration, into ``found``; NaN stays where that has not converged."""
+    n, left = ensemble.model.dimension, these
     start = np.linalg.qr(np.random.default_rng(20240101).normal(size=(n, SUBSPACE)))[0]
-    Q = np.repeat(start[None], points.size, axis=0)
-    size = tangent_sizes(ensemble.model, ensemble.period[points], x).T[:, :, None]
+    Q = np.repeat(start[None], left.size, axis=0)
     for _ in range(RETURNS):
+        size = tangent_sizes(ensemble.model, ensemble.period[points[left]], x[:, left]).T[:, :, None]
         e = _with_vectors(ensemble, points[left], x[:, left], SUBSPACE)
-        e.vectors[:] = (Q * size[left]).transpose(2, 1, 0)
+        e.vectors[:] = (Q * size).transpose(2, 1, 0)
         e.advance(multiple[left] * e.strobe)
         went = np.flatnonzero(e.running & np.isfinite(e.vectors).all(axis=(0, 1)))
-        Q, left = Q[went], left[went]
+        if not went.size:
+            break
+        Q, left, size = Q[went], left[went], size[went]
+        Y = e.vectors.transpose(2, 1, 0)[went] / size
+        largest, residual = _largest_ritz(Q, Y)
+        good = residual <= np.minimum(RESIDUAL * largest, FROM_CIRCLE * np.abs(1 - largest))
+        done = left[good]
+        change = _change(x[:, left], e.x[:, went], cyclic)
+        found.largest[done], found.change[:, done] = largest[good], change[:, good]
+        back = Q[good].transpose(0, 2, 1)
+        left_within = _left(back @ Y[good], (back @ (change.T[:, :, None] / size)[good])[:, :, 0])
+        found.left[:, done] = (Q[good] @ left_within[:, :, None] * size[good])[:, :, 0].T
+        Q, left = np.linalg.qr(Y[~good])[0], left[~good]
         if not left.size:
             break
-        Y = e.vectors.transpose(2, 1, 0)[went] / size[left]
-        found, residual = _largest_ritz(Q, Y)
-        good = residual <= np.minimum(RESIDUAL * found, FROM_CIRCLE * np.abs(1 - found))
-        largest[left[good]] = found[good]
-        Q, left = np.linalg.qr(Y[~good])[0], left[~good]
-    return largest
 
 
 def _largest_ritz(Q: Array, Y: Array) -> tuple[Array, Array]:
