@@ -30,6 +30,7 @@ from whirlmap.analysis.steady.settled import Settled
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.analysis.steady.settling_accurately import settle_accurately
 from whirlmap.analysis.trends.trend_labels import Trends, label_trends
+from whirlmap.analysis.variational.monodromy import largest_multipliers
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.scales import scales_between
 from whirlmap.integrate.system import System
@@ -53,6 +54,8 @@ PATIENCE = 2
 #: Scaled distance of a near return below which Newton's method is tried on a torus; longest such orbit, in T times tangent
 #: vectors.
 NEARLY, WORTH = 1e-4, 6_000
+#: Least relative error of a multiplier.
+ROUNDING = 1e-12
 
 
 class LabelledPoints:
@@ -304,3 +307,15 @@ class LabelledPoints:
         at = points[known]
         found.regime[at], found.confidence[at] = regime[known], 1.0
         found.rule[at] = np.where(multiple[known] > 0, Rule.returns, Rule.trend)
+        back = np.flatnonzero(known & (multiple > 0) & (found.periods[points] > 0))
+        if back.size and part.model.forced and part.returns:
+            self._exponents_of_orbits(part, back, points[back], multiple[back])
+
+    def _exponents_of_orbits(self, part: Ensemble, which: Points, points: Points, multiple: Integers) -> None:
+        """Take exponents of orbits from their multipliers: a run that led to one holds its transient, or what it left."""
+        largest = largest_multipliers(part, which, multiple)
+        time, found = multiple * part.strobe * part.period[which], self.found
+        known = np.isfinite(largest) & (largest > 0)
+        at = points[known]
+        found.exponent[at] = np.log(largest[known]) / time[known]
+        found.error[at] = np.fmax(part.step_error[which], ROUNDING)[known] / time[known]
