@@ -51,8 +51,9 @@ ROUND, SELDOM, MOST = 4, 8, 32
 PAST = 1e-3
 #: A drift may swing, within the time between two looks, by so many times the way that it goes.
 SWINGS = 10.0
-#: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them.
-POOL = 128
+#: Blocks of lanes in the pool, for each worker: many, for what Python does in a round is shared by them. Section points of
+#: all of them take so many bytes at most, where that leaves a block to each worker.
+POOL, BYTES = 128, 2**27
 #: How often a point whose return was no proof settles on.
 PROOFS = 2
 
@@ -186,9 +187,10 @@ class _Pool:
         self.accelerate = settling.accelerate and not ensemble.tangents
         self.wide, self.strict, self.waiting = wide, strict, 0
         self.active = np.zeros(0, dtype=np.intp)
-        self.size = min(POOL * LANES * ensemble.workers, n)
         kept = max(2 * settling.most, settling.first_window, LONGEST_RETURN * DIFFERENCES + 1)
-        self.history = np.full((self.size, -(-kept // ROUND) * ROUND, states), np.nan)
+        ring, least = -(-kept // ROUND) * ROUND, LANES * ensemble.workers
+        self.size = min(max(min(POOL * least, BYTES // (8 * ring * states)), least), n)
+        self.history = np.full((self.size, ring, states), np.nan)
         self.low, self.high = np.empty((self.size, states)), np.empty((self.size, states))  # since the last look
         self.largest = np.empty((self.size, states))  # magnitude since the beginning
         self.slot = np.full(n, -1, dtype=np.intp)
