@@ -5,7 +5,7 @@ import pytest
 import sympy as sp
 
 from whirlmap.analysis.motion.ensembles import make_ensemble
-from whirlmap.analysis.steady import acceleration, settling
+from whirlmap.analysis.steady import acceleration, pool
 from whirlmap.analysis.steady.extrapolation import DIFFERENCES, room_for_fit, step_to_limit
 from whirlmap.analysis.steady.settling import Settling, settle
 from whirlmap.analysis.variational.floquet import floquet_multipliers
@@ -228,8 +228,8 @@ def test_bits_of_short_cuts_do_not_depend_on_the_pool(monkeypatch, size):
 
     wanted, x = run()
     assert wanted.accelerated.any() and not wanted.accelerated.all()
-    monkeypatch.setattr(settling, "POOL", 1)
-    monkeypatch.setattr(settling, "LANES", size)
+    monkeypatch.setattr(pool, "POOL", 1)
+    monkeypatch.setattr(pool, "LANES", size)
     got, y = run()
     np.testing.assert_array_equal(got.waited, wanted.waited)
     np.testing.assert_array_equal(got.accelerated, wanted.accelerated)

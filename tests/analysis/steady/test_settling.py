@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from whirlmap.analysis.motion.ensembles import make_ensemble
-from whirlmap.analysis.steady import settling as module
+from whirlmap.analysis.steady import pool as module
 from whirlmap.analysis.steady.periodicity import return_multiple
 from whirlmap.analysis.steady.return_search import to_limit
 from whirlmap.analysis.steady.settling import Settling, settle

@@ -18,8 +18,8 @@ from whirlmap.analysis.labels.same_attractor import on_set
 from whirlmap.analysis.motion.ensembles import cyclic_states, make_ensemble
 from whirlmap.analysis.periodic_orbits.arrivals import arrivals
 from whirlmap.analysis.periodic_orbits.closed_orbit import FAR, ClosedOrbit, closed_orbits, flows_into, nearest_return
+from whirlmap.analysis.steady.pool import POOL
 from whirlmap.analysis.steady.returns import settle_and_record
-from whirlmap.analysis.steady.settling import POOL
 from whirlmap.integrate.division import cores
 from whirlmap.integrate.ensemble import Ensemble
 from whirlmap.integrate.system import System

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.labels.labelling import measure
 from whirlmap.analysis.motion.ensembles import parameter_values, run_attributes
-from whirlmap.analysis.steady.settling import POOL
+from whirlmap.analysis.steady.pool import POOL
 from whirlmap.errors import RangeError
 from whirlmap.integrate.division import cores
 from whirlmap.integrate.own_units import in_own_units

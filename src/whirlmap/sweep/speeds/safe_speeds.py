@@ -15,7 +15,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.steady.settling import POOL
+from whirlmap.analysis.steady.pool import POOL
 from whirlmap.errors import RangeError
 from whirlmap.integrate.division import cores
 from whirlmap.integrate.own_units import in_own_units
