@@ -80,6 +80,7 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             "z": [places[w.shaft, w.station] for w in (m.driver, m.driven)],
             "teeth": [int(given[f"mesh.{m.name}.{key}"]) for key in ("z_driver", "z_driven")],
             "module": given.get(f"mesh.{m.name}.module"), "kind": m.kind, "theta": values.get(m.theta.name, 0.0),
+            **transmitted(system, m),
             "load": None if m.kind != "line" else force * values[f"F_0_{m.name}"],
             "rest": None if m.kind != "line" or rest is None else force * _tooth_force(machine, m, numbers),
         }
@@ -98,6 +99,18 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
         ],
         "truncation": _truncation(system),
     }  # fmt: skip
+
+
+def transmitted(system: "System", mesh: Teeth) -> dict[str, float | None]:
+    """Torque of the driver [N m], and the power [W] and speed of the reference shaft [rad/s] from which it follows."""
+    settled = system.machine
+    assert settled is not None
+    own = {key: one.name for key, one in mesh.inputs().items()}
+    found: dict[str, float | None] = {"torque": settled.given.get(own["T"]), "power": None, "speed_of_power": None}
+    if how := settled.followed.get(own["T"]):
+        power, at, *_ = how.reads
+        found |= {"power": settled.given[power], "speed_of_power": float(how.held.get(at, settled.given[at]))}
+    return found
 
 
 def _tooth_force(machine: Machine, mesh: Teeth, numbers: Mapping[Any, float]) -> float:
@@ -160,8 +173,8 @@ def print_parts(parts: dict[str, Any]) -> None:
     of_bearing = ("bearing", "shaft", "film", "on", "clearance", "load at rest", "eccentricity", "direction")
     tables.append(report.table("Bearings", of_bearing, [_bearing(b) for b in parts["bearings"]], numbers=(4, 5, 6, 7)))
     if parts["meshes"]:
-        of_mesh = ("mesh", "teeth", "tooth passing", "tooth load", "at rest", "phase")
-        tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5)))
+        of_mesh = ("mesh", "teeth", "tooth passing", "power", "torque of the driver", "tooth load", "at rest", "phase")
+        tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5, 6, 7)))
     report.show(*tables)
     found = parts["truncation"]
     if not found["why_not"]:
@@ -184,7 +197,9 @@ def _mesh(m: dict[str, Any]) -> tuple[str, ...]:
     teeth = f"{m['driver']} {m['teeth'][0]} : {m['teeth'][1]} {m['driven']}"
     passing, phase = m["frequency"] / (2 * np.pi), float(np.degrees(m["theta"])) % 360
     loads = (_number(m["load"], "N"), _number(m["rest"], "N"))
-    return (m["name"], teeth, _number(passing, "Hz"), *loads, _number(phase, "deg"))
+    power = "" if m["power"] is None else f"{m['power'] / 1e3:.4g} kW at {_rpm(m['speed_of_power'])}"
+    torque = _number(m["torque"], "N*m")
+    return (m["name"], teeth, _number(passing, "Hz"), power, torque, *loads, _number(phase, "deg"))
 
 
 def _modes(shaft: dict[str, Any]) -> str:
