@@ -151,7 +151,6 @@ WRONG = {
     "no speed": ('speed = "9000 rpm"\n', "", ["[operation]", "no speed"]),
     "no reference": ('reference = "pinion"\n', "", ["[operation]", "no reference", "pinion, gear"]),
     "no oil": ('[lubricant]\nmu = "0.015 Pa*s"\n', "", ["[[bearing]] drive_end", "no lubricant"]),
-    "torque of zero": ('T = "20 N*m"', 'T = "0 N*m"', ["[[mesh]] teeth: T", "torque of 0"]),
     "one number of teeth": ("z = [20, 41]", "z = 20", ["[[mesh]] teeth: z", "[31, 93]"]),
     "half a tooth": ("z = [20, 41]", "z = [20.5, 41]", ["[[mesh]] teeth: z"]),
     "two bearings in one place": ('name = "free_end"\nshaft = "pinion"\nat = 2', 'name = "free_end"\nshaft ='
