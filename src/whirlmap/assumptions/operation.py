@@ -42,7 +42,9 @@ def speed_range(facts: Facts) -> Iterator[Violation]:
 def rated_speed(facts: Facts) -> Iterator[Violation]:
     """A power that is given for a speed at which the machine is not run, as where that is the speed of another shaft."""
     settled = facts.system.machine
-    for target, how in settled.followed.items() if settled else ():
+    if settled is None:
+        return
+    for target, how in settled.followed.items():
         for held, at in how.route.held.items():
             if held.name not in ("speed_min", "speed_max") or at.name not in how.reads:
                 continue
