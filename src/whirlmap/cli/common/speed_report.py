@@ -48,6 +48,7 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
         "incomplete": ds.attrs.get("incomplete"),
         "quantities": ds.attrs["quantities"].split(), "followed": bool(ds.attrs["followed"]),
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
+        "unstable_rest": _unstable_rest(js.loads(ds.attrs["unstable_rest"]), rpm),
         "operation": _operation(float(system.values[system.speed]), rows, rpm),
         "force_N": newton, "length_um": um, "verdicts": dict(counted), "speed": system.speed, "s": ds[system.speed].values,
         "rpm": ds["rpm"].values if "rpm" in ds and isfinite(rpm) else None, "units": UNITS,
@@ -73,6 +74,13 @@ def _in_units(row: dict[str, Any], rpm: float, um: float, newton: float) -> dict
         if isfinite(size) and row.get(name) is not None:
             out[f"{name}_{unit}"] = row[name] * size
     return out
+
+
+def _unstable_rest(found: dict[str, Any] | None, rpm: float) -> dict[str, Any] | None:
+    """Where the static equilibrium is unstable, of the speeds that are not safe; None where that is not known."""
+    if found is None or not isfinite(rpm):
+        return found
+    return found | {"looked_at_rpm": [s * rpm for s in found["looked_at"]], "rpm": [s * rpm for s in found["unstable"]]}
 
 
 def _operation(s: float, rows: list[dict[str, Any]], rpm: float) -> dict[str, Any] | None:
@@ -118,6 +126,8 @@ def show(facts: dict[str, Any]) -> None:
     counted = ", ".join(f"{n} {words(name)}" for name, n in facts["verdicts"].items())
     how = "cold starts, run-up and run-down" if facts["followed"] else "cold starts alone"
     typer.echo(f"{len(facts['s'])} speeds, {how}: {counted}")
+    if facts["unstable_rest"] and facts["unstable_rest"]["unstable"]:
+        typer.echo(_self_excited(facts["unstable_rest"], facts["speed"]))
     if facts["operation"]:
         typer.echo(_of_operation(facts["operation"], facts["speed"]))
     if "probability" in facts:
@@ -171,6 +181,20 @@ def _cell(row: dict[str, Any], name: str, bearing: str) -> str:
         return f"{row[name][0]:.2f} .. {row[name][1]:.2f}"
     which = row.get(bearing)
     return f"{row[name]:.4g}" + (f" ({which})" if which and which != "all" else "")
+
+
+def _self_excited(found: dict[str, Any], speed: str) -> str:
+    """That some of the speeds that are not safe have an unstable equilibrium, and how the journals whirl there."""
+    at = found.get("rpm", found["unstable"])
+    ends = [f"{v:.0f}" if "rpm" in found else f"{v:.4f}" for v in (min(at), max(at))]
+    place = f"{' .. '.join(dict.fromkeys(ends))} rpm" if "rpm" in found else f"{speed} = {' .. '.join(dict.fromkeys(ends))}"
+    names = ", ".join(dict.fromkeys(found["journal"]))
+    ratios = [f"{r:.2f}" for r in (min(found["ratio"]), max(found["ratio"])) if isfinite(r)]
+    times = f" at {' to '.join(dict.fromkeys(ratios))} times the speed of the journal" if ratios else ""
+    return (
+        f"unstable static equilibrium: at {len(at)} of the {len(found['looked_at'])} speeds looked at that are not safe,"
+        f" {place}; bearing {names} excites a whirl{times}, which a better balance does not cure (see whirlmap linear)"
+    )
 
 
 def _of_operation(at: dict[str, Any], speed: str) -> str:

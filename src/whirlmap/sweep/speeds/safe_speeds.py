@@ -32,6 +32,7 @@ from whirlmap.sweep.parameters.engineering import number_of_limit
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.edge_events import with_events
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
+from whirlmap.sweep.speeds.unstable_rest import unstable_rest
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed, speed_of
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
 
@@ -88,7 +89,8 @@ def safe_speeds(
         ``status``, ``period_T``, ``lyapunov``. Where the case has dimensions, ``rpm(s)``. Over ``window``:
         ``window_start``, ``window_end``, ``gap_start``, ``gap_end`` (zero at an end of the range), ``window_amplitude``.
         ``attrs["stretches"]`` is a list of runs of speeds with one verdict as JSON (`windows.stretches`);
-        ``attrs["windows"]`` those of them that are safe.
+        ``attrs["windows"]`` those of them that are safe; ``attrs["unstable_rest"]`` says of speeds that are not safe where the
+        static equilibrium is unstable (`unstable_rest.unstable_rest`; "null" where that is not known).
 
     Raises
     ------
@@ -118,10 +120,10 @@ def safe_speeds(
     cold: list[xr.Dataset] = []
     met: xr.Dataset | None = None
     edges: dict[int, Edge] | None = None
-    followed, missing = False, "the edges of the windows"
+    followed, missing, rest = False, "the edges of the windows", None
 
     def parts(_: Work) -> Iterator[int]:
-        nonlocal met, edges, followed, missing
+        nonlocal met, edges, followed, missing, rest
         for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
             cold.append(cold_motions(judge, {speed: at[part]}, limits[part]))
             yield part.stop
@@ -140,6 +142,7 @@ def safe_speeds(
         edges, ends = refined_edges(judge, at, met, limit, follow=follow)
         if follow:
             edges = with_events(judge, at, edges, ends)
+        rest = unstable_rest(system, at[outcome(met, at.size)["verdict"].values != Verdict.safe])
         missing = ""
         yield at.size + 1 + follow
 
@@ -155,6 +158,7 @@ def safe_speeds(
         if ends is None:  # windows end with their last safe speed
             ends, _ = refined_edges(judge, speeds, found, limit, follow=False, rounds=0)
         ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed)
+        ds.attrs["unstable_rest"] = json.dumps(rest)
         if missing:
             fewer = speeds.size < at.size
             where = f"after {speeds.size} of {at.size} speeds" if fewer else f"before {missing} were finished"
