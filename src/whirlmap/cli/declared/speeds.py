@@ -30,8 +30,8 @@ Span = Annotated[
     str | None,
     typer.Option(
         "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
-        help='Speeds of the reference shaft (the first of a gear pair), "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
-        " absent.",
+        help='Speeds of the reference shaft (the first of a gear pair), "500 rpm:6000 rpm", or values of s. The range in the'
+        " table [operation] where absent.",
     ),
 ]  # fmt: skip
 

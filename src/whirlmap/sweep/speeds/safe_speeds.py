@@ -89,7 +89,7 @@ def safe_speeds(
         ``status``, ``period_T``, ``lyapunov``. Where the case has dimensions, ``rpm(s)``. Over ``window``:
         ``window_start``, ``window_end``, ``gap_start``, ``gap_end`` (zero at an end of the range), ``window_amplitude``.
         ``attrs["stretches"]`` is a list of runs of speeds with one verdict as JSON (`windows.stretches`);
-        ``attrs["windows"]`` those of them that are safe; ``attrs["unstable_rest"]`` says of speeds that are not safe where the
+        ``attrs["windows"]`` those of them that are safe; ``attrs["unstable_rest"]`` says at which of the others the
         static equilibrium is unstable (`unstable_rest.unstable_rest`; "null" where that is not known).
 
     Raises

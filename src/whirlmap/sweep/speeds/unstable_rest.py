@@ -28,7 +28,7 @@ def unstable_rest(system: System, speeds: ArrayLike) -> dict[str, Any] | None:
     Returns
     -------
     dict or None
-        ``looked_at``, the speeds with an equilibrium that were looked at; ``unstable``, those of them at which a small motion
+        ``looked_at``, the speeds with an equilibrium that were looked at; ``unstable``, those at which a small motion
         grows; and of the motion that grows fastest at each of the latter ``journal``, in which bearing the journal moves
         most, and ``ratio``, its frequency over the speed of that journal (0 of a motion that does not oscillate, NaN of a
         journal that does not turn). None for a model without journals, a static equilibrium, or a linear system there.
