@@ -9,7 +9,8 @@ from tests.machines.wrong_machines import GOOD
 
 import whirlmap
 from whirlmap.cases import read
-from whirlmap.cases.machine_file import KINDS, OPERATING
+from whirlmap.cases.machine_keys import KINDS, OPERATING
+from whirlmap.machines.beams import MATERIALS
 from whirlmap.machines.fields import Choice
 from whirlmap.sweep.parameters.axis import Axis
 
@@ -112,6 +113,16 @@ def test_the_page_lists_every_key_and_every_choice():
             assert f"`{key}`" in rows[kind], (kind, key)
             for choice in one.choices if isinstance(one, Choice) else ():
                 assert f"`{choice}`" in rows[kind], (kind, choice)
+
+
+def test_the_page_says_which_keys_are_required():
+    rows = {m[1]: m[2] for m in re.finditer(r"^\| `\[+(\w+)\]+`(?! with)[^|]*\| (.*) \|$", PAGE, re.MULTILINE)}
+    for kind, fields in KINDS.items():
+        required = {re.sub(r"_[xy]$", "", one.key) for one in fields if getattr(one, "required", False)}
+        assert set(re.findall(r"\*\*`(\w+)`\*\*", rows[kind])) == required, kind
+    assert re.findall(r"\*\*`(\w+)`\*\*", rows["operation"]) == ["speed"]
+    steel = MATERIALS["steel"]
+    assert f"E = {steel.E / 1e9:.0f} GPa, G = {steel.G / 1e9:.1f} GPa, ρ = {steel.rho:.0f} kg/m³" in PAGE
 
 
 def test_the_file_on_the_page_loads(tmp_path):

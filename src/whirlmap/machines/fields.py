@@ -18,6 +18,8 @@ class Number:
     fixed : bool
         Whether it is part of the shape of the machine, from which the numbers of the equations are computed; others are
         inputs of the kernel, which can be varied.
+    zero : bool
+        Whether every part of its kind has it in truth: one that a file leaves out counts as zero, and `show` says so.
     limits : mapping
         ``above``, ``at_least``, ``below``, ``order``, as of `Parameter`.
     """
@@ -27,6 +29,7 @@ class Number:
     meaning: str
     required: bool = False
     fixed: bool = False
+    zero: bool = False
     limits: Mapping[str, Any] = field(default_factory=dict)
 
     def parameter(self, part: str) -> Parameter:

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 #: Difference of the tooth force at rest from the transmitted load, over the latter, from which `show` warns.
 CARRIED = 0.05
+#: Diameter of a journal over that of its shaft there, or its inverse, from which `show` warns: a radius that is a diameter
+#: makes it 2.
+WIDER = 1.5
 
 
 def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | None) -> dict[str, Any]:
@@ -64,13 +67,14 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             "name": b.name, "shaft": b.shaft, "z": places[b.shaft, b.station], "kind": b.kind, "film": b.film, "arc": b.arc,
             "support": b.support, "alike": b.alike, **{key: given[f"bearing.{b.name}.{key}"] for key in ("R", "L", "c")},
             "load": output(f"load_{b.name}", force), "eccentricity": output(f"eps_{b.name}"),
+            "shaft_diameter": _diameter(machine, b.shaft, b.station),
             "direction": None if ux is None or uy is None else float(np.degrees(np.arctan2(uy, ux))),
         })  # fmt: skip
     for by_table in machine.coefficients:
         bearings.append({
             "name": by_table.name, "shaft": by_table.shaft, "z": places[by_table.shaft, by_table.station],
             "kind": "coefficients", "support": by_table.support, "alike": by_table.alike,
-            "load": output(f"load_{by_table.name}", force),
+            "load": output(f"load_{by_table.name}", force), "shaft_diameter": None,
             "speeds": [min(by_table.speeds), max(by_table.speeds)] if by_table.speeds else None,
         })  # fmt: skip
     meshes = [
@@ -98,7 +102,14 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             for c in machine.rubs
         ],
         "truncation": _truncation(system),
+        "left_out": _left_out(system),
     }  # fmt: skip
+
+
+def _left_out(system: "System") -> list[str]:
+    """Dotted names of numbers that the case does not give and that count as zero."""
+    parts = system.machine.case.parts if system.machine else None
+    return [".".join(one) for one in parts.left_out] if parts else []
 
 
 def transmitted(system: "System", mesh: Teeth) -> dict[str, float | None]:
@@ -111,6 +122,13 @@ def transmitted(system: "System", mesh: Teeth) -> dict[str, float | None]:
         power, at, *_ = how.reads
         found |= {"power": settled.given[power], "speed_of_power": float(how.held.get(at, settled.given[at]))}
     return found
+
+
+def _diameter(machine: Machine, name: str, station: int) -> float | None:
+    """Diameter of the thicker element at a station [m]; None of a shaft without any, or one given by its matrices."""
+    shaft = next(rotor.shaft for rotor in machine.rotors if rotor.name == name)
+    beside = shaft.elements[max(station - 1, 0) : station + 1]
+    return max(e.d for e in beside) if beside and shaft.given is None else None
 
 
 def _tooth_force(machine: Machine, mesh: Teeth, numbers: Mapping[Any, float]) -> float:
@@ -146,6 +164,13 @@ def warnings_of(parts: dict[str, Any]) -> list[str]:
                 f"tooth_load: mesh {m['name']} carries {m['rest']:.4g} N at rest, not the transmitted {m['load']:.4g} N,"
                 ' for its shafts turn uniformly and their centres part; torsion = "free" with couplings lets them turn'
             )
+    for b in parts["bearings"]:
+        journal, shaft = 2 * b.get("R", 0.0), b["shaft_diameter"]
+        if b["kind"] == "journal" and shaft and not 1 / WIDER <= journal / shaft <= WIDER:
+            made.append(
+                f"journal_diameter: bearing {b['name']} has R = {b['R'] * 1e3:.4g} mm, which is a journal of"
+                f" {journal * 1e3:.4g} mm, and its shaft there is {shaft * 1e3:.4g} mm thick; R is half of the diameter"
+            )
     if found["why_not"]:
         return [*made, f"truncation: what the omitted modes cost was not computed: {found['why_not']}"]
     if not found["holds"]:
@@ -162,13 +187,25 @@ def warnings_of(parts: dict[str, Any]) -> list[str]:
     return made
 
 
+def _said(left_out: list[str]) -> str:
+    """What was left out, by keys and parts: ``I_d, I_p of disk fan; C_m of mesh teeth``."""
+    of_part = dict[tuple[str, str], list[str]]()
+    for dotted in left_out:
+        kind, name, key = dotted.split(".")
+        of_part.setdefault((kind, name), []).append(key)
+    alike = dict[tuple[str, str], list[str]]()
+    for (kind, name), keys in of_part.items():
+        alike.setdefault((", ".join(keys), kind), []).append(name)
+    return "; ".join(f"{keys} of {kind} {', '.join(names)}" for (keys, kind), names in alike.items())
+
+
 def print_parts(parts: dict[str, Any]) -> None:
     """Tables of shafts, bearings and meshes."""
     rows: list[tuple[str, ...]] = [
         (s["name"], _rpm(s["speed"]), _number(s["mass"], "kg"), _number(s["stiffness"] / 1e6, "N/um"), _modes(s))
         for s in parts["shafts"]
     ]
-    columns = ("shaft", "speed", "mass", "stiffness on rigid bearings", "kept modes of a plane, Hz, free and at standstill")
+    columns = ("shaft", "speed", "mass", "m omega^2 on rigid bearings", "kept modes of a plane, Hz, free and at standstill")
     tables = [report.table("Shafts", columns, rows, numbers=(1, 2, 3))]
     of_bearing = ("bearing", "shaft", "film", "on", "clearance", "load at rest", "eccentricity", "direction")
     tables.append(report.table("Bearings", of_bearing, [_bearing(b) for b in parts["bearings"]], numbers=(4, 5, 6, 7)))
@@ -176,6 +213,8 @@ def print_parts(parts: dict[str, Any]) -> None:
         of_mesh = ("mesh", "teeth", "tooth passing", "power", "torque of the driver", "tooth load", "at rest", "phase")
         tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5, 6, 7)))
     report.show(*tables)
+    if parts["left_out"]:
+        typer.echo(f"left out, and zero: {_said(parts['left_out'])}")
     found = parts["truncation"]
     if not found["why_not"]:
         typer.echo(
