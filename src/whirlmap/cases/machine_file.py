@@ -28,6 +28,7 @@ from typing import Any
 
 from whirlmap.cases.entries import Given
 from whirlmap.cases.machine_keys import BOTH, HEAD, KINDS, OIL, OPERATING, fields_of, left_out
+from whirlmap.cases.machine_merge import suiting
 from whirlmap.cases.machine_parts import Tables
 from whirlmap.cases.machine_tables import NAME, PartTable, Source
 from whirlmap.equations.family import Family
@@ -89,6 +90,8 @@ class MachineCase:
                 continue
             kind, index, key = found
             raw[kind] = _with(raw[kind], index, key, value.written if isinstance(value, Given) else value)
+            if key == ["kind"]:
+                raw[kind][index] = suiting(kind, raw[kind][index], raw[kind][index])
             del left[name]
             others = True
         return (read_machine(raw, self.sources) if others else self), left
