@@ -7,6 +7,7 @@ from decimal import Decimal
 from typing import Any
 
 from whirlmap.cases.entries import NO_SOURCE, Given
+from whirlmap.cases.machine_hints import hint
 from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.fields import Choice, Field, Number, Other, Station, Text
 from whirlmap.units import example, read
@@ -98,7 +99,7 @@ class PartTable:
                 if real not in known:
                     raise self.fault(key, f"found the unknown key {key!r}, expected one of"
                                           f" {', '.join(self._keys(known, both))}."
-                                     f"{nearest(key, self._keys(known, both))}")  # fmt: skip
+                                     f"{hint(key, fields, self._keys(known, both))}")  # fmt: skip
                 if real != key and real in self.values:
                     raise self.fault(key, f"found {real} given twice, once by {key}; expected it once")
                 self._one(key, known[real], value)

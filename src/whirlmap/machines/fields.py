@@ -22,6 +22,8 @@ class Number:
         Whether every part of its kind has it in truth: one that a file leaves out counts as zero, and `show` says so.
     limits : mapping
         ``above``, ``at_least``, ``below``, ``order``, as of `Parameter`.
+    twice : tuple of str
+        What people write for twice this number: ``D`` for a radius ``R``.
     """
 
     key: str
@@ -31,6 +33,7 @@ class Number:
     fixed: bool = False
     zero: bool = False
     limits: Mapping[str, Any] = field(default_factory=dict)
+    twice: tuple[str, ...] = ()
 
     def parameter(self, part: str) -> Parameter:
         """The input of a part, by its dotted name: ``bearing.drive_end.c``."""
