@@ -1,5 +1,7 @@
 """What a file leaves out and counts as zero is said, and a radius that is a diameter is noticed."""
 
+import re
+
 import pytest
 from tests.machines.wrong_machines import GOOD
 
@@ -72,3 +74,22 @@ def test_a_journal_unlike_its_shaft_is_noticed(tmp_path, R, noticed):
 
 def test_the_stock_machine_lacks_no_more_than_damping_of_its_shafts():
     assert {key for _, _, key in read("machines/two-shaft-gearbox").parts.left_out} == {"C", "zeta"}
+
+
+def test_what_truncation_advises_can_be_set(tmp_path):
+    """The options that the warning names, taken as they are."""
+    file = tmp_path / "machine.toml"
+    file.write_text(GOOD.replace('mm" },', 'mm", n = 4 },'), encoding="utf-8")
+    system = whirlmap.load(file)
+    parts = describe_parts(system, system.machine.case.parts.machine, None)
+    parts["truncation"] = {"why_not": "", "holds": True, "fastest": 900.0}
+    (said,) = warnings_of(parts)
+    options = dict(re.findall(r"--set (\S+)=N \(now (\d)\)", said))
+    assert set(options) <= {"shaft.pinion.modes", "shaft.gear.modes"} and options
+    fewer = whirlmap.load(file, **dict.fromkeys(options, "0"))
+    assert len(fewer.states) == len(system.states) - 4 * sum(map(int, options.values()))
+    parts = describe_parts(fewer, fewer.machine.case.parts.machine, None)
+    parts["truncation"] = {"why_not": "", "holds": True, "fastest": 900.0}
+    assert "modes" not in warnings_of(parts)[0]  # there are none left to leave out
+    parts["truncation"] |= {"holds": False, "frequency": 2.0, "largest_error": 0.5, "allowed": 0.01, "fastest": 1.0}
+    assert "--set shaft.pinion.modes=N (now 0), --set shaft.gear.modes=N (now 0)" in warnings_of(parts)[0]

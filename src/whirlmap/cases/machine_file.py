@@ -27,7 +27,7 @@ from functools import lru_cache
 from typing import Any
 
 from whirlmap.cases.entries import Given
-from whirlmap.cases.machine_keys import BOTH, HEAD, KINDS, OIL, OPERATING, fields_of, left_out
+from whirlmap.cases.machine_keys import BOTH, HEAD, KINDS, OIL, OPERATING, dotted, fields_of, left_out
 from whirlmap.cases.machine_merge import suiting
 from whirlmap.cases.machine_parts import Tables
 from whirlmap.cases.machine_tables import NAME, PartTable, Source
@@ -105,6 +105,9 @@ class MachineCase:
             raise CaseError(f"found {name!r}, which names nothing of this machine, expected kind.part.key, such as"
                             f" {known[-1]}."
                             f"{nearest(name, known)}")  # fmt: skip
+        if (places := dotted(self.raw, name)) and name not in (*known, *self.family.symbols(), *self.family.switches):
+            every = [f"{shared} for all of these" for shared in groups.shared if shared.endswith(f".{name}")]
+            raise CaseError(f"found {name!r}, a key of parts, expected the part as well: {', '.join([*places, *every])}")
         if given is not None and given.note.startswith("follows"):
             raise CaseError(f"{name} follows from the elements and disks of its shaft, expected a change of those, such as"
                             f" {name.rpartition('.')[0]}.elements.1.d")  # fmt: skip

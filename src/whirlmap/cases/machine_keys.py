@@ -42,6 +42,17 @@ def fields_of(kind: str, values: Mapping[str, Any]) -> Sequence[Field]:
     return coefficients.FIELDS if by_coefficients else KINDS[kind]
 
 
+def dotted(raw: Mapping[str, Any], key: str) -> list[str]:
+    """Names under which a key of the parts of a file is reached: ``shaft.pinion.modes``."""
+    found = list[str]()
+    for kind in KINDS:
+        listed = raw.get(kind)
+        for i, one in enumerate(listed if isinstance(listed, list) else (), start=1):
+            if any(field.key == key for field in fields_of(kind, one)):
+                found.append(f"{kind}.{one.get('name', f'{kind}_{i}')}.{key}")
+    return found
+
+
 def left_out(by_kind: Mapping[str, Sequence[PartTable]]) -> Iterator[tuple[str, str, str]]:
     """Numbers that count as zero because the file does not give them."""
     for kind, tables in by_kind.items():

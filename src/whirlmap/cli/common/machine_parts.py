@@ -177,14 +177,26 @@ def warnings_of(parts: dict[str, Any]) -> list[str]:
         at, error, allowed = found["frequency"], found["largest_error"], found["allowed"]
         made.append(
             f"truncation: the mode at {at:.3g} times the clock's speed is off by {error:.2%}, above {allowed:.0%};"
-            " keep more modes of the shafts, modes = N"
+            f" keep more elastic modes, {_modes_options(parts['shafts'])}"
         )
     if found["fastest"] > FAST:
+        fewer = [s for s in parts["shafts"] if _elastic(s)]
+        slower = f"; fewer elastic modes make it slower, {_modes_options(fewer)}" if fewer else ""
         made.append(
             f"truncation: the fastest motion (of a journal, or the highest kept mode) is {found['fastest']:.3g} times as"
-            " fast as the fastest shaft turns, and steps follow it; fewer modes of the shafts, modes = N, make it slower"
+            " fast as the fastest shaft turns, and steps follow it" + slower
         )
     return made
+
+
+def _elastic(shaft: dict[str, Any]) -> int:
+    """Number of elastic modes of a plane that its key ``modes`` says."""
+    return sum(mode["name"].startswith("bending") for mode in shaft["modes"])
+
+
+def _modes_options(shafts: list[dict[str, Any]]) -> str:
+    """How to keep another number of modes of these shafts, and how many are kept now."""
+    return ", ".join(f"--set shaft.{s['name']}.modes=N (now {_elastic(s)})" for s in shafts if not s["lumped"])
 
 
 def _said(left_out: list[str]) -> str:
