@@ -46,7 +46,8 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     facts: dict[str, Any] = {
         "case": system.case, "limit": limit, "limit_um": limit * um if isfinite(um) else None,
         "incomplete": ds.attrs.get("incomplete"),
-        "quantities": ds.attrs["quantities"].split(), "followed": bool(ds.attrs["followed"]),
+        "quantities": ds.attrs["quantities"].split(), "not_judged": ds.attrs["not_judged"].split(),
+        "followed": bool(ds.attrs["followed"]),
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
         "unstable_rest": _unstable_rest(js.loads(ds.attrs["unstable_rest"]), rpm),
         "operation": _operation(float(system.values[system.speed]), rows, rpm),
@@ -105,6 +106,11 @@ def show(facts: dict[str, Any]) -> None:
     um = facts["limit_um"]
     limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
     typer.echo(f"{facts['case']}: peak to peak of {', '.join(facts['quantities'])} at most {limit}")
+    if facts["not_judged"]:
+        typer.echo(
+            f"not judged: {', '.join(facts['not_judged'])} (--quantity NAME judges another station;"
+            " linear --response shows all of them)"
+        )
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     speed = "speed [rpm]" if facts["rpm"] is not None else facts["speed"]
@@ -129,7 +135,8 @@ def show(facts: dict[str, Any]) -> None:
     if facts["unstable_rest"] and facts["unstable_rest"]["unstable"]:
         typer.echo(_self_excited(facts["unstable_rest"], facts["speed"]))
     if facts["operation"]:
-        typer.echo(_of_operation(facts["operation"], facts["speed"]))
+        every = "are all speeds that were judged" if facts["incomplete"] else "is the whole range"
+        typer.echo(_of_operation(facts["operation"], facts["speed"], every))
     if "probability" in facts:
         means = {why: float(p.mean()) for why, p in facts["probability_of"].items() if p.any()}
         shares = ", ".join(f"{100 * p:.1f} % {words(why)}" for why, p in means.items())
@@ -197,7 +204,7 @@ def _self_excited(found: dict[str, Any], speed: str) -> str:
     )
 
 
-def _of_operation(at: dict[str, Any], speed: str) -> str:
+def _of_operation(at: dict[str, Any], speed: str, every: str) -> str:
     place = f"{at['rpm']:.0f} rpm" if "rpm" in at else f"{speed} = {at['s']:.4f}"
     if at["verdict"] != "safe":
         return f"the machine's own speed, {place}: not safe, {words(at['verdict'])}"
@@ -205,4 +212,4 @@ def _of_operation(at: dict[str, Any], speed: str) -> str:
         (f"{m['rpm']:.0f} rpm" if "rpm" in m else f"{m['s']:.4f}") + f" {side} ({words(m['to'])})"
         for side, m in at["margins"].items()
     ]
-    return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else 'as is the whole range'}"
+    return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else f'as {every}'}"

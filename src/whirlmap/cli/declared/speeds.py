@@ -39,7 +39,8 @@ Quantity = Annotated[
     str | None,
     typer.Option(
         "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
-        help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
+        help="State or output whose peak-to-peak counts, or a disk, bearing or other station, whose x and y both count;"
+        " where absent the largest of some displacements, which the report names.",
     ),
 ]  # fmt: skip
 

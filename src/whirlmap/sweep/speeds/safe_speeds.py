@@ -70,7 +70,8 @@ def safe_speeds(
         Largest peak-to-peak displacement that is allowed, in the model's length (clearances, for the machines), or with its
         unit, ``"20 um"``.
     quantity : str, optional
-        State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
+        State or output whose peak-to-peak counts, or the name of a station (a disk, a bearing, a wheel of a machine from
+        parts), whose x and y both count; where absent the largest of the model's displacements.
     follow : bool
         Whether to run up and down through the speeds as well, which shows coexisting motions; about three times the work.
     labelling : Labelling, optional
@@ -157,7 +158,7 @@ def safe_speeds(
         ends = edges
         if ends is None:  # windows end with their last safe speed
             ends, _ = refined_edges(judge, speeds, found, limit, follow=False, rounds=0)
-        ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed)
+        ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed, to_the_end=speeds.size == at.size)
         ds.attrs["unstable_rest"] = json.dumps(rest)
         if missing:
             fewer = speeds.size < at.size
@@ -169,12 +170,13 @@ def safe_speeds(
 
 
 def _dataset(
-    system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool
+    system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool,
+    to_the_end: bool,
 ) -> xr.Dataset:
     speed = system.speed
     whole = outcome(met, at.size).swap_dims(point=speed)
     ds = whole[[name for name in KEPT if name in whole]]
-    rows = stretches(ds, edges)
+    rows = stretches(ds, edges, whole=to_the_end)
     windows = [row for row in rows if row["verdict"] == Verdict.safe.name]
     ds["margin"] = variable(speed, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds",
                             measure="rotation")  # fmt: skip
@@ -190,8 +192,8 @@ def _dataset(
     if np.isfinite(scale):
         ds["rpm"] = variable(speed, at * scale, "rpm", "speed of the first shaft")
     return ds.assign_attrs(
-        met.attrs, limit=limit, quantities=" ".join(judge.rows), followed=int(follow), windows=json.dumps(windows),
-        stretches=json.dumps(rows),
+        met.attrs, limit=limit, quantities=" ".join(judge.rows), not_judged=" ".join(judge.not_judged),
+        followed=int(follow), windows=json.dumps(windows), stretches=json.dumps(rows),
     )  # fmt: skip
 
 
