@@ -46,7 +46,7 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     facts: dict[str, Any] = {
         "case": system.case, "limit": limit, "limit_um": limit * um if isfinite(um) else None,
         "incomplete": ds.attrs.get("incomplete"),
-        "quantities": ds.attrs["quantities"].split(), "not_judged": ds.attrs["not_judged"].split(),
+        "quantities": ds.attrs["quantities"].split(), "not_judged": js.loads(ds.attrs["not_judged"]),
         "followed": bool(ds.attrs["followed"]),
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
         "unstable_rest": _unstable_rest(js.loads(ds.attrs["unstable_rest"]), rpm),

@@ -192,7 +192,7 @@ def _dataset(
     if np.isfinite(scale):
         ds["rpm"] = variable(speed, at * scale, "rpm", "speed of the first shaft")
     return ds.assign_attrs(
-        met.attrs, limit=limit, quantities=" ".join(judge.rows), not_judged=" ".join(judge.not_judged),
+        met.attrs, limit=limit, quantities=" ".join(judge.rows), not_judged=json.dumps(judge.not_judged),
         followed=int(follow), windows=json.dumps(windows), stretches=json.dumps(rows),
     )  # fmt: skip
 

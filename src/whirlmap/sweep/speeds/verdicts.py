@@ -90,9 +90,12 @@ class Judge:
 
     @property
     def not_judged(self) -> list[str]:
-        """Displacements of stations that do not count."""
-        judged = self.rows
-        return [axis for pair in stations_of(self.system.model).values() for axis in pair if axis not in judged]
+        """Stations that do not count; of one whose x or y counts, the other."""
+        judged, left = self.rows, list[str]()
+        for name, pair in stations_of(self.system.model).items():
+            axes = [axis for axis in pair if axis not in judged]
+            left += [name] if len(axes) == len(pair) else axes
+        return left
 
     def __call__(self, values: Mapping[str, Array], limits: Array, *, starts: Array | None = None) -> xr.Dataset:
         """Judge points, each from a cold start or from its own.
