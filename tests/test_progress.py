@@ -63,6 +63,21 @@ def test_points_that_do_not_return_far_behind_are_foreseen_once_one_is_met():
     assert after > 30 * before
 
 
+def test_a_first_batch_that_takes_longer_than_expected_says_so_of_those_behind_it():
+    """Nine batches of 20 points; each point takes thirteen times the T that it takes at least."""
+    forecast, shares = Forecast(180, 108.0), []
+    for batch in range(9):
+        forecast.come(20)
+        for step in range(1, 14):
+            forecast.spend(20 * 108.0, 20 * 108.0 * COST)
+            spent = (13 * batch + step) / (13 * 9)
+            total = 20 * 108.0 * COST * (13 * batch + step)
+            shares.append((spent, total / (total + forecast.seconds_left())))
+        forecast.settle(20, 0, 16384.0)
+    true, said = np.array(shares).T
+    assert np.all(said[true < 0.15] < 0.25) and np.all(np.abs(said - true)[13:] < 0.1)
+
+
 def test_a_forecast_never_says_that_all_is_done_before_it_is(monkeypatch):
     now = [0.0]
     monkeypatch.setattr(shown.time, "monotonic", lambda: now[0])
@@ -71,6 +86,17 @@ def test_a_forecast_never_says_that_all_is_done_before_it_is(monkeypatch):
             now[0] += 1.0
             bar(100)
             assert "100 %" not in bar.line(now[0]) and not bar.line(now[0]).endswith(" 0:00 left")
+
+
+def test_work_beyond_the_number_expected_has_no_known_end(monkeypatch):
+    now = [0.0]
+    monkeypatch.setattr(shown.time, "monotonic", lambda: now[0])
+    with Progress("work", 1000, most=True, quiet=True) as bar:
+        for part in range(1, 20):
+            now[0] += 1.0
+            bar(100)
+            said = bar.line(now[0])
+            assert (f"{10 * part} % in" in said and "left" in said) if part < 10 else "%" not in said and "left" not in said
 
 
 def test_compiling_is_said_and_counts_for_no_rate(monkeypatch, tmp_path):

@@ -4,7 +4,7 @@ from itertools import islice, product
 
 from markdown_tables import code, table
 from whirlmap.cases.entries import Entry, Header
-from whirlmap.cases.machine_file import HEAD, KINDS, OPERATING
+from whirlmap.cases.machine_keys import HEAD, KINDS, OPERATING
 from whirlmap.equations.family import Family
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import ModelError
@@ -53,7 +53,7 @@ def machine_tables() -> str:
 
 
 def _field(one: Field) -> tuple[str, str, str]:
-    must = " (required)" if getattr(one, "required", False) else ""
+    must = " (required)" if getattr(one, "required", False) else "; zero where absent" if getattr(one, "zero", False) else ""
     if isinstance(one, Number):
         limits = _limits(Parameter(one.key, one.unit, one.meaning, **one.limits))
         kind = f"number {code(example(one.unit))}{limits}" if one.unit != "1" else f"number{limits}"

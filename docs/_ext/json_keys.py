@@ -38,6 +38,7 @@ MEANINGS = {
         "parameters": "every parameter with its value, unit, meaning and source",
         "quantities": "what follows in dimensions: natural frequencies, speeds",
         "outputs": "unit and meaning of every output",
+        "stations": "states or outputs along x and y of every place that `speeds --quantity` and `linear --response` know",
         "stops": "terminal events and their meanings",
         "states": "start value, unit and meaning of every state",
         "start": "where the start state comes from",
@@ -129,6 +130,8 @@ MEANINGS = {
     },
     "speeds": {
         "quantities": "displacements that were judged",
+        "not_judged": "stations that were not judged; of one whose x or y was, the other",
+        "unstable_rest": "speeds that are not safe at which the static equilibrium is unstable, and its whirl; null where unknown",
         "followed": "whether run-up and run-down were judged too",
         "windows": "safe windows, with the reasons at both ends",
         "stretches": "all stretches, safe or not",

@@ -63,6 +63,7 @@ class Forecast:
     longest: float = 0.0
     settling: Part = field(default_factory=Part)
     running: Part = field(default_factory=Part)
+    _hand: int = 0  # points that are settling now
     _left: int = 0  # points without a return in hand
     _ran: float = 0.0  # T that each of them has run
     _now: Part = field(default_factory=Part)  # since the part that is being worked on began
@@ -75,6 +76,7 @@ class Forecast:
     def come(self, points: int) -> None:
         """So many points begin to settle."""
         self.points = max(self.points, self.settled + points)
+        self._hand = points
 
     def settle(self, points: int, opened: int, longest: float) -> None:
         """So many points have settled, of which some do not return, and will run ``longest`` T at most."""
@@ -82,7 +84,7 @@ class Forecast:
         self.settled += points
         self.points = max(self.points, self.settled)
         self.opened, self.longest = self.opened + opened, longest
-        self._left, self._ran = opened, 0.0
+        self._hand, self._left, self._ran = 0, opened, 0.0
 
     def run(self, left: int, ran: float) -> None:
         """Of the points without a return in hand so many are left, and have run so many T."""
@@ -109,9 +111,12 @@ class Forecast:
         cost = running.cost or COSTLY * settling.cost
         to_come = self.points - self.settled + self.later
         each = self.settling.periods / self.settled if self.settled else self.each
+        in_hand = 0 if self._left else min(self._hand or to_come, to_come)
+        if in_hand:  # those behind take as long as these have taken already, if that is longer than expected
+            each = max(each, self._now.periods / in_hand)
         left = to_come * each
-        if to_come and not self._left:
-            left = max(left - self._now.periods, LEAST * left)
+        if in_hand:
+            left -= min(self._now.periods, (1 - LEAST) * in_hand * each)
         run = (self.running.periods + PRIOR * self.longest / 2) / (self.closed + PRIOR)
         open_left = to_come * (self.opened / self.settled if self.settled else 0.0) * run
         if self._left:

@@ -159,11 +159,11 @@ class Progress:
         return EVERY
 
     def seconds_left(self, now: float) -> float | None:
-        """Seconds that are left; None where nothing is known."""
+        """Seconds that are left; None where nothing is known, as of work that goes on beyond the number expected."""
         if self.forecast:
             return self.forecast.seconds_left()
         spent = now - self._begun - self._idle
-        return spent * (self.total / self.done - 1) if self.total and self.done else None
+        return spent * (self.total / self.done - 1) if self.total and 0 < self.done < self.total else None
 
     def share(self, now: float) -> float:
         """Share of the work that is done: of the T expected, or of the seconds where they follow from a forecast."""

@@ -7,6 +7,7 @@ import pytest
 from typer.testing import CliRunner
 
 from whirlmap.cli.main import app
+from whirlmap.sweep.speeds import improve as trials
 
 RIG = "machines/jeffcott-rig"
 
@@ -31,6 +32,22 @@ def test_the_table_names_the_next_command():
     done = run(f"improve {RIG} --vary c=80um:120um:2 --points 6 --coarse --quiet")
     assert done.exit_code == 0 and "c [um]" in done.stdout
     assert f'whirlmap speeds {RIG} --set "c=' in done.stdout
+
+
+def test_an_interrupted_comparison_says_of_how_many_designs_it_is(monkeypatch):
+    real, calls = trials._Trial.run, []
+
+    def run_two(self, designs, **options):
+        calls.append(1)
+        if len(calls) > 1:
+            raise KeyboardInterrupt
+        return real(self, designs, **options)
+
+    monkeypatch.setattr(trials._Trial, "run", run_two)
+    done = run(f"improve {RIG} --vary c=80um:120um:3 --points 6 --coarse --quiet")
+    assert done.exit_code == 130
+    assert "incomplete: interrupted in the values given, after 1 of 3 designs" in done.stdout
+    assert "widest window so far" in done.stdout and "next, for the best so far: whirlmap speeds" in done.stdout
 
 
 def test_a_case_without_dimensions():

@@ -36,7 +36,8 @@ SLOW = (
     "whirlmap bifurcation rub.toml", "whirlmap continue machines/turbo-gearbox", "whirlmap map duffing --set delta=0.05",
     "whirlmap diagnose --series my_signal.csv",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
-    "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap show machines/two-shaft-gearbox",
+    "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap linear my_train.toml",
+    "whirlmap show machines/two-shaft-gearbox",
     "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',
     'import whirlmap\n\nsystem = whirlmap.load("duffing", alpha=1',
 )  # fmt: skip

@@ -9,7 +9,8 @@ from tests.machines.wrong_machines import GOOD
 
 import whirlmap
 from whirlmap.cases import read
-from whirlmap.cases.machine_file import KINDS, OPERATING
+from whirlmap.cases.machine_keys import KINDS, OPERATING
+from whirlmap.machines.beams import MATERIALS
 from whirlmap.machines.fields import Choice
 from whirlmap.sweep.parameters.axis import Axis
 
@@ -91,6 +92,39 @@ def test_a_file_extends_another_part_by_part(file, tmp_path):
         read(wrong)
 
 
+BY_COEFFICIENTS = "".join(f'{key} = "{value}"\n' for key, value in (
+    ("kind", "coefficients"), ("k_xx", "1e8 N/m"), ("k_yy", "1e8 N/m"), ("c_xx", "1e5 N*s/m"), ("c_yy", "1e5 N*s/m"),
+))  # fmt: skip
+
+
+def test_a_bearing_of_another_kind_replaces_what_that_kind_does_not_have(file, tmp_path):
+    """Its shaft, station and support stay; its radius, length and clearance go, in a file and by hand."""
+    mine = tmp_path / "mine.toml"
+    mine.write_text(f'extends = "machine.toml"\n[[bearing]]\nname = "free_end"\n{BY_COEFFICIENTS}', encoding="utf-8")
+    (one,) = read(mine).parts.machine.coefficients
+    assert (one.name, one.shaft, one.station, one.support) == ("free_end", "pinion", 2, "pedestal")
+    assert "bearing.free_end.R" not in read(mine).parts.layer
+    keys = {f"bearing.free_end.{line.split(' = ')[0]}": line.split('"')[1] for line in BY_COEFFICIENTS.splitlines()}
+    by_hand = whirlmap.load(file, **keys).machine.case.parts
+    assert by_hand.machine.coefficients == (one,)
+    again = tmp_path / "again.toml"  # and back
+    film = 'kind = "journal"\nR = "25 mm"\nL = "12 mm"\nc = "40 um"\n'
+    again.write_text(f'extends = "mine.toml"\n[[bearing]]\nname = "free_end"\n{film}', encoding="utf-8")
+    assert whirlmap.load(again).model is whirlmap.load(file).model
+
+
+def test_a_message_names_the_file_that_has_the_key(file, tmp_path):
+    """Both files have a table of the part; E is in the one that is extended, R in the nearer one."""
+    mine, extends = tmp_path / "mine.toml", 'extends = "machine.toml"\n'
+    mine.write_text(f'{extends}[[shaft]]\nname = "gear"\nmaterial = "steel"\n', encoding="utf-8")
+    line = GOOD.splitlines().index('E = "210 GPa"') + 1
+    with pytest.raises(whirlmap.errors.CaseError, match=rf"machine.toml, line {line}: \[\[shaft\]\] gear: E: found E"):
+        read(mine)
+    mine.write_text(f'{extends}[[bearing]]\nname = "drive_end"\nR = "3 mm"\n{BY_COEFFICIENTS}', encoding="utf-8")
+    with pytest.raises(whirlmap.errors.CaseError, match=r"mine.toml, line 4: \[\[bearing\]\] drive_end: R: found"):
+        read(mine)
+
+
 def test_a_distance_divides_the_element_there(file, tmp_path):
     text = GOOD.replace('at = 1\nm = "3 kg"', 'at = "40 mm"\nm = "3 kg"')
     made = tmp_path / "divided.toml"
@@ -112,6 +146,16 @@ def test_the_page_lists_every_key_and_every_choice():
             assert f"`{key}`" in rows[kind], (kind, key)
             for choice in one.choices if isinstance(one, Choice) else ():
                 assert f"`{choice}`" in rows[kind], (kind, choice)
+
+
+def test_the_page_says_which_keys_are_required():
+    rows = {m[1]: m[2] for m in re.finditer(r"^\| `\[+(\w+)\]+`(?! with)[^|]*\| (.*) \|$", PAGE, re.MULTILINE)}
+    for kind, fields in KINDS.items():
+        required = {re.sub(r"_[xy]$", "", one.key) for one in fields if getattr(one, "required", False)}
+        assert set(re.findall(r"\*\*`(\w+)`\*\*", rows[kind])) == required, kind
+    assert re.findall(r"\*\*`(\w+)`\*\*", rows["operation"]) == ["speed"]
+    steel = MATERIALS["steel"]
+    assert f"E = {steel.E / 1e9:.0f} GPa, G = {steel.G / 1e9:.1f} GPa, ρ = {steel.rho:.0f} kg/m³" in PAGE
 
 
 def test_the_file_on_the_page_loads(tmp_path):

@@ -52,6 +52,9 @@ def test_the_line_is_that_of_the_key_in_its_own_table(tmp_path):
         ({"shaft.pinion.elements.5.d": "60 mm"}, "elements.1 to elements.2"),
         ({"bearing.drive_end.film": "long"}, "short | porous | printed"),
         ({"bearing.drive_end.c": "40"}, "drive_end.c"),
+        ({"modes": "0"}, "found 'modes', a key of parts, expected the part as well: shaft.pinion.modes, shaft.gear.modes"),
+        ({"K_m": "3 N/m"}, "expected the part as well: mesh.teeth.K_m"),
+        ({"c": "50 um"}, "bearing.gear_other.c, bearing.c for all of these"),
     ],
 )
 def test_wrong_changes_say_what_is_wrong(tmp_path, changes, said):

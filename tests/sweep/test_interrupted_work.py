@@ -1,5 +1,7 @@
 """Speeds, attractors and basins that Ctrl-C ends keep what is finished, say so, and can be written and drawn."""
 
+import json
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -87,9 +89,11 @@ def test_interrupted_speeds_keep_the_cold_starts(stage, left, monkeypatch):
 def test_speeds_interrupted_among_the_cold_starts_keep_those_that_are_finished(monkeypatch):
     monkeypatch.setattr(judged, "FIRST", 1)
     interrupt(monkeypatch, judged, "cold_motions", after=1)
-    work = safe_speeds.parts(load("machines/jeffcott-rig"), SPEEDS, 0.5, workers=1).run()
+    work = safe_speeds.parts(load("machines/jeffcott-rig"), SPEEDS, 1.9, workers=1).run()
     assert work.done == 8 and work.dataset.attrs["incomplete"] == "interrupted after 8 of 40 speeds"
     np.testing.assert_array_equal(work.dataset["s"], SPEEDS[:8])
+    (window,) = json.loads(work.dataset.attrs["windows"])  # nobody knows what comes behind its last speed
+    assert (window["below"], window["above"], window["end"]) == ("end of the range", "not judged", SPEEDS[7])
 
 
 def test_basins_interrupted_while_starts_settle_keep_those_that_have(monkeypatch):

@@ -61,7 +61,7 @@ def violations(system: System, diagrams: Results = None) -> list[Violation]:
         *bearings.flow(facts),
         *oil_heat.violations(facts),
         *operation.unbalance(facts),
-        *operation.speed_range(facts),
+        *operation.speeds(facts),
         *BESIDE[system.model.assumptions](facts),
         *_equilibrium(facts, runs),
     ]
@@ -75,13 +75,15 @@ def judged(system: System) -> bool:
 
 
 def repeated(systems: Iterable[System]) -> list[str]:
-    """Strains of one system, or of the ends of a sweep, as commands say them: one text each, none for other models.
+    """Strains of one system, or of the ends of a sweep, as commands say them: one text each.
+
+    Of a model without journals in films the speeds are looked at alone.
 
     A violation that several systems have is said once, of the one where it goes furthest beyond its limit.
     """
     found: dict[str, Violation] = {}
     for system in systems:
-        for violation in violations(system) if judged(system) else ():
+        for violation in violations(system) if judged(system) else operation.speeds(Facts.of(system, [])):
             known = found.get(violation.name)
             if known is None or abs(violation.value - violation.limit) > abs(known.value - known.limit):
                 found[violation.name] = violation

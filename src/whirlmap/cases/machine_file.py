@@ -27,51 +27,22 @@ from functools import lru_cache
 from typing import Any
 
 from whirlmap.cases.entries import Given
+from whirlmap.cases.machine_keys import BOTH, HEAD, KINDS, OIL, OPERATING, dotted, fields_of, left_out
+from whirlmap.cases.machine_merge import suiting
 from whirlmap.cases.machine_parts import Tables
 from whirlmap.cases.machine_tables import NAME, PartTable, Source
 from whirlmap.equations.family import Family
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.assembly import Machine, assemble
-from whirlmap.machines.fields import ABOVE, AT_LEAST, Choice, Field, Number, Text
+from whirlmap.machines.fields import Number
 from whirlmap.machines.inputs import groups_of
-from whirlmap.machines.parts import coefficients, contact, coupling, journal, rotor, support, teeth, unbalance
+from whirlmap.machines.parts import rotor
 from whirlmap.machines.statics import static_start
-from whirlmap.models.lubricant import KELVIN
-from whirlmap.models.operation import OPERATION, g, speed
 from whirlmap.units import read
 
-OPERATING: tuple[Field, ...] = (
-    Text("reference", "the shaft whose speed is given"),
-    Choice("torsion", ("none", "free"), "shafts that turn uniformly, or whose rotation counts"),
-    *(Number(q.name, q.unit, q.meaning, limits=AT_LEAST if q is g else ABOVE) for q in (speed, g, *OPERATION)),
-)
-OIL: tuple[Field, ...] = (
-    Text("name", "name of the lubricant"),
-    Number("mu", "Pa*s", "viscosity of the lubricant", limits=ABOVE),
-    Number("VG", "1", "ISO VG grade", limits=ABOVE),
-    Number("VI", "1", "viscosity index"),
-    Number("nu_40", "m^2/s", "kinematic viscosity at 40 degC", limits=ABOVE),
-    Number("nu_100", "m^2/s", "kinematic viscosity at 100 degC", limits=ABOVE),
-    Number("T_oil", "degC", "temperature of the film", limits={"above": -KELVIN}),
-    Number("rho", "kg/m^3", "density of the lubricant at its temperature", limits=ABOVE),
-)
-#: Tables of parts, and their fields.
-KINDS: Mapping[str, Sequence[Field]] = {
-    "shaft": rotor.FIELDS, "disk": rotor.DISK, "bearing": journal.FIELDS, "support": support.FIELDS, "mesh": teeth.FIELDS,
-    "unbalance": unbalance.FIELDS, "coupling": coupling.FIELDS, "rub": contact.FIELDS, "lubricant": OIL,
-}  # fmt: skip
-#: Keys that stand for several.
-BOTH = {"support": support.BOTH}
-HEAD = ("model", "extends", "description", "start")
 #: Gravity where a file says none.
 GRAVITY = Given("g", "9.81 m/s^2", None, "assumed: standard gravity, rounded, where the file says none")
-
-
-def fields_of(kind: str, values: Mapping[str, Any]) -> Sequence[Field]:
-    """Fields of a table of a part: a bearing by its coefficients has others than one with a film."""
-    by_coefficients = kind == "bearing" and values.get("kind") == "coefficients"
-    return coefficients.FIELDS if by_coefficients else KINDS[kind]
 
 
 @dataclass(frozen=True)
@@ -87,6 +58,8 @@ class MachineCase:
     raw : mapping
         The tables as they were read, to be read again with a change.
     sources : sequence of Source
+    left_out : tuple of (str, str, str)
+        Kind, name and key of numbers that every such part has, that the file leaves out, and that count as zero.
     """
 
     family: Family
@@ -94,6 +67,7 @@ class MachineCase:
     layer: Mapping[str, Given]
     raw: Mapping[str, Any]
     sources: Sequence[Source]
+    left_out: tuple[tuple[str, str, str], ...] = ()
 
     def changed(self, changes: Mapping[str, Any]) -> "tuple[MachineCase, dict[str, Any]]":
         """Take those changes that only another declaration can have: a diameter, a choice, a part's new key.
@@ -116,6 +90,8 @@ class MachineCase:
                 continue
             kind, index, key = found
             raw[kind] = _with(raw[kind], index, key, value.written if isinstance(value, Given) else value)
+            if key == ["kind"]:
+                raw[kind][index] = suiting(kind, raw[kind][index], raw[kind][index])
             del left[name]
             others = True
         return (read_machine(raw, self.sources) if others else self), left
@@ -129,6 +105,9 @@ class MachineCase:
             raise CaseError(f"found {name!r}, which names nothing of this machine, expected kind.part.key, such as"
                             f" {known[-1]}."
                             f"{nearest(name, known)}")  # fmt: skip
+        if (places := dotted(self.raw, name)) and name not in (*known, *self.family.symbols(), *self.family.switches):
+            every = [f"{shared} for all of these" for shared in groups.shared if shared.endswith(f".{name}")]
+            raise CaseError(f"found {name!r}, a key of parts, expected the part as well: {', '.join([*places, *every])}")
         if given is not None and given.note.startswith("follows"):
             raise CaseError(f"{name} follows from the elements and disks of its shaft, expected a change of those, such as"
                             f" {name.rpartition('.')[0]}.elements.1.d")  # fmt: skip
@@ -213,7 +192,8 @@ def read_machine(raw: Mapping[str, Any], sources: Sequence[Source]) -> MachineCa
     for one in machine.rotors:
         for name, value in _derived(one):
             layer[name] = value
-    return MachineCase(_family(machine, tuple(tables.oils.items())), machine, layer, raw, sources)
+    family = _family(machine, tuple(tables.oils.items()))
+    return MachineCase(family, machine, layer, raw, sources, tuple(left_out(by_kind)))
 
 
 def _tables(kind: str, listed: Any, sources: Sequence[Source]) -> list[PartTable]:

@@ -16,7 +16,6 @@ from whirlmap.machines.assembly import AnyBearing, Machine
 from whirlmap.machines.parts import coefficients, contact, coupling, journal, rotor, support, teeth, unbalance
 from whirlmap.machines.shafts import ROTOR, Disk, Shaft, reduced_numbers
 from whirlmap.machines.train import Link, Train, train
-from whirlmap.units import read
 
 #: Dimensional inputs of a mesh that the train reads, by their keys.
 OF_TRAIN = ("z_driver", "z_driven", "beta_c", "T")
@@ -135,10 +134,6 @@ class Tables:
             table.needs(("module", "alpha", "beta_c"), "kind = line", teeth.FIELDS)
             if not {"T", "P"} & set(table.numbers):
                 raise table.fault("", 'found neither T nor P, expected the torque or the power, as in P = "60 kW"')
-            if "T" in table.numbers and float(read(table.numbers["T"].value, "N*m", given=table.numbers["T"].unit)) == 0.0:
-                raise table.fault(
-                    "T", "found a torque of 0, expected one with a sign, which says on which flanks the teeth touch"
-                )
             needed = {"fourier": ("v_1",), "rectangular": ("CR",)}.get(texts["stiffness"], ())
             table.needs(needed, f"stiffness = {texts['stiffness']}", teeth.FIELDS)
             if texts["backlash"] == "dead_zone":

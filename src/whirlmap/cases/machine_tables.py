@@ -7,6 +7,7 @@ from decimal import Decimal
 from typing import Any
 
 from whirlmap.cases.entries import NO_SOURCE, Given
+from whirlmap.cases.machine_hints import hint
 from whirlmap.errors import CaseError, nearest
 from whirlmap.machines.fields import Choice, Field, Number, Other, Station, Text
 from whirlmap.units import example, read
@@ -24,14 +25,15 @@ class Source:
     file: str
     text: str
 
-    def line(self, kind: str, name: str, key: str) -> int | None:
-        """Line of a key in the table of a part, or of the head of that table."""
+    def line(self, kind: str, name: str, key: str) -> tuple[int, bool] | None:
+        """Line of a key in the table of a part, or of the head of that table, and whether it is that of the key."""
         found = None
         for head, lines in self._blocks():
             if head == kind and (
                 not name or any(re.match(rf"""\s*name\s*=\s*["']{re.escape(name)}["']""", t) for _, t in lines)
             ):
-                found = next((n for n, t in lines if re.match(rf"\s*{re.escape(key)}\s*[=.]", t)), lines[0][0])
+                of_key = next((n for n, t in lines if re.match(rf"\s*{re.escape(key)}\s*[=.]", t)), None)
+                found = (of_key or lines[0][0], of_key is not None)
         return found
 
     def _blocks(self) -> Iterable[tuple[str, list[tuple[int, str]]]]:
@@ -72,11 +74,9 @@ class PartTable:
 
     def where(self, key: str = "") -> str:
         """File, line, table and key, for a message."""
-        at = self.sources[0].file
-        for source in self.sources:
-            if (line := source.line(self.kind, self.name, key or "name")) is not None:
-                at = f"{source.file}, line {line}"
-                break
+        found = [(one, line) for one in self.sources if (line := one.line(self.kind, self.name, key or "name")) is not None]
+        found.sort(key=lambda pair: not pair[1][1])  # the nearest file that has the key, before one that has its table
+        at = f"{found[0][0].file}, line {found[0][1][0]}" if found else self.sources[0].file
         table = f"[{self.kind}]" if self.single else f"[[{self.kind}]]"
         return f"{at}: {table}{f' {self.name}' if self.name else ''}{f': {key}' if key else ''}"
 
@@ -99,7 +99,7 @@ class PartTable:
                 if real not in known:
                     raise self.fault(key, f"found the unknown key {key!r}, expected one of"
                                           f" {', '.join(self._keys(known, both))}."
-                                     f"{nearest(key, self._keys(known, both))}")  # fmt: skip
+                                     f"{hint(key, fields, self._keys(known, both))}")  # fmt: skip
                 if real != key and real in self.values:
                     raise self.fault(key, f"found {real} given twice, once by {key}; expected it once")
                 self._one(key, known[real], value)

@@ -18,8 +18,12 @@ class Number:
     fixed : bool
         Whether it is part of the shape of the machine, from which the numbers of the equations are computed; others are
         inputs of the kernel, which can be varied.
+    zero : bool
+        Whether every part of its kind has it in truth: one that a file leaves out counts as zero, and `show` says so.
     limits : mapping
         ``above``, ``at_least``, ``below``, ``order``, as of `Parameter`.
+    twice : tuple of str
+        What people write for twice this number: ``D`` for a radius ``R``.
     """
 
     key: str
@@ -27,7 +31,9 @@ class Number:
     meaning: str
     required: bool = False
     fixed: bool = False
+    zero: bool = False
     limits: Mapping[str, Any] = field(default_factory=dict)
+    twice: tuple[str, ...] = ()
 
     def parameter(self, part: str) -> Parameter:
         """The input of a part, by its dotted name: ``bearing.drive_end.c``."""

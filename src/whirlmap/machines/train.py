@@ -9,10 +9,18 @@ phase by z S (b_1 - b_2), and by half a period where the wheel is driven in one 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from sympy import Expr, Integer, pi, sign
+from sympy import Expr, Integer, Piecewise, pi
 
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError
+
+
+def driving(torque: Expr) -> Expr:
+    """1 where the driver pushes with its front flanks, -1 where the driven shaft drives.
+
+    An idle mesh, of torque zero, is the limit of a small positive torque: its flanks are those on which it would be loaded.
+    """
+    return Piecewise((Integer(1), torque >= 0), (Integer(-1), True))
 
 
 @dataclass(frozen=True)
@@ -41,7 +49,7 @@ class Link:
 
     def flank(self, shaft: str) -> Expr:
         """1 where the wheel on a shaft touches with its front flanks, -1 for its back ones."""
-        return sign(self.torque) * (1 if shaft == self.driver else -1)
+        return driving(self.torque) * (1 if shaft == self.driver else -1)
 
 
 @dataclass

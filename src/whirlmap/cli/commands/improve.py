@@ -164,7 +164,7 @@ def _print(facts: dict[str, Any]) -> None:
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     heads = [n if facts["units"][n] == "1" else f"{n} [{facts['units'][n]}]" for n in names]
-    rows = []
+    rows, so_far = [], " so far" if facts["incomplete"] else ""
     for i in sorted(range(len(designs)), key=lambda i: [designs[i][n] for n in names]):
         d = designs[i]
         low, high = d.get("rpm", [d["window_start"], d["window_end"]])
@@ -173,7 +173,8 @@ def _print(facts: dict[str, Any]) -> None:
         worst = d.get("worst_amplitude_um", d["worst_amplitude"])
         swing = f"{counted(d['ended'], 'run')} ended early" if d["ended"] else f"{worst:.4g}"
         judged = "up and down" if d["followed"] else "cold"
-        notes = [w for w, key in (("widest window", "widest"), ("lowest amplitude", "calmest")) if facts[key] == i]
+        best_of = (("widest window", "widest"), ("lowest amplitude", "calmest"))
+        notes = [w + so_far for w, key in best_of if facts[key] == i]
         share = f"{100 * d['safe_share']:.0f} %"
         rows.append((*(f"{d[n]:.5g}" for n in names), place, width, share, swing, judged, ", ".join(notes)))
     speed, length = ("rpm", "um") if "rpm" in designs[0] else (facts["speed"], "clearances")
@@ -183,6 +184,7 @@ def _print(facts: dict[str, Any]) -> None:
     if best["safe_share"]:
         units = facts["units"]
         chosen = " ".join(f'--set "{n}={best[n]:.6g}{"" if units[n] == "1" else " " + units[n]}"' for n in names)
-        typer.echo(f"next: whirlmap speeds {facts['case']} {chosen}, the other options as here")
+        which = ", for the best so far" if so_far else ""
+        typer.echo(f"next{which}: whirlmap speeds {facts['case']} {chosen}, the other options as here")
     else:
         typer.echo("no design has a safe speed")

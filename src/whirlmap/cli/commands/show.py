@@ -11,6 +11,7 @@ from sympy import sympify
 
 from whirlmap.analysis.linear.linearisation import standing
 from whirlmap.analysis.linear.truncation import machine_of
+from whirlmap.analysis.linear.unbalance_response import stations_of
 from whirlmap.assumptions.oil_heat import oil_heat, why_none
 from whirlmap.assumptions.violation import Facts
 from whirlmap.assumptions.violations import judged, repeated
@@ -121,6 +122,7 @@ def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:
             for name, (v, o) in settled.quantities.items()
         },
         "outputs": {name: {"unit": o.unit, "meaning": o.meaning} for name, o in model.outputs.items()},
+        "stations": {name: list(pair) for name, pair in stations_of(model).items()},
         "stops": {name: stop.meaning for name, stop in model.stops.items()},
         "states": {
             s.name: {
@@ -273,6 +275,9 @@ def _print(facts: dict[str, Any]) -> None:
     _print_periods(facts)
     if facts["not_declared"]:
         typer.echo(f"not declared: {brackets(facts['not_declared'])}")
+    if facts["stations"]:
+        places = ", ".join(f"{name} ({x}, {y})" for name, (x, y) in facts["stations"].items())
+        typer.echo(f"stations, for speeds --quantity and linear --response: {places}")
     for name, text in facts["stops"].items():
         typer.echo(f"a run ends with {name}: {text}")
     for state, rate in facts.get("equations", {}).items():

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 
 #: Difference of the tooth force at rest from the transmitted load, over the latter, from which `show` warns.
 CARRIED = 0.05
+#: Diameter of a journal over that of its shaft there, or its inverse, from which `show` warns: a radius that is a diameter
+#: makes it 2.
+WIDER = 1.5
 
 
 def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | None) -> dict[str, Any]:
@@ -64,13 +67,14 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             "name": b.name, "shaft": b.shaft, "z": places[b.shaft, b.station], "kind": b.kind, "film": b.film, "arc": b.arc,
             "support": b.support, "alike": b.alike, **{key: given[f"bearing.{b.name}.{key}"] for key in ("R", "L", "c")},
             "load": output(f"load_{b.name}", force), "eccentricity": output(f"eps_{b.name}"),
+            "shaft_diameter": _diameter(machine, b.shaft, b.station),
             "direction": None if ux is None or uy is None else float(np.degrees(np.arctan2(uy, ux))),
         })  # fmt: skip
     for by_table in machine.coefficients:
         bearings.append({
             "name": by_table.name, "shaft": by_table.shaft, "z": places[by_table.shaft, by_table.station],
             "kind": "coefficients", "support": by_table.support, "alike": by_table.alike,
-            "load": output(f"load_{by_table.name}", force),
+            "load": output(f"load_{by_table.name}", force), "shaft_diameter": None,
             "speeds": [min(by_table.speeds), max(by_table.speeds)] if by_table.speeds else None,
         })  # fmt: skip
     meshes = [
@@ -80,6 +84,7 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             "z": [places[w.shaft, w.station] for w in (m.driver, m.driven)],
             "teeth": [int(given[f"mesh.{m.name}.{key}"]) for key in ("z_driver", "z_driven")],
             "module": given.get(f"mesh.{m.name}.module"), "kind": m.kind, "theta": values.get(m.theta.name, 0.0),
+            **transmitted(system, m),
             "load": None if m.kind != "line" else force * values[f"F_0_{m.name}"],
             "rest": None if m.kind != "line" or rest is None else force * _tooth_force(machine, m, numbers),
         }
@@ -97,7 +102,33 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
             for c in machine.rubs
         ],
         "truncation": _truncation(system),
+        "left_out": _left_out(system),
     }  # fmt: skip
+
+
+def _left_out(system: "System") -> list[str]:
+    """Dotted names of numbers that the case does not give and that count as zero."""
+    parts = system.machine.case.parts if system.machine else None
+    return [".".join(one) for one in parts.left_out] if parts else []
+
+
+def transmitted(system: "System", mesh: Teeth) -> dict[str, float | None]:
+    """Torque of the driver [N m], and the power [W] and speed of the reference shaft [rad/s] from which it follows."""
+    settled = system.machine
+    assert settled is not None
+    own = {key: one.name for key, one in mesh.inputs().items()}
+    found: dict[str, float | None] = {"torque": settled.given.get(own["T"]), "power": None, "speed_of_power": None}
+    if how := settled.followed.get(own["T"]):
+        power, at, *_ = how.reads
+        found |= {"power": settled.given[power], "speed_of_power": float(how.held.get(at, settled.given[at]))}
+    return found
+
+
+def _diameter(machine: Machine, name: str, station: int) -> float | None:
+    """Diameter of the thicker element at a station [m]; None of a shaft without any, or one given by its matrices."""
+    shaft = next(rotor.shaft for rotor in machine.rotors if rotor.name == name)
+    beside = shaft.elements[max(station - 1, 0) : station + 1]
+    return max(e.d for e in beside) if beside and shaft.given is None else None
 
 
 def _tooth_force(machine: Machine, mesh: Teeth, numbers: Mapping[Any, float]) -> float:
@@ -133,20 +164,51 @@ def warnings_of(parts: dict[str, Any]) -> list[str]:
                 f"tooth_load: mesh {m['name']} carries {m['rest']:.4g} N at rest, not the transmitted {m['load']:.4g} N,"
                 ' for its shafts turn uniformly and their centres part; torsion = "free" with couplings lets them turn'
             )
+    for b in parts["bearings"]:
+        journal, shaft = 2 * b.get("R", 0.0), b["shaft_diameter"]
+        if b["kind"] == "journal" and shaft and not 1 / WIDER <= journal / shaft <= WIDER:
+            made.append(
+                f"journal_diameter: bearing {b['name']} has R = {b['R'] * 1e3:.4g} mm, which is a journal of"
+                f" {journal * 1e3:.4g} mm, and its shaft there is {shaft * 1e3:.4g} mm thick; R is half of the diameter"
+            )
     if found["why_not"]:
         return [*made, f"truncation: what the omitted modes cost was not computed: {found['why_not']}"]
     if not found["holds"]:
         at, error, allowed = found["frequency"], found["largest_error"], found["allowed"]
         made.append(
             f"truncation: the mode at {at:.3g} times the clock's speed is off by {error:.2%}, above {allowed:.0%};"
-            " keep more modes of the shafts, modes = N"
+            f" keep more elastic modes, {_modes_options(parts['shafts'])}"
         )
     if found["fastest"] > FAST:
+        fewer = [s for s in parts["shafts"] if _elastic(s)]
+        slower = f"; fewer elastic modes make it slower, {_modes_options(fewer)}" if fewer else ""
         made.append(
             f"truncation: the fastest motion (of a journal, or the highest kept mode) is {found['fastest']:.3g} times as"
-            " fast as the fastest shaft turns, and steps follow it; fewer modes of the shafts, modes = N, make it slower"
+            " fast as the fastest shaft turns, and steps follow it" + slower
         )
     return made
+
+
+def _elastic(shaft: dict[str, Any]) -> int:
+    """Number of elastic modes of a plane that its key ``modes`` says."""
+    return sum(mode["name"].startswith("bending") for mode in shaft["modes"])
+
+
+def _modes_options(shafts: list[dict[str, Any]]) -> str:
+    """How to keep another number of modes of these shafts, and how many are kept now."""
+    return ", ".join(f"--set shaft.{s['name']}.modes=N (now {_elastic(s)})" for s in shafts if not s["lumped"])
+
+
+def _said(left_out: list[str]) -> str:
+    """What was left out, by keys and parts: ``I_d, I_p of disk fan; C_m of mesh teeth``."""
+    of_part = dict[tuple[str, str], list[str]]()
+    for dotted in left_out:
+        kind, name, key = dotted.split(".")
+        of_part.setdefault((kind, name), []).append(key)
+    alike = dict[tuple[str, str], list[str]]()
+    for (kind, name), keys in of_part.items():
+        alike.setdefault((", ".join(keys), kind), []).append(name)
+    return "; ".join(f"{keys} of {kind} {', '.join(names)}" for (keys, kind), names in alike.items())
 
 
 def print_parts(parts: dict[str, Any]) -> None:
@@ -155,14 +217,16 @@ def print_parts(parts: dict[str, Any]) -> None:
         (s["name"], _rpm(s["speed"]), _number(s["mass"], "kg"), _number(s["stiffness"] / 1e6, "N/um"), _modes(s))
         for s in parts["shafts"]
     ]
-    columns = ("shaft", "speed", "mass", "stiffness on rigid bearings", "kept modes of a plane, Hz, free and at standstill")
+    columns = ("shaft", "speed", "mass", "m omega^2 on rigid bearings", "kept modes of a plane, Hz, free and at standstill")
     tables = [report.table("Shafts", columns, rows, numbers=(1, 2, 3))]
     of_bearing = ("bearing", "shaft", "film", "on", "clearance", "load at rest", "eccentricity", "direction")
     tables.append(report.table("Bearings", of_bearing, [_bearing(b) for b in parts["bearings"]], numbers=(4, 5, 6, 7)))
     if parts["meshes"]:
-        of_mesh = ("mesh", "teeth", "tooth passing", "tooth load", "at rest", "phase")
-        tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5)))
+        of_mesh = ("mesh", "teeth", "tooth passing", "power", "torque of the driver", "tooth load", "at rest", "phase")
+        tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5, 6, 7)))
     report.show(*tables)
+    if parts["left_out"]:
+        typer.echo(f"left out, and zero: {_said(parts['left_out'])}")
     found = parts["truncation"]
     if not found["why_not"]:
         typer.echo(
@@ -184,7 +248,9 @@ def _mesh(m: dict[str, Any]) -> tuple[str, ...]:
     teeth = f"{m['driver']} {m['teeth'][0]} : {m['teeth'][1]} {m['driven']}"
     passing, phase = m["frequency"] / (2 * np.pi), float(np.degrees(m["theta"])) % 360
     loads = (_number(m["load"], "N"), _number(m["rest"], "N"))
-    return (m["name"], teeth, _number(passing, "Hz"), *loads, _number(phase, "deg"))
+    power = "" if m["power"] is None else f"{m['power'] / 1e3:.4g} kW at {_rpm(m['speed_of_power'])}"
+    torque = _number(m["torque"], "N*m")
+    return (m["name"], teeth, _number(passing, "Hz"), power, torque, *loads, _number(phase, "deg"))
 
 
 def _modes(shaft: dict[str, Any]) -> str:

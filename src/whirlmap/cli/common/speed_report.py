@@ -46,8 +46,10 @@ def summary(units: "Dimensions", ds: "xr.Dataset") -> dict[str, Any]:
     facts: dict[str, Any] = {
         "case": system.case, "limit": limit, "limit_um": limit * um if isfinite(um) else None,
         "incomplete": ds.attrs.get("incomplete"),
-        "quantities": ds.attrs["quantities"].split(), "followed": bool(ds.attrs["followed"]),
+        "quantities": ds.attrs["quantities"].split(), "not_judged": js.loads(ds.attrs["not_judged"]),
+        "followed": bool(ds.attrs["followed"]),
         "windows": [row for row in rows if row["verdict"] == "safe"], "stretches": rows,
+        "unstable_rest": _unstable_rest(js.loads(ds.attrs["unstable_rest"]), rpm),
         "operation": _operation(float(system.values[system.speed]), rows, rpm),
         "force_N": newton, "length_um": um, "verdicts": dict(counted), "speed": system.speed, "s": ds[system.speed].values,
         "rpm": ds["rpm"].values if "rpm" in ds and isfinite(rpm) else None, "units": UNITS,
@@ -75,6 +77,13 @@ def _in_units(row: dict[str, Any], rpm: float, um: float, newton: float) -> dict
     return out
 
 
+def _unstable_rest(found: dict[str, Any] | None, rpm: float) -> dict[str, Any] | None:
+    """Where the static equilibrium is unstable, of the speeds that are not safe; None where that is not known."""
+    if found is None or not isfinite(rpm):
+        return found
+    return found | {"looked_at_rpm": [s * rpm for s in found["looked_at"]], "rpm": [s * rpm for s in found["unstable"]]}
+
+
 def _operation(s: float, rows: list[dict[str, Any]], rpm: float) -> dict[str, Any] | None:
     """Where the case's own speed lies, and how far it is from the boundaries of a safe window; None beyond the range."""
     rounding = 1e-9 * s  # the ends of the range were read from text
@@ -97,6 +106,11 @@ def show(facts: dict[str, Any]) -> None:
     um = facts["limit_um"]
     limit = f"{facts['limit']:.4g} clearances" + (f", {um:.4g} um" if um else "")
     typer.echo(f"{facts['case']}: peak to peak of {', '.join(facts['quantities'])} at most {limit}")
+    if facts["not_judged"]:
+        typer.echo(
+            f"not judged: {', '.join(facts['not_judged'])} (--quantity NAME judges another station;"
+            " linear --response shows all of them)"
+        )
     if facts["incomplete"]:
         typer.echo(f"incomplete: {facts['incomplete']}")
     speed = "speed [rpm]" if facts["rpm"] is not None else facts["speed"]
@@ -118,8 +132,11 @@ def show(facts: dict[str, Any]) -> None:
     counted = ", ".join(f"{n} {words(name)}" for name, n in facts["verdicts"].items())
     how = "cold starts, run-up and run-down" if facts["followed"] else "cold starts alone"
     typer.echo(f"{len(facts['s'])} speeds, {how}: {counted}")
+    if facts["unstable_rest"] and facts["unstable_rest"]["unstable"]:
+        typer.echo(_self_excited(facts["unstable_rest"], facts["speed"]))
     if facts["operation"]:
-        typer.echo(_of_operation(facts["operation"], facts["speed"]))
+        every = "are all speeds that were judged" if facts["incomplete"] else "is the whole range"
+        typer.echo(_of_operation(facts["operation"], facts["speed"], every))
     if "probability" in facts:
         means = {why: float(p.mean()) for why, p in facts["probability_of"].items() if p.any()}
         shares = ", ".join(f"{100 * p:.1f} % {words(why)}" for why, p in means.items())
@@ -173,7 +190,21 @@ def _cell(row: dict[str, Any], name: str, bearing: str) -> str:
     return f"{row[name]:.4g}" + (f" ({which})" if which and which != "all" else "")
 
 
-def _of_operation(at: dict[str, Any], speed: str) -> str:
+def _self_excited(found: dict[str, Any], speed: str) -> str:
+    """That some of the speeds that are not safe have an unstable equilibrium, and how the journals whirl there."""
+    at = found.get("rpm", found["unstable"])
+    ends = [f"{v:.0f}" if "rpm" in found else f"{v:.4f}" for v in (min(at), max(at))]
+    place = f"{' .. '.join(dict.fromkeys(ends))} rpm" if "rpm" in found else f"{speed} = {' .. '.join(dict.fromkeys(ends))}"
+    names = ", ".join(dict.fromkeys(found["journal"]))
+    ratios = [f"{r:.2f}" for r in (min(found["ratio"]), max(found["ratio"])) if isfinite(r)]
+    times = f" at {' to '.join(dict.fromkeys(ratios))} times the speed of the journal" if ratios else ""
+    return (
+        f"unstable static equilibrium: at {len(at)} of the {len(found['looked_at'])} speeds looked at that are not safe,"
+        f" {place}; bearing {names} excites a whirl{times}, which a better balance does not cure (see whirlmap linear)"
+    )
+
+
+def _of_operation(at: dict[str, Any], speed: str, every: str) -> str:
     place = f"{at['rpm']:.0f} rpm" if "rpm" in at else f"{speed} = {at['s']:.4f}"
     if at["verdict"] != "safe":
         return f"the machine's own speed, {place}: not safe, {words(at['verdict'])}"
@@ -181,4 +212,4 @@ def _of_operation(at: dict[str, Any], speed: str) -> str:
         (f"{m['rpm']:.0f} rpm" if "rpm" in m else f"{m['s']:.4f}") + f" {side} ({words(m['to'])})"
         for side, m in at["margins"].items()
     ]
-    return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else 'as is the whole range'}"
+    return f"the machine's own speed, {place}: safe, {'margin ' + ' and '.join(ends) if ends else f'as {every}'}"

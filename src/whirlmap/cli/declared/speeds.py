@@ -30,8 +30,8 @@ Span = Annotated[
     str | None,
     typer.Option(
         "--range", metavar="LOW:HIGH", rich_help_panel=SPEEDS,
-        help='Speeds of the first shaft, "500 rpm:6000 rpm", or values of s. The range in the table [operation] where'
-        " absent.",
+        help='Speeds of the reference shaft (the first of a gear pair), "500 rpm:6000 rpm", or values of s. The range in the'
+        " table [operation] where absent.",
     ),
 ]  # fmt: skip
 
@@ -39,7 +39,8 @@ Quantity = Annotated[
     str | None,
     typer.Option(
         "--quantity", metavar="NAME", rich_help_panel=SPEEDS,
-        help="State or output whose peak-to-peak counts; where absent the largest of the displacements.",
+        help="State or output whose peak-to-peak counts, or a disk, bearing or other station, whose x and y both count;"
+        " where absent the largest of some displacements, which the report names.",
     ),
 ]  # fmt: skip
 

@@ -32,9 +32,17 @@ if TYPE_CHECKING:
 DIRECTIONS = ("xx", "xy", "yx", "yy")
 STIFFNESS = tuple(f"k_{ij}" for ij in DIRECTIONS)
 DAMPING = tuple(f"c_{ij}" for ij in DIRECTIONS)
+#: What every bearing has; many have no coupling of x and y.
+DIRECT = ("k_xx", "k_yy", "c_xx", "c_yy")
 COEFFICIENTS: tuple[Number, ...] = (
-    *(Number(key, "N/m", f"stiffness, force along {key[2]} for a displacement along {key[3]},") for key in STIFFNESS),
-    *(Number(key, "N*s/m", f"damping, force along {key[2]} for a velocity along {key[3]},") for key in DAMPING),
+    *(
+        Number(key, "N/m", f"stiffness, force along {key[2]} for a displacement along {key[3]},", zero=key in DIRECT)
+        for key in STIFFNESS
+    ),
+    *(
+        Number(key, "N*s/m", f"damping, force along {key[2]} for a velocity along {key[3]},", zero=key in DIRECT)
+        for key in DAMPING
+    ),
 )
 FIELDS: tuple[Field, ...] = (
     Text("name", "name of the bearing", required=True),

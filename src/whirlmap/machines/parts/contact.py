@@ -28,7 +28,7 @@ FIELDS: tuple[Field, ...] = (
     Station("at", "station of the shaft", required=False),
     Number("clearance", "m", "radial clearance between shaft and casing", required=True, limits=ABOVE),
     Number("K_r", "N/m", "stiffness of the casing", required=True, limits=AT_LEAST),
-    Number("mu_r", "1", "dry friction coefficient of shaft on casing", limits=AT_LEAST),
+    Number("mu_r", "1", "dry friction coefficient of shaft on casing", zero=True, limits=AT_LEAST),
     Text("support", "support that carries the casing; ground where absent"),
 )
 KEYS = {one.key: one for one in FIELDS if isinstance(one, Number)}

@@ -21,9 +21,9 @@ FIELDS: tuple[Field, ...] = (
     Text("to", "the other shaft; a driver or a load that turns uniformly where absent"),
     Station("at_to", "station of the other shaft", required=False),
     Number("k_t", "N*m/rad", "torsional stiffness", limits=AT_LEAST),
-    Number("c_t", "N*m*s/rad", "torsional damping", limits=AT_LEAST),
+    Number("c_t", "N*m*s/rad", "torsional damping", zero=True, limits=AT_LEAST),
     Number("k_r", "N/m", "lateral stiffness", limits=AT_LEAST),
-    Number("c_r", "N*s/m", "lateral damping", limits=AT_LEAST),
+    Number("c_r", "N*s/m", "lateral damping", zero=True, limits=AT_LEAST),
 )
 KEYS = {one.key: one for one in FIELDS if isinstance(one, Number)}
 

@@ -39,9 +39,9 @@ FIELDS: tuple[Field, ...] = (
     Choice(
         "contact", ("stop", "rub", "ignore"), "whether contact ends the run, is a rub, or is ignored (film = printed alone)"
     ),
-    Number("R", "m", "radius", required=True, limits=ABOVE),
+    Number("R", "m", "radius", required=True, limits=ABOVE, twice=("D", "d", "D_j", "d_j", "diameter")),
     Number("L", "m", "length", required=True, limits=ABOVE),
-    Number("c", "m", "radial clearance", required=True, limits=ABOVE),
+    Number("c", "m", "radial clearance", required=True, limits=ABOVE, twice=("C_d", "c_d", "Cd", "diametral_clearance")),
     Number("H", "m", "wall thickness of the porous ring", limits=AT_LEAST),
     Number("Phi", "m^2", "permeability of the porous ring", limits=AT_LEAST),
     Number("k_c", "N/m", "centring spring", limits=AT_LEAST),

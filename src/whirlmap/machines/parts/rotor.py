@@ -31,8 +31,8 @@ FIELDS: tuple[Field, ...] = (
     Number("m", "kg", "mass, with disks", limits=ABOVE),
     Number("K", "N/m", "stiffness m omega^2 of the lowest bending mode on rigid bearings", limits=ABOVE),
     Number("J", "kg*m^2", "polar inertia, with disks", limits=ABOVE),
-    Number("C", "N*s/m", "external damping, spread like the mass", limits=AT_LEAST),
-    Number("zeta", "1", "damping ratio of the elastic modes", limits=AT_LEAST),
+    Number("C", "N*s/m", "external damping, spread like the mass", zero=True, limits=AT_LEAST),
+    Number("zeta", "1", "damping ratio of the elastic modes", zero=True, limits=AT_LEAST),
     Other("modes", "elastic modes to keep in a plane"),
 )
 ELEMENT: tuple[Field, ...] = (
@@ -51,8 +51,8 @@ DISK: tuple[Field, ...] = (
     Text("shaft", "shaft that it is on", required=True),
     Other("at", "station", required=True),
     Number("m", "kg", "mass of a disk", required=True, fixed=True, limits=ABOVE),
-    Number("I_d", "kg*m^2", "diametral inertia of a disk", fixed=True, limits=AT_LEAST),
-    Number("I_p", "kg*m^2", "polar inertia of a disk", fixed=True, limits=AT_LEAST),
+    Number("I_d", "kg*m^2", "diametral inertia of a disk", fixed=True, zero=True, limits=AT_LEAST),
+    Number("I_p", "kg*m^2", "polar inertia of a disk", fixed=True, zero=True, limits=AT_LEAST),
 )
 #: Part of uniform rotation in a twisting mode below which it is none: they are orthogonal to it.
 ROUNDING = 1e-9

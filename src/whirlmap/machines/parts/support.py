@@ -19,8 +19,8 @@ FIELDS: tuple[Field, ...] = (
     Number("k_y", "N/m", "stiffness along y", required=True, limits=ABOVE),
     Number("k3_x", "N/m^3", "cubic stiffness along x", limits=AT_LEAST),
     Number("k3_y", "N/m^3", "cubic stiffness along y", limits=AT_LEAST),
-    Number("c_x", "N*s/m", "damping along x", limits=AT_LEAST),
-    Number("c_y", "N*s/m", "damping along y", limits=AT_LEAST),
+    Number("c_x", "N*s/m", "damping along x", zero=True, limits=AT_LEAST),
+    Number("c_y", "N*s/m", "damping along y", zero=True, limits=AT_LEAST),
 )
 KEYS = {one.key: one for one in FIELDS if isinstance(one, Number)}
 

@@ -10,13 +10,14 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any
 
-from sympy import Abs, Expr, Integer, cos, pi, sign, sin
+from sympy import Abs, Expr, Integer, cos, pi, sin
 
 from whirlmap.equations.parts import Switching
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.machines.fields import ABOVE, AT_LEAST, Choice, Field, Number, Other, Text
 from whirlmap.machines.parts.part import Coupled, Declared
 from whirlmap.machines.scale import Scale, s
+from whirlmap.machines.train import driving
 from whirlmap.models import mesh
 
 FIELDS: tuple[Field, ...] = (
@@ -36,8 +37,8 @@ FIELDS: tuple[Field, ...] = (
     Number("alpha", "rad", "transverse pressure angle", limits={"at_least": 0, "below": float(pi / 2)}),
     Number("beta_c", "rad", "direction from the driver to the driven shaft, from x"),
     Number("K_m", "N/m", "mesh stiffness", required=True, limits=AT_LEAST),
-    Number("C_m", "N*s/m", "mesh damping", limits=AT_LEAST),
-    Number("e_TE", "m", "static transmission error"),
+    Number("C_m", "N*s/m", "mesh damping", zero=True, limits=AT_LEAST),
+    Number("e_TE", "m", "static transmission error", zero=True),
     Number("T", "N*m", "torque into the driver along its rotation; negative where the driven shaft drives"),
     Number("P", "W", "power from the driver at speed_P; negative where the driven shaft drives"),
     Number("speed_P", "rad/s", "speed of the reference shaft for which P is given; speed_max where absent", limits=ABOVE),
@@ -131,7 +132,7 @@ class Teeth:
     @property
     def tau(self) -> Parameter:
         """Which flanks touch."""
-        return self._symbol("tau", "1", "sign of the torque, 1 where the driver drives,", r"\tau")
+        return self._symbol("tau", "1", "sign of the torque, 1 where the driver drives or none does,", r"\tau")
 
     @property
     def own(self) -> dict[Parameter, Parameter]:
@@ -163,13 +164,13 @@ class Teeth:
             base = given["module"] * given["z_driver"] * cos(given["alpha"]) / 2
             made[own[mesh.F_0]] = Abs(given["T"]) / (base * scale.force)
             # The flank that pushes: ahead of the driver's motion, or behind it where the driven shaft drives.
-            made[own[mesh.phi_m]] = given["beta_c"] + self.sense * sign(given["T"]) * (pi / 2 - given["alpha"])
+            made[own[mesh.phi_m]] = given["beta_c"] + self.sense * driving(given["T"]) * (pi / 2 - given["alpha"])
             reads = mesh.reads(self.stiffness, "none").parameters[2:]
             made |= {own[p]: given[p.name] for p in reads if p.name in self.given}
         if self.backlash == "dead_zone":
             made[own[mesh.B_m]] = given["j_n"] / scale.c_0
         if self.turning:
-            made[self.tau] = sign(given["T"])
+            made[self.tau] = driving(given["T"])
             for wheel in (self.driver, self.driven):
                 if isinstance(ratio := wheel.ratio(self.name), Parameter):
                     made[ratio] = wheel.base / wheel.reference
@@ -257,6 +258,7 @@ class Teeth:
         delta, _ = self.deflection(coupled)
         made.teeth, made.sources = [delta], ["kahraman1990"]
         own, back = self.own, {known.name: mine.name for known, mine in self.own.items()} | {"Lambda": self.Lambda.name}
+        back["T_p"] = self.inputs()["T"].name
         made.defaults = {own[p]: _own(e, own) for p, e in mesh.reads(self.stiffness, self.backlash).defaults.items()
                          if p.name not in self.given}  # fmt: skip
         made.checks = [_check(fault, back) for fault in mesh.faults(self.stiffness, self.backlash)]

@@ -118,17 +118,18 @@ def improve(
     trial = _Trial(make, tuple(axes), units, at, limit, judge)
     most = max(BATCH * LANES * (execution.workers or cores()) // at.size, 1)
     designs: list[xr.Dataset] = []  # each with one design
+    given = wanted = int(np.prod([v.size for v in axes.values()]))
     stage = "the values given"
 
     def parts(work: Work) -> Iterator[int]:
-        nonlocal stage
+        nonlocal stage, wanted
         for part in trial.in_batches(list(product(*axes.values())), most, refined=False):
             designs.extend(part)
             yield work.done + len(part)
         if refine:
             stage = "the values around the best"
             more = _around(_joined(designs), axes)
-            work.total += len(more)
+            work.total = wanted = given + len(more)
             for part in trial.in_batches(more, most, refined=True):
                 designs.extend(part)
                 yield work.done + len(part)
@@ -152,10 +153,10 @@ def improve(
         ds = ds.assign_attrs(limit=limit, varied=" ".join(axes), widest=widest(ds), calmest=calmest(ds))
         if stage:
             work.total = max(work.total, work.done + 1)
-            ds.attrs["incomplete"] = f"interrupted in {stage}, after {counted(work.done, 'design')}"
+            ds.attrs["incomplete"] = f"interrupted in {stage}, after {min(work.done, wanted)} of {counted(wanted, 'design')}"
         return ds
 
-    return Work(int(np.prod([v.size for v in axes.values()])) + follow, parts, gather)
+    return Work(given, parts, gather)
 
 
 def _axes(vary: Mapping[str, ArrayLike], units: Mapping[str, str]) -> tuple[dict[str, Array], dict[str, str]]:

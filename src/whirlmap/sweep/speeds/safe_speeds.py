@@ -32,6 +32,7 @@ from whirlmap.sweep.parameters.engineering import number_of_limit
 from whirlmap.sweep.points.label_points import POOLS
 from whirlmap.sweep.speeds.edge_events import with_events
 from whirlmap.sweep.speeds.run_up_and_down import cold_at, cold_motions, outcome, rounds_met
+from whirlmap.sweep.speeds.unstable_rest import unstable_rest
 from whirlmap.sweep.speeds.verdicts import Judge, Verdict, shaft_speed, speed_of
 from whirlmap.sweep.speeds.windows import Edge, edge_points, refined_edges, stretches
 
@@ -69,7 +70,8 @@ def safe_speeds(
         Largest peak-to-peak displacement that is allowed, in the model's length (clearances, for the machines), or with its
         unit, ``"20 um"``.
     quantity : str, optional
-        State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
+        State or output whose peak-to-peak counts, or the name of a station (a disk, a bearing, a wheel of a machine from
+        parts), whose x and y both count; where absent the largest of the model's displacements.
     follow : bool
         Whether to run up and down through the speeds as well, which shows coexisting motions; about three times the work.
     labelling : Labelling, optional
@@ -88,7 +90,8 @@ def safe_speeds(
         ``status``, ``period_T``, ``lyapunov``. Where the case has dimensions, ``rpm(s)``. Over ``window``:
         ``window_start``, ``window_end``, ``gap_start``, ``gap_end`` (zero at an end of the range), ``window_amplitude``.
         ``attrs["stretches"]`` is a list of runs of speeds with one verdict as JSON (`windows.stretches`);
-        ``attrs["windows"]`` those of them that are safe.
+        ``attrs["windows"]`` those of them that are safe; ``attrs["unstable_rest"]`` says at which of the others the
+        static equilibrium is unstable (`unstable_rest.unstable_rest`; "null" where that is not known).
 
     Raises
     ------
@@ -118,10 +121,10 @@ def safe_speeds(
     cold: list[xr.Dataset] = []
     met: xr.Dataset | None = None
     edges: dict[int, Edge] | None = None
-    followed, missing = False, "the edges of the windows"
+    followed, missing, rest = False, "the edges of the windows", None
 
     def parts(_: Work) -> Iterator[int]:
-        nonlocal met, edges, followed, missing
+        nonlocal met, edges, followed, missing, rest
         for part in batches(at.size, first=FIRST * block, most=POOLS * POOL * block):
             cold.append(cold_motions(judge, {speed: at[part]}, limits[part]))
             yield part.stop
@@ -140,6 +143,7 @@ def safe_speeds(
         edges, ends = refined_edges(judge, at, met, limit, follow=follow)
         if follow:
             edges = with_events(judge, at, edges, ends)
+        rest = unstable_rest(system, at[outcome(met, at.size)["verdict"].values != Verdict.safe])
         missing = ""
         yield at.size + 1 + follow
 
@@ -154,7 +158,8 @@ def safe_speeds(
         ends = edges
         if ends is None:  # windows end with their last safe speed
             ends, _ = refined_edges(judge, speeds, found, limit, follow=False, rounds=0)
-        ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed)
+        ds = _dataset(system, judge, speeds, found, ends, limit, follow=followed, to_the_end=speeds.size == at.size)
+        ds.attrs["unstable_rest"] = json.dumps(rest)
         if missing:
             fewer = speeds.size < at.size
             where = f"after {speeds.size} of {at.size} speeds" if fewer else f"before {missing} were finished"
@@ -165,12 +170,13 @@ def safe_speeds(
 
 
 def _dataset(
-    system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool
+    system: System, judge: Judge, at: Array, met: xr.Dataset, edges: Mapping[int, Edge], limit: float, *, follow: bool,
+    to_the_end: bool,
 ) -> xr.Dataset:
     speed = system.speed
     whole = outcome(met, at.size).swap_dims(point=speed)
     ds = whole[[name for name in KEPT if name in whole]]
-    rows = stretches(ds, edges)
+    rows = stretches(ds, edges, whole=to_the_end)
     windows = [row for row in rows if row["verdict"] == Verdict.safe.name]
     ds["margin"] = variable(speed, _margins(at, windows), "1", "distance to the nearer end of the window of safe speeds",
                             measure="rotation")  # fmt: skip
@@ -186,8 +192,8 @@ def _dataset(
     if np.isfinite(scale):
         ds["rpm"] = variable(speed, at * scale, "rpm", "speed of the first shaft")
     return ds.assign_attrs(
-        met.attrs, limit=limit, quantities=" ".join(judge.rows), followed=int(follow), windows=json.dumps(windows),
-        stretches=json.dumps(rows),
+        met.attrs, limit=limit, quantities=" ".join(judge.rows), not_judged=json.dumps(judge.not_judged),
+        followed=int(follow), windows=json.dumps(windows), stretches=json.dumps(rows),
     )  # fmt: skip
 
 

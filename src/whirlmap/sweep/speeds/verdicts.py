@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
+from whirlmap.analysis.linear.unbalance_response import stations_of
 from whirlmap.analysis.motion.ensembles import make_ensemble, parameter_values
 from whirlmap.analysis.motion.tooth_contact import tooth_contact
 from whirlmap.errors import RangeError, nearest
@@ -56,7 +57,8 @@ class Judge:
     system : System
         What all points share; columns of values replace its own.
     quantity : str, optional
-        State or output whose peak-to-peak counts; where absent the largest of the model's displacements.
+        State or output whose peak-to-peak counts, or a disk, bearing or other station, whose x and y both count; where
+        absent the largest of the model's displacements (`Model.swing`, or all stations where it declares none).
     labelling : Labelling
     execution : Execution
     """
@@ -70,15 +72,30 @@ class Judge:
     def rows(self) -> list[str]:
         """Quantities whose peak-to-peak counts."""
         model = self.system.model
-        known = [*self.system.states, *model.outputs]
+        known, stations = [*self.system.states, *model.outputs], stations_of(model)
         if self.quantity is None:
-            return [s.name for s in model.swing]
-        if self.quantity not in known:
-            raise RangeError(
-                f"{model.name} has no state or output {self.quantity!r}.{nearest(self.quantity, known)}"
-                f"\n  known: {' '.join(known)}"
-            )
-        return [self.quantity]
+            rows = [s.name for s in model.swing] or [axis for pair in stations.values() for axis in pair]
+            if not rows:
+                raise RangeError(f"{model.name} declares no displacement to judge, expected a quantity: {' '.join(known)}")
+            return rows
+        if self.quantity in known:
+            return [self.quantity]
+        if self.quantity in stations:
+            return list(stations[self.quantity])
+        raise RangeError(
+            f"{model.name} has no station, state or output {self.quantity!r}."
+            f"{nearest(self.quantity, [*stations, *known])}"
+            f"\n  stations: {' '.join(stations) or 'none'}\n  states and outputs: {' '.join(known)}"
+        )
+
+    @property
+    def not_judged(self) -> list[str]:
+        """Stations that do not count; of one whose x or y counts, the other."""
+        judged, left = self.rows, list[str]()
+        for name, pair in stations_of(self.system.model).items():
+            axes = [axis for axis in pair if axis not in judged]
+            left += [name] if len(axes) == len(pair) else axes
+        return left
 
     def __call__(self, values: Mapping[str, Array], limits: Array, *, starts: Array | None = None) -> xr.Dataset:
         """Judge points, each from a cold start or from its own.

@@ -107,13 +107,15 @@ def _among(motions: xr.Dataset, places: NDArray[np.intp]) -> xr.Dataset:
     return motions.isel(point=np.flatnonzero(np.isin(motions["place"].values, places)))
 
 
-def stretches(ds: xr.Dataset, edges: Mapping[int, Edge]) -> list[dict[str, Any]]:
+def stretches(ds: xr.Dataset, edges: Mapping[int, Edge], *, whole: bool = True) -> list[dict[str, Any]]:
     """One row for each run of speeds with one verdict, in order: together they cover the range.
 
     Parameters
     ----------
     ds : xr.Dataset
         Outcome over the speeds: ``verdict(s)``, ``amplitude(s)``, and what else is known of them.
+    whole : bool
+        Whether the last of them is the end of the range; else those beyond it were not judged.
 
     Returns
     -------
@@ -137,7 +139,8 @@ def stretches(ds: xr.Dataset, edges: Mapping[int, Edge]) -> list[dict[str, Any]]
             if kind == Verdict.safe:
                 row[f"gap_{end}"] = abs(edge.beyond - edge.safe) if edge else 0.0
                 side = "below" if end == "start" else "above"
-                row[side] = edge.why.name if edge else "end of the range"
+                last = "end of the range" if whole or side == "below" else "not judged"
+                row[side] = edge.why.name if edge else last
                 row[f"{side}_event"] = edge.event if edge else ""
         rows.append(row | _worst(ds.isel({speed: slice(int(a), int(b) + 1)})))
     return rows
