@@ -159,13 +159,14 @@ def assemble(
     teeth = [e for one in told for e in one.teeth]
     accelerated = _accelerated(machine, coupled, rates)
     read = _read([*equations.values(), *accelerated.values()], told)
+    defaults: dict[Any, Any] = _joined(one.defaults for one in told)
     return Model(
         name="machine",
         states=(*positions, *rates),
-        parameters=tuple(p for p in machine.groups() if p.name in read),
+        parameters=(*(p for p in machine.groups() if p.name in read), *defaults),  # which no input of the file gives
         equations={q: equations[q] for q in (*positions, *rates)},
         harmonics=tuple(e for one in told for e in one.harmonics),
-        defaults=_joined(one.defaults for one in told),
+        defaults=defaults,
         outputs=_joined(one.outputs for one in told),
         stops=_joined(one.stops for one in told),
         switchings=_joined(one.switchings for one in told),
