@@ -33,6 +33,7 @@ NOT_RUN = {
 SLOW = (
     "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve",
     "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation machines/flexible-on-dampers",
+    "whirlmap show machines/geared-turbo-set", "whirlmap linear machines/geared-turbo-set",
     "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
     "whirlmap bifurcation rub.toml", "whirlmap continue machines/turbo-gearbox", "whirlmap map duffing --set delta=0.05",
     "whirlmap diagnose --series my_signal.csv",
