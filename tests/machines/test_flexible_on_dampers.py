@@ -1,12 +1,16 @@
 """The flexible rotor on two squeeze-film dampers: both motions of the jump against full matrices and the textbook's film."""
 
+import json
+
 import numpy as np
 import pytest
 from scipy.optimize import fsolve
 from tests.machines.test_squeeze_film import film
+from typer.testing import CliRunner
 
 import whirlmap
 from whirlmap.cases import read
+from whirlmap.cli.main import app
 
 CASE, RPM = "machines/flexible-on-dampers", np.pi / 30
 #: Circular orbits are the truth: without weight. Damping of modes has no matrix: without it.
@@ -67,3 +71,9 @@ def test_the_cages_carry_the_weight():
     weight, between = shaft.mass * q["g"], shaft.positions[4] - shaft.positions[0]
     assert front == pytest.approx(weight * (shaft.positions[4] - shaft.centre) / between, rel=1e-9)
     assert front + rear == pytest.approx(weight, rel=1e-9)
+
+
+def test_show_says_that_the_cages_carry_it_and_the_films_nothing():
+    said = json.loads(CliRunner().invoke(app, ["show", CASE, "--json"]).stdout)
+    found = {b["name"]: (b["load"], b["spring_load"]) for b in said["parts"]["bearings"]}
+    assert found == {"front": (0.0, pytest.approx(109.4, abs=0.05)), "rear": (0.0, pytest.approx(204.2, abs=0.05))}
