@@ -9,6 +9,7 @@ from whirlmap.equations.family import Family
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import ModelError
 from whirlmap.machines.fields import Choice, Field, Number, Station, Text
+from whirlmap.machines.parts import coefficients
 from whirlmap.machines.parts.rotor import ELEMENT
 from whirlmap.models import FAMILIES
 from whirlmap.units import example
@@ -47,6 +48,8 @@ def machine_tables() -> str:
     tables = [("`[operation]`", OPERATING), *((TITLES.get(k, f"`[[{k}]]`"), fields) for k, fields in KINDS.items())]
     at = next(n for n, (title, _) in enumerate(tables) if "shaft" in title)
     tables.insert(at + 1, ("One of the `elements` of a shaft", ELEMENT))
+    bearing = next(n for n, (title, _) in enumerate(tables) if "[[bearing]]" in title)
+    tables.insert(bearing + 1, ('`[[bearing]]` with `kind = "coefficients"`', coefficients.FIELDS))
     for title, fields in tables:
         parts += [f"### {title}", table(("key", "value", "meaning"), [_field(one) for one in fields])]
     return "\n\n".join(parts)

@@ -11,7 +11,7 @@ unstable.
 
 import whirlmap
 
-system = whirlmap.load("machines/aero-damper", G="100 mm/s")
-print("unbalance over clearance:", system.values["b"])
-sweeps = whirlmap.bifurcation_diagram(system, "s", "2.6:4:57", follow="both", steps=64)
-figure = whirlmap.plot.diagram_figure(sweeps, ["uy"])
+system = whirlmap.load("machines/aero-damper", **{"unbalance.of_rotor.G": "100 mm/s"})
+print("unbalance over clearance:", system.values["b_of_rotor"])
+sweeps = whirlmap.bifurcation_diagram(system, "s", "0.745:1.145:57", follow="both", steps=64)
+figure = whirlmap.plot.diagram_figure(sweeps, ["uy_ring"])

@@ -146,23 +146,25 @@ def test_the_rigs_groups_are_those_of_its_numbers():
 def test_a_damper_is_the_film_of_newtons_law_with_a_cage():
     """Force balance of a ring that does not turn, in SI: film (C = pi mu R L^3/(2 c^3) at the centre), cage, shaft."""
     system = load(AERO)
-    q = {n: i.value for n, i in system.machine.inputs.items()}
-    c, w = q["c"], q["speed"]
-    damping = system.machine.quantities["film_damping"][0]
+    q = {n.rpartition(".")[2]: i.value for n, i in system.machine.inputs.items()}
+    c, w, held = q["c"], q["speed"], q["K"] / 2  # stiffness of the shaft at each bearing
+    assert system.states == ("x_rotor", "y_rotor", "ux_ring", "uy_ring", "vx_rotor", "vy_rotor")
+    damping = system.machine.quantities["film_damping_ring"][0]
     assert damping == pytest.approx(pi * q["mu"] * 0.06 * 0.03**3 / (2 * c**3), rel=1e-12)
+    assert system.machine.quantities["omega_cage_rotor"][0] == pytest.approx((2 * q["k_c"] / 40) ** 0.5, rel=1e-12)
     for u, x in (((1e-9, 0.0), (3e-6, 1e-6)), ((0.0, 2e-9), (-1e-6, 4e-6))):
-        rates = system.reference_rhs(0.0, [u[0] / c, u[1] / c, x[0] / c, x[1] / c, 0.0, 0.0])
+        rates = system.reference_rhs(0.0, [x[0] / c, x[1] / c, u[0] / c, u[1] / c, 0.0, 0.0])
         for i in (0, 1):
-            force = q["K"] * (x[i] - u[i]) - q["K_c"] * u[i]
+            force = held * (x[i] - u[i]) - q["k_c"] * u[i]
             # At the centre the half film of positive pressure resists along the motion alone.
-            assert rates[i] * c * w == pytest.approx(force / damping, rel=2e-3)
-    hang = -40 * 9.81 / 2 / q["K_c"] / c
-    down = hang - 40 * 9.81 / 2 / q["K"] / c
+            assert rates[2 + i] * c * w == pytest.approx(force / damping, rel=2e-3)
+    hang = -40 * 9.81 / 2 / q["k_c"] / c
+    down = hang - 40 * 9.81 / 2 / held / c
     import numpy as np
 
     from whirlmap.kernels.running.reference import reference_rates
 
-    rest = reference_rates(system.model, forced=False)(0.0, np.array([0, hang, 0, down, 0, 0]), system.vector)
+    rest = reference_rates(system.model, forced=False)(0.0, np.array([0, down, 0, hang, 0, 0]), system.vector)
     np.testing.assert_allclose(rest, 0.0, atol=1e-12)
 
 

@@ -38,8 +38,8 @@ def test_that_a_damper_has_no_eigenvalues_is_an_answer(line):
     assert "no eigenvalues" in found["note"]
     if line.startswith("linear"):  # the sag in the cages, W/K_c and W/K, over c = 120 um
         load = 40 * 9.81 / 2
-        assert found["equilibrium"]["uy"] == pytest.approx(-load / 4e6 / 120e-6)
-        assert found["equilibrium"]["y"] == pytest.approx(-(load / 4e6 + load / 2e7) / 120e-6)
+        assert found["equilibrium"]["uy_ring"] == pytest.approx(-load / 4e6 / 120e-6)
+        assert found["equilibrium"]["y_rotor"] == pytest.approx(-(load / 4e6 + load / 2e7) / 120e-6)
         assert found["stable"] is None and found["eigenvalues"] == []
     else:
         assert found["frequency"] == [] and len(found["values"]) == 4

@@ -32,7 +32,9 @@ NOT_RUN = {
 #: Start of a command or of a Python block that takes more than about 10 s.
 SLOW = (
     "whirlmap bifurcation gear-psfd/intended", "whirlmap speeds", "whirlmap improve",
-    "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
+    "whirlmap bifurcation machines/aero-damper", "whirlmap bifurcation machines/flexible-on-dampers",
+    "whirlmap show machines/geared-turbo-set", "whirlmap linear machines/geared-turbo-set",
+    "whirlmap bifurcation my_case.toml", "whirlmap bifurcation duffing --set",
     "whirlmap bifurcation rub.toml", "whirlmap continue machines/turbo-gearbox", "whirlmap map duffing --set delta=0.05",
     "whirlmap diagnose --series my_signal.csv",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",

@@ -35,12 +35,12 @@ two_alike = 2
 """
 
 
-def film(eps, w):
+def film(eps, w, R=R, L=L, c=C, mu=MU):
     """Stiffness and damping of a cavitated (pi) short film at a circular centred orbit, over the eccentricity, e = eps c.
 
     San Andres, Modern Lubrication Theory: K = 2 mu R L^3 w eps/(c^3 (1 - eps^2)^2), C = pi mu R L^3/(2 c^3 (1 - eps^2)^1.5).
     """
-    size = MU * R * L**3 / C**3
+    size = mu * R * L**3 / c**3
     return 2 * size * w * eps / (1 - eps**2) ** 2, np.pi * size / (2 * (1 - eps**2) ** 1.5)
 
 

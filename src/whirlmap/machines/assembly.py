@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from sympy import Expr, Integer, Min, Rational, pi, sympify
+from sympy import Expr, Integer, Min, Rational, pi, sqrt, sympify
 
 from whirlmap.equations.groups import Bearing
 from whirlmap.equations.model import Model
@@ -107,11 +107,29 @@ class Machine:
             made[f"slenderness_{b.name}"] = Output(
                 slender, "1", f"length over diameter of bearing {b.name}; short is below 0.25"
             )
+            if b.kind == "damper":
+                made[f"film_damping_{b.name}"] = Output(
+                    pi * b.lubricant * own["R"] * own["L"] ** 3 / (2 * own["c"] ** 3), "N*s/m",
+                    f"damping of the film of bearing {b.name} at the centre",
+                )  # fmt: skip
             if b.film != "short":
                 made[f"ring_{b.name}"] = Output(
                     pi * own["H"] / own["L"], "1",
                     f"pi H/L of bearing {b.name}; psi is too large by about a third of its square",
                     role="ring", bearing=b.name,
+                )  # fmt: skip
+        return made | self._on_cages()
+
+    def _on_cages(self) -> dict[str, Output]:
+        """Natural frequencies of lumped rotors that only squirrel cages hold, which no linear analysis can give."""
+        made = {}
+        for rotor in self.rotors:
+            mine = [b for b in self.bearings if b.shaft == rotor.name]
+            if rotor.shaft.lumped and mine and all(b.kind == "damper" and "k_c" in b.given for b in mine):
+                held = sum((b.alike * b.inputs()["k_c"] for b in mine), Integer(0))
+                made[f"omega_cage_{rotor.name}"] = Output(
+                    sqrt(held / quantity(rotor.name, "m")), "rad/s",
+                    f"natural frequency of {rotor.name}, rigid, on its squirrel cages", role="natural_frequency",
                 )  # fmt: skip
         return made
 
@@ -159,13 +177,14 @@ def assemble(
     teeth = [e for one in told for e in one.teeth]
     accelerated = _accelerated(machine, coupled, rates)
     read = _read([*equations.values(), *accelerated.values()], told)
+    defaults: dict[Any, Any] = _joined(one.defaults for one in told)
     return Model(
         name="machine",
         states=(*positions, *rates),
-        parameters=tuple(p for p in machine.groups() if p.name in read),
+        parameters=(*(p for p in machine.groups() if p.name in read), *defaults),  # which no input of the file gives
         equations={q: equations[q] for q in (*positions, *rates)},
         harmonics=tuple(e for one in told for e in one.harmonics),
-        defaults=_joined(one.defaults for one in told),
+        defaults=defaults,
         outputs=_joined(one.outputs for one in told),
         stops=_joined(one.stops for one in told),
         switchings=_joined(one.switchings for one in told),

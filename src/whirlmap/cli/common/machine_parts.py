@@ -63,10 +63,15 @@ def describe_parts(system: "System", machine: Machine, rest: dict[str, float] | 
     bearings = list[dict[str, Any]]()
     for b in machine.bearings:
         ux, uy = (numbers.get(q) for q in b.u)
+        at_rest, spring = output(f"load_{b.name}", force), None
+        if "k_c" in b.given and ux is not None and uy is not None:
+            spring = given[f"bearing.{b.name}.k_c"] * c_0 * float(np.hypot(ux, uy))
+            # A film that does not turn carries nothing at rest; what is left there is rounding.
+            at_rest = 0.0 if b.kind == "damper" else at_rest
         bearings.append({
             "name": b.name, "shaft": b.shaft, "z": places[b.shaft, b.station], "kind": b.kind, "film": b.film, "arc": b.arc,
             "support": b.support, "alike": b.alike, **{key: given[f"bearing.{b.name}.{key}"] for key in ("R", "L", "c")},
-            "load": output(f"load_{b.name}", force), "eccentricity": output(f"eps_{b.name}"),
+            "load": at_rest, "spring_load": spring, "eccentricity": output(f"eps_{b.name}"),
             "shaft_diameter": _diameter(machine, b.shaft, b.station),
             "direction": None if ux is None or uy is None else float(np.degrees(np.arctan2(uy, ux))),
         })  # fmt: skip
@@ -219,8 +224,11 @@ def print_parts(parts: dict[str, Any]) -> None:
     ]
     columns = ("shaft", "speed", "mass", "m omega^2 on rigid bearings", "kept modes of a plane, Hz, free and at standstill")
     tables = [report.table("Shafts", columns, rows, numbers=(1, 2, 3))]
+    springs = any(b.get("spring_load") is not None for b in parts["bearings"])
     of_bearing = ("bearing", "shaft", "film", "on", "clearance", "load at rest", "eccentricity", "direction")
-    tables.append(report.table("Bearings", of_bearing, [_bearing(b) for b in parts["bearings"]], numbers=(4, 5, 6, 7)))
+    held = ("in its spring",) if springs else ()
+    rows = [_bearing(b, springs) for b in parts["bearings"]]
+    tables.append(report.table("Bearings", (*of_bearing, *held), rows, numbers=(4, 5, 6, 7, 8)))
     if parts["meshes"]:
         of_mesh = ("mesh", "teeth", "tooth passing", "power", "torque of the driver", "tooth load", "at rest", "phase")
         tables.append(report.table("Meshes", of_mesh, [_mesh(m) for m in parts["meshes"]], numbers=(2, 3, 4, 5, 6, 7)))
@@ -235,13 +243,16 @@ def print_parts(parts: dict[str, Any]) -> None:
         )
 
 
-def _bearing(b: dict[str, Any]) -> tuple[str, ...]:
+def _bearing(b: dict[str, Any], springs: bool) -> tuple[str, ...]:
+    """A row of the table of bearings, with the load of its centring spring where ``springs``."""
     name = b["name"] + (f" (x{b['alike']})" if b["alike"] > 1 else "")
+    held = () if not springs else ("",) if b.get("spring_load") is None else (_number(b["spring_load"], "N"),)
     if b["kind"] == "coefficients":
         law = f"table, {_rpm(b['speeds'][0])} to {_rpm(b['speeds'][1])}" if b["speeds"] else "coefficients"
-        return (name, b["shaft"], law, b["support"] or "ground", "", _number(b["load"], "N"), "", "")
+        return (name, b["shaft"], law, b["support"] or "ground", "", _number(b["load"], "N"), "", "", *held)
     numbers = (_number(b["c"] * 1e6, "um"), _number(b["load"], "N"), _number(b["eccentricity"], ""))
-    return (name, b["shaft"], f"{b['film']}, {b['arc']}", b["support"] or "ground", *numbers, _number(b["direction"], "deg"))
+    law, direction = f"{b['film']}, {b['arc']}", _number(b["direction"], "deg")
+    return (name, b["shaft"], law, b["support"] or "ground", *numbers, direction, *held)
 
 
 def _mesh(m: dict[str, Any]) -> tuple[str, ...]:

@@ -97,7 +97,8 @@ def _bearing(ax: Axes, bearing: Mapping[str, Any], largest: float) -> None:
         foot -= 0.3 * largest
     ax.plot([1e3 * (z - 0.6 * L), 1e3 * (z + 0.6 * L)], [1e3 * foot] * 2, color=INK, lw=2)
     on = f"\non {bearing['support']}" if bearing["support"] else ""
-    load = "" if bearing["load"] is None else f"\n{bearing['load']:.4g} N"
+    carried = bearing["load"] or bearing.get("spring_load")  # at rest the film of a damper carries nothing
+    load = "" if carried is None else f"\n{carried:.4g} N"
     _label(ax, z, foot, f"{bearing['name']}{load}{on}", INK, below=True)
 
 
