@@ -131,7 +131,7 @@ MEANINGS = {
     "speeds": {
         "quantities": "displacements that were judged",
         "not_judged": "stations that were not judged; of one whose x or y was, the other",
-        "unstable_rest": "speeds that are not safe at which the static equilibrium is unstable, and its whirl; null where unknown",
+        "unstable_rest": "unsafe speeds at which the static equilibrium is unstable, and its whirl; null where unknown",
         "followed": "whether run-up and run-down were judged too",
         "windows": "safe windows, with the reasons at both ends",
         "stretches": "all stretches, safe or not",

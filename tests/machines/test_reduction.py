@@ -67,6 +67,20 @@ def test_modes_are_orthogonal_and_rigid_ones_first(shape, modes):
     assert np.linalg.eigvalsh(found.residual)[0] > -1e-9 * np.abs(found.residual).max()
 
 
+@pytest.mark.parametrize("modes", [6, 7, 8, 9, 10])
+def test_where_nearly_all_modes_are_kept_attachments_are_no_rounding(modes):
+    """Six stations have 12 modes across the axis, two of them rigid; forces at four cannot add more than are left."""
+    shaft = rotor([0.3, 1.25, 1.25, 1.25, 1.25], [0.15] * 5, modes, attached=(0, 1, 3, 5))
+    M = shaft.matrices[0]
+    found, whole = shaft.reduced, shaft.spectrum
+    assert found.count <= whole.frequency.size
+    # An attachment mode is made of omitted ones, so that it is no slower than the slowest of these.
+    slowest = whole.frequency[min(2 + modes, whole.frequency.size - 1)]
+    assert (found.frequency[found.count - found.attached :] >= slowest * (1 - 1e-6)).all()
+    product = found.shapes.T @ M @ found.shapes / np.sqrt(np.outer(found.mass, found.mass))
+    np.testing.assert_allclose(product, np.eye(found.count), atol=1e-6)
+
+
 def test_all_modes_leave_no_flexibility():
     shaft = rotor([0.1] * 5, [0.05] * 5, 10)
     with pytest.raises(CaseError, match="leave no flexibility"):

@@ -24,6 +24,9 @@ Vector = NDArray[np.float64]
 
 #: Masses and stiffnesses below this part of the largest are none: rounding of a matrix.
 NONE = 1e-11
+#: Static answers below this part of the whole shaft's are none, and so are those that others make up to this part: where
+#: nearly all modes are kept, nothing but rounding is left for attachment modes, and it would be one of any frequency.
+LITTLE = 1e-8
 #: Frequencies below this part of the largest are those of rigid motion. Beams have a range of up to 1e6 between modes.
 RIGID = 1e-7
 
@@ -175,7 +178,9 @@ def reduce(whole: Spectrum, elastic: int, attachments: Sequence[int], displaceme
     bent = shapes[:, whole.rigid :]
     residual = whole.flexibility - (bent / frequency[whole.rigid :] ** 2) @ bent.T
     residual = _without_rounding(residual, whole.flexibility)
-    columns = residual[:, [place for place in attachments if residual[place, place] > 0]]
+    answers = [place for place in attachments if residual[place, place] > LITTLE * whole.flexibility[place, place]]
+    columns = residual[:, answers]
+    columns = columns - shapes @ (shapes.T @ whole.M @ columns)  # rounding holds some of the kept modes
     attached = 0
     if columns.size:
         values, vectors = _attachment(whole, columns)
@@ -191,6 +196,10 @@ def _attachment(whole: Spectrum, columns: Matrix) -> tuple[Vector, Matrix]:
     """Frequencies and mass-normalised shapes of the motions that some static responses span."""
     size = 1 / np.sqrt(np.einsum("ij,ik,kj->j", columns, whole.K, columns))
     columns = columns * size
+    energy, mixed = np.linalg.eigh(columns.T @ whole.K @ columns)
+    if energy[0] <= LITTLE * energy[-1]:
+        own = energy > LITTLE * energy[-1]
+        columns = columns @ (mixed[:, own] / np.sqrt(energy[own]))
     M, K = columns.T @ whole.M @ columns, columns.T @ whole.K @ columns
     if np.linalg.eigvalsh(M)[0] <= NONE * np.abs(M).max():
         raise CaseError("found a force at a station without mass, expected mass where teeth or unbalances act")

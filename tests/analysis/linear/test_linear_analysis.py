@@ -5,8 +5,11 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.linear.linearisation import NotLinearError
+from whirlmap.analysis.linear.truncation import truncation
+from whirlmap.equations import Model, State, when
 from whirlmap.errors import RangeError
 from whirlmap.films.linear import linear_film, whip_threshold, whirl_ratio_squared
+from whirlmap.integrate.system import System
 
 
 def rotor(eps, s):
@@ -74,3 +77,35 @@ def test_the_declared_equilibrium_of_a_damper_is_one():
 def test_unknown_parameter_is_refused():
     with pytest.raises(RangeError, match="no parameter 'sped'"):
         whirlmap.stability_threshold(rotor(0.3, 2.6), "sped", (2.0, 3.0))
+
+
+def curved(inside):
+    """x' = inside - ..., with a rest at x = 1 and another state that turns the system into one of two."""
+    x, y = State("x", "1", "x", start=1.0), State("y", "1", "y", start=1.0)
+    u = x - 1
+    return System(Model("curved", (x, y), (), {x: inside(u) + (y - 1), y: -(x - 1) - 2 * (y - 1)}, start="equilibrium"), {})
+
+
+def test_a_slope_that_curves_is_no_kink():
+    """A stiff film's slope changes by a tenth of itself over a millionth of the motion, and is what it is at the rest."""
+    found = whirlmap.linear_analysis(curved(lambda u: -u + 1e4 * u**2 + 1e11 * u**3))
+    assert found.jacobian[0, 0] == pytest.approx(-1, rel=1e-9)
+    assert np.sort(found.eigenvalues.imag) == pytest.approx([-np.sqrt(3) / 2, np.sqrt(3) / 2], rel=1e-9)
+
+
+def test_a_kink_has_the_mean_of_its_slopes():
+    found = whirlmap.linear_analysis(curved(lambda u: when(u > 0, -3 * u, -u)))
+    assert found.jacobian[0, 0] == pytest.approx(-2, rel=1e-6)
+
+
+def test_many_modes_of_a_machine_come_near_its_matrices():
+    """With all but three modes of a stiff shaft journals are 450 times as fast as it turns, and eigenvalues right."""
+
+    def of(generator, turbine):
+        modes = {"shaft.generator_shaft.modes": generator, "shaft.turbine_shaft.modes": turbine}
+        found = truncation(whirlmap.load("machines/geared-turbo-set", **modes))
+        assert found is not None
+        return found
+
+    assert of(8, 8).error.max() < 3e-3
+    assert of(10, 10).error.max() < 1e-3 and of(10, 10).fastest > 300

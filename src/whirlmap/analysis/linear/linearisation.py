@@ -15,9 +15,11 @@ from whirlmap.integrate.evaluation import Evaluator
 from whirlmap.integrate.system import System
 from whirlmap.results.listing import Listed, Listing, Rows
 
-#: How far to either side of an equilibrium a kink of the rates is sought, over the sizes of the states.
-STEP = 1e-6
-#: Change of the derivatives from one side to the other, over their own size, that is a kink: smooth ones change by `STEP`.
+#: How far to either side of an equilibrium a kink of the rates is sought, over the sizes of the states, and how much shorter
+#: the second step is.
+STEP, SHORTER = 1e-6, 16
+#: Change of the derivatives from one side to the other, over their own size, that is a kink, where the shorter step finds it
+#: as well: behind a stiff shaft a film curves by as much over a millionth of the motion, and has a derivative all the same.
 KINK = 1e-3
 
 
@@ -154,17 +156,18 @@ def _jacobians(
     """Jacobians of the unforced rates, shape (point, row, column)."""
     n, points = x.shape
     size = first_sizes(model, values, x)
-    # Every (side, moved state, point) in one call, the point itself last.
-    sides = STEP * np.array([1.0, -1.0])
+    # Every (step, side, moved state, point) in one call, the point itself last.
+    sides = (np.array([STEP, STEP / SHORTER])[:, None] * np.array([1.0, -1.0])).ravel()
     moved = x[:, None, None, :] + sides[:, None, None] * (np.eye(n)[:, :, None] * size[:, None, :])[:, None]
     many = np.concatenate([moved.reshape(n, -1), x], axis=1)
     evaluate = Evaluator.of(model, values, jacobian=True)
-    rates, slopes = evaluate(0.0, many, np.tile(np.arange(points), 2 * n + 1), forced=False)
+    rates, slopes = evaluate(0.0, many, np.tile(np.arange(points), sides.size * n + 1), forced=False)
     closed = slopes[:, :, -points:]
-    up, down = np.moveaxis(slopes[:, :, :-points].reshape(n, n, 2, n, points), 2, 0)
+    of_steps = np.moveaxis(slopes[:, :, :-points].reshape(n, n, 2, 2, n, points), (2, 3), (0, 1))
     whole = (np.abs(closed) * size).sum(axis=1)[:, None, None, :]  # what a row comes to when all states move by their sizes
-    change = np.abs(up - down) * size[:, None, :]
-    kinked = (change > KINK * whole).any(axis=1)  # (row, moved state, point)
-    ahead, behind = np.moveaxis(rates[:, :-points].reshape(n, 2, n, points), 1, 0)
-    width = np.where(size > 0, 2 * STEP * size, 1.0)  # a state of no size was not moved, and shows no kink
+    far, near = ((np.abs(up - down) * size[:, None, :]).max(axis=1) for up, down in of_steps)  # (row, moved state, point)
+    # The slope changes as much over a shorter step at a kink, and less where it only curves.
+    kinked = (near > KINK * whole[:, 0]) & (near > far / 2)
+    ahead, behind = np.moveaxis(rates[:, :-points].reshape(n, 2, 2, n, points), (1, 2), (0, 1))[1]
+    width = np.where(size > 0, 2 * STEP / SHORTER * size, 1.0)  # a state of no size was not moved, and shows no kink
     return np.where(kinked, (ahead - behind) / width, closed).transpose(2, 0, 1)
