@@ -75,7 +75,8 @@ def test_an_orbit_that_is_asked_to_return_too_late_has_its_smallest_period():
         np.testing.assert_allclose(branch["section"].values[0, 0], exact, rtol=1e-9)
     system = whirlmap.load("duffing", gamma=0.28)
     doubled = whirlmap.continue_orbit(system, "gamma", (0.28, 0.281), points=2)
-    again = whirlmap.continue_orbit(system, "gamma", (0.28, 0.281), orbit=doubled["section"].values[0, 0], period=4, points=2)
+    exact = doubled["section"].values[0, 0]
+    again = whirlmap.continue_orbit(system, "gamma", (0.28, 0.281), orbit=exact, period=4, points=2)
     assert doubled["period_T"].values.tolist() == again["period_T"].values.tolist() == [2]
 
 

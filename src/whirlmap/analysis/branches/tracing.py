@@ -36,8 +36,13 @@ FEW, MANY = 4, 7
 CHECKED = 4
 #: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
 ROUND, SAME = 4, 1e-6
+#: Neighbouring points over which a parameter that stands still is told from a fold, and least length of them, in sizes.
+STANDING, LENGTH = 16, 1e-5
 #: Ends that are no fault, in words.
-ENDS = {"range": "the end of the range", "closed": "its first point"}
+ENDS = {
+    "range": "the end of the range", "closed": "its first point",
+    "vertical": "the parameter stands still while the orbit changes: here there are orbits of many sizes",
+}  # fmt: skip
 
 
 @dataclass
@@ -51,7 +56,7 @@ class Trace:
     events : list of (int, Event)
         The event, and the index of the point before it.
     end : str
-        ``range``, ``closed``, ``contact``, ``kink`` or ``steps``; empty while it is followed.
+        ``range``, ``closed``, ``contact``, ``kink``, ``vertical`` or ``steps``; empty while it is followed.
     why : str
         What stopped it, in words.
     doubts : set of str
@@ -146,6 +151,8 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         elif too_long(b):
             b = yield from divided(b)
         out.points.append(b)
+        if not ended and _stands_still(out.points[-STANDING:], limits):
+            ended = "vertical"
         out.end, out.why = ended, out.why or ENDS.get(ended, "")
         step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
         step, a = min(step, limits.longest), coarser(b, limits.accuracy)
@@ -250,6 +257,19 @@ def apart_in_halves(c: Corrected) -> Array:
     """By how much the two halves of an orbit begin apart, in sizes of the states."""
     count, n = c.point.x.shape
     return np.asarray((c.point.x[0] - c.point.x[count // 2]) / c.linear.weights[:n])
+
+
+def _stands_still(last: Sequence[Corrected], limits: Limits) -> bool:
+    """Whether the only free parameter is the same at all of the last points, as where a linear motion is in resonance.
+
+    Events on such a stretch are rounding, and the branch would creep along it.
+    """
+    values = [c.value for c in last]
+    if len(last) < STANDING or last[0].point.free.size > 1 or max(values) - min(values) > EDGE * limits.width:
+        return False
+    n = last[0].point.x.shape[1]
+    moved = (last[-1].point.x[0] - last[0].point.x[0]) / last[-1].linear.weights[:n]
+    return bool(np.abs(moved).max() >= LENGTH)
 
 
 def _ending(lost: Status, a: Corrected) -> tuple[str, str]:

@@ -12,7 +12,7 @@ import typer
 
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.assignments import assignments
-from whirlmap.cli.common.messages import choice, say
+from whirlmap.cli.common.messages import choice
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
@@ -83,8 +83,7 @@ def continue_orbit(
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)
     files = destination.write(ds, lambda made: pictures.branches(units, made, quantities))
-    if doubts := ds.attrs.get("doubts"):
-        say(f"warning: {doubts}")
+    report.say_doubts_of_branches(ds.attrs)
     varied = str(ds.attrs["varied"]).split()
     inputs = {name: str(ds[name].attrs["units"]) for name in varied if is_input(system, name, beside=len(varied) > 1)}
     reached = {name: np.array([ds[name].values.min(), ds[name].values.max()]) for name in varied}

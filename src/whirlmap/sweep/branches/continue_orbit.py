@@ -197,6 +197,10 @@ def attributes(
         doubts.append(f"the steps of {rough.sum()} points leave errors up to {ds['step_error'].values[rough].max():.1g}")
     if doubts:
         facts["doubts"] = "; ".join(doubts)
+    if any(b.system.model.switchings == {} and b.kinked() for b in branches):
+        facts["not_sought"] = (
+            f"{branches[0].system.model.name} names no surface (switchings=), so grazing orbits are not sought"
+        )
     if not work.complete:
         facts["incomplete"] = f"interrupted after {len(ds['point'])} points"
     return {**origin, **facts}

@@ -249,10 +249,11 @@ class Beginning:
         n, duration = c.point.x.shape[1], c.point.duration
         assert duration is not None
         for d in divisors(returns):
-            guess = Unknowns(c.point.x[:1], c.point.free, duration * d / returns)
+            time = duration * d / returns
+            guess = Unknowns(c.point.x[:1], c.point.free, time)
             for shorter in self._corrected(self.equations(0, STEPS[4] * d), [guess]):
                 apart = wrapped(shorter.point.x[0] - c.point.x[0], cyclic_states(self.system)) / c.linear.weights[:n]
-                if np.abs(apart).max() < SAME and abs(shorter.point.duration / guess.duration - 1) < SAME:
+                if np.abs(apart).max() < SAME and abs((shorter.point.duration or 0.0) / time - 1) < SAME:
                     return Seed(shorter, d, shorter.point.x[:1].T)
         return Seed(c, returns, c.point.x[:1].T)
 
