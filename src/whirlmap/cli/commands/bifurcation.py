@@ -198,7 +198,8 @@ def _label(regime: str, period: int | None, status: str) -> str:
 
 def _largest(sweep: dict[str, Any], first: int, last: int) -> str:
     measured = [v for v in sweep["lyapunov"][first : last + 1] if v == v]
-    return f"{min(measured):.3g} to {max(measured):.3g}" if measured else "-"
+    some = f" of {counted(len(measured), 'point')}" if len(measured) < last - first + 1 else ""
+    return f"{min(measured):.3g} to {max(measured):.3g}{some}" if measured else "-"
 
 
 def _swing(sweep: dict[str, Any], state: str, first: int, last: int) -> str:
