@@ -4,6 +4,8 @@ import json
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
 from scipy.special import mathieu_a
 from typer.testing import CliRunner
 
@@ -14,6 +16,7 @@ from whirlmap.integrate.system import System
 
 x, v = State("x", "1", "displacement", start=1.3), State("v", "1", "its rate")
 a, q = Parameter("a", "1", "mean stiffness"), Parameter("q", "1", "variation of the stiffness")
+z = Parameter("z", "1", "damping")
 #: Mathieu's equation as far as x = 1, and stiffer beyond.
 MATHIEU = Model(
     name="mathieu", states=(x, v), parameters=(a, q), harmonics=(2,),
@@ -71,3 +74,24 @@ def test_a_diagram_with_branches_says_their_doubts_as_the_branches_do(kinked, mo
     asked = ["bifurcation", kinked, "--vary", "g=0.3:0.31:2", "--branches", "--quiet"]
     assert "warning: look here" in CliRunner().invoke(app, asked).stderr
     assert json.loads(CliRunner().invoke(app, [*asked, "--json"]).stdout)["doubts"] == "look here"
+
+
+def test_two_period_doublings_within_one_step_do_not_cancel():
+    """A damped Mathieu equation: its narrow tongue is shorter than a step. SciPy's flow says where it begins and ends."""
+    damping, width = 0.0249, 0.05
+    linear = Model(
+        name="damped_mathieu", states=(x, v), parameters=(a, q, z), harmonics=(2,),
+        equations={x: v, v: 1 + cos(2 * t) - 2 * z * v - (a - 2 * q * cos(2 * t)) * x},
+    )  # fmt: skip
+
+    def crosses(stiffness):
+        """det(M + I) over one T, which vanishes where a multiplier is -1."""
+        rates = lambda t, y: [y[1], -2 * damping * y[1] - (stiffness - 2 * width * np.cos(2 * t)) * y[0]]  # noqa: E731
+        flow = [solve_ivp(rates, (0, np.pi), e, rtol=1e-12, atol=1e-14, method="DOP853").y[:, -1] for e in np.eye(2)]
+        return np.linalg.det(np.array(flow).T + np.eye(2))
+
+    exact = [brentq(crosses, 0.9, 1.0), brentq(crosses, 1.0, 1.1)]
+    system = System(linear, {"a": 0.4, "q": width, "z": damping})
+    for begin in (0.4, 0.41, 0.42):
+        ds = whirlmap.continue_orbit(system, "a", (0.4, 1.9), begin=begin)
+        np.testing.assert_allclose(np.sort(ds["event_a"].values), exact, atol=1e-8)

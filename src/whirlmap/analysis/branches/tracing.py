@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.event_curves import EventCurve
-from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between
+from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between, may_cross_twice
 from whirlmap.analysis.branches.grazing import grazings_between
 from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long
@@ -28,6 +28,8 @@ Asking = Generator[Ask, Corrected | Lost, Any]
 FIRST, SHORTEST = 0.1, 1e-7
 #: Steps below this part of the longest take what they find: two events in one may be one point.
 FINE = 1e-4
+#: Part of the longest below which steps take it that a multiplier that comes near the unit circle stays on its side.
+SHY = 1 / 64
 #: Largest angle between neighbouring tangents, and largest distance from the predicted point, over the step.
 ANGLE, AWAY = 0.25, 0.5
 #: Iterations at which a step grows, and at which it shrinks.
@@ -110,6 +112,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         first, a = turned(seed, towards(seed, out.points[1])), out.points[-1]
         a = turned(a, -towards(a, out.points[-2]))
     step, lost = FIRST * limits.longest, Status.ok
+    before: tuple[float, Corrected] | None = None
     which, _, edge = limits.left(a)
     if abs(a.point.free[which] - edge) <= EDGE * (limits.high - limits.low)[which]:
         out.end, out.why = "range", ENDS["range"]
@@ -130,6 +133,8 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
                 out.end, out.why = "closed", "meets the orbit that it doubled from"
                 break
             events = yield from _between(a, b, alone=step > FINE * limits.longest)
+            if not events and before and step > SHY * limits.longest and may_cross_twice(before[1], a, b, before[0], step):
+                raise StepTooLongError
         except StepTooLongError:
             if step > 2 * FINE * limits.longest:
                 step /= 2
@@ -154,6 +159,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         if not ended and _stands_still(out.points[-STANDING:], limits):
             ended = "vertical"
         out.end, out.why = ended, out.why or ENDS.get(ended, "")
+        before = step, a
         step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
         step, a = min(step, limits.longest), coarser(b, limits.accuracy)
 
