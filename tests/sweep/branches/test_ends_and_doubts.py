@@ -10,8 +10,10 @@ from scipy.special import mathieu_a
 from typer.testing import CliRunner
 
 import whirlmap
+from whirlmap.cli.commands.continue_orbit import say_branches
 from whirlmap.cli.main import app
 from whirlmap.equations import Model, Parameter, State, cos, t, when
+from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.system import System
 
 x, v = State("x", "1", "displacement", start=1.3), State("v", "1", "its rate")
@@ -24,7 +26,7 @@ MATHIEU = Model(
 )  # fmt: skip
 
 
-def test_a_branch_on_which_the_parameter_stands_still_ends_and_says_so():
+def test_a_branch_on_which_the_parameter_stands_still_ends_and_says_so(capsys):
     """Below x = 1 the motion is linear: at the value a_0 of Mathieu's equation there are orbits of any size."""
     value = float(mathieu_a(0, 0.5))
     system = System(MATHIEU, {"a": value - 0.02, "q": 0.5})
@@ -36,6 +38,8 @@ def test_a_branch_on_which_the_parameter_stands_still_ends_and_says_so():
     vertical = ds["maximum"].sel(quantity="x").values < 0.99
     np.testing.assert_allclose(ds["a"].values[vertical], value, atol=1e-11)
     assert vertical.sum() >= 10
+    say_branches(system, ds, Dimensions(system), ["x"])
+    assert "vertical: the parameter stands still while the orbit changes" in capsys.readouterr().out
 
 
 @pytest.fixture
