@@ -20,6 +20,7 @@ MEANINGS = {
         "period": "forcing period T, in the model's time",
         "common_period": "common period of all harmonics of the forcing",
         "seed": "seed of the random numbers",
+        "box": "ranges of the states from which starts were drawn, in the model's own units",
         "speed": "name of the parameter that is the speed",
         "s": "speeds, in the model's unit",
         "limit": "largest amplitude that is allowed, in the model's length",

@@ -47,7 +47,7 @@ KEYS = {
     "linear": "case model equilibrium eigenvalues stable films threshold units",
     "campbell": "case model varied values frequency growth damping_ratio whirl line critical modes shapes status",
     "continue": "case model parameters varied unit branches doubts assumptions files incomplete",
-    "attractors": "case model attractors outcomes starts seed files incomplete",
+    "attractors": "case model attractors outcomes starts box seed files incomplete",
     "basins": "case model attractors outcomes grid starts files incomplete",
     "speeds": "s rpm limit limit_um verdict verdicts windows stretches margin amplitude min_film max_load operation units",
     "improve": "case varied designs widest calmest limit limit_um s files incomplete units",

@@ -248,3 +248,18 @@ def test_measures_that_there_are_not_are_refused():
         with pytest.raises(ModelError, match=r"has the measure 'lenght', expected one of .*Did you mean 'length'\?"):
             declare("far", "1", "how far", measure="lenght")
     assert set(WRITTEN) == set(MEASURES)
+
+
+@pytest.mark.parametrize("name", ["states", "parameters", "harmonics", "swing"])
+def test_one_symbol_in_place_of_a_list_is_refused_with_the_list(name):
+    given = {"states": (x,), "parameters": (w,), "harmonics": (w,), "swing": (x,)}
+    (alone,) = given[name]
+    with pytest.raises(ModelError, match=re.escape(f"expected a list: write {name}=({alone},)")):
+        Model("named", equations={x: cos(w * t)}, **given | {name: alone})
+
+
+def test_time_where_it_may_not_stand_is_no_parameter_that_was_forgotten():
+    with pytest.raises(ModelError, match=r"outputs use the time t, expected functions of states and parameters\. Make the"):
+        oscillator(outputs={"force": Output(x * cos(w * t), "1", "force")})
+    with pytest.raises(ModelError, match="the clocks use the time t, expected functions of parameters only"):
+        oscillator(clocks={"shaft": w * t})

@@ -4,13 +4,26 @@ import re
 from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
-from sympy import Symbol, sympify
+from sympy import Basic, Symbol, sympify
 
 from whirlmap.equations import allowed, names
 from whirlmap.equations.parts import OF_BEARING, Journal, Output
 from whirlmap.equations.pieces import Table
 from whirlmap.equations.quantities import Parameter, State, t
 from whirlmap.errors import ModelError
+
+#: What to do where an output is meant to depend on time.
+OUTPUT_OF_TIME = (
+    " Make the output of the part without t, and multiply by the rest in Python: a time series (`whirlmap.simulate`) has the"
+    " coordinate time"
+)
+
+
+def refuse_collections(model: str, **given: Any) -> None:
+    """Refuse one symbol where several are listed, as in ``harmonics=w`` for ``harmonics=(w,)``."""
+    for name, value in given.items():
+        if isinstance(value, Basic):
+            raise ModelError(f"model {model!r}: {name} is the symbol {value}, expected a list: write {name}=({value},)")
 
 
 def refuse_names(model: str, states: Sequence[State], parameters: Sequence[Parameter], outputs: Iterable[str]) -> None:
@@ -118,6 +131,12 @@ def refuse_expressions(
         known |= places if where == "the equations" else set()
         for expression in some:
             for symbol in sorted(sympify(expression).free_symbols - known, key=str):
+                if symbol == t:
+                    of = "parameters only" if where in of_parameters else "states and parameters"
+                    raise ModelError(
+                        f"model {model!r}: {where} use the time t, expected functions of {of}."
+                        + (OUTPUT_OF_TIME if where == "the outputs" else "")
+                    )
                 raise ModelError(
                     f"model {model!r}: {where} use {symbol.name!r}, which is neither a state nor one of its"
                     " parameters: add it to parameters=(...)"

@@ -130,6 +130,9 @@ class Model(Listed):
 
     def __post_init__(self) -> None:
         """Refuse a declaration that contradicts itself, or that nothing could compute, naming the symbol."""
+        declaration.refuse_collections(
+            self.name, states=self.states, parameters=self.parameters, harmonics=self.harmonics, swing=self.swing,
+        )  # fmt: skip
         declaration.refuse_names(self.name, self.states, self.parameters, self.outputs)
         declaration.refuse_equations(self.name, self.states, self.equations)
         declaration.refuse_outputs(self.name, self.outputs)

@@ -96,3 +96,10 @@ def test_runs_that_end_on_the_way_leave_the_others_judged():
     if "section" in ds:
         assert np.isnan(ds["section"].values[ended]).all()
         assert np.isfinite(ds["section"].values[~ended, 0]).all()
+
+
+def test_a_torus_whose_exponents_were_cut_short_has_no_dimension_and_says_why():
+    """No section is left of so short a run; what is known without one is given all the same."""
+    verdict = verdict_json(whirlmap.diagnose(whirlmap.load("van_der_pol"), max_periods=64, record=64))
+    assert verdict["regime"] == "quasi-periodic" and verdict["correlation_dimension"] is None
+    assert "too short" in verdict["indicators"]["dimension"]["reason"]

@@ -127,6 +127,10 @@ def test_a_figure_has_its_panels(ended, exponents):
     assert {t.get_text() for t in legend.get_texts()} == {"contact", "periodic", "undecided", "unresolved"}
 
 
+def test_a_figure_without_states_has_all_whose_section_is_there(diagram):
+    assert len(diagram_figure(diagram, exponents=False).axes) == diagram.sizes["state"] + 1
+
+
 def test_the_papers_figure_has_two_columns_with_a_strip_each(diagram):
     fig = paper_diagram_figure(diagram, ("x", "v", "x", "v"))
     assert len(fig.axes) == 6

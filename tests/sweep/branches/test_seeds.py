@@ -5,7 +5,7 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.branches.limits import Limits
-from whirlmap.equations import Model, Parameter, State, cos, t
+from whirlmap.equations import Model, Parameter, Section, State, cos, t
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING
@@ -63,3 +63,28 @@ def test_a_range_that_is_none_is_named_as_it_was_given():
         whirlmap.continue_orbit(system, "gamma", "a:b")
     with pytest.raises(RangeError, match="a number that is not finite"):
         whirlmap.continue_orbit(system, "gamma", (0.2, 0.3), orbit=(1.0, float("nan")))
+
+
+def test_an_orbit_that_is_asked_to_return_too_late_has_its_smallest_period():
+    """The motion of 1 T returns after 2 T and 6 T as well; it is one branch of 1 T all the same."""
+    system = whirlmap.load("duffing", delta=0.05, alpha=1, beta=0.1, gamma=0.18)
+    exact = whirlmap.continue_orbit(system, "omega", (0.9, 0.95), points=2)["section"].values[0, 0]
+    for period in (2, 6):
+        branch = whirlmap.continue_orbit(system, "omega", (0.9, 0.95), orbit=exact, period=period, points=2)
+        assert branch["period_T"].values.tolist() == [1]
+        np.testing.assert_allclose(branch["section"].values[0, 0], exact, rtol=1e-9)
+    system = whirlmap.load("duffing", gamma=0.28)
+    doubled = whirlmap.continue_orbit(system, "gamma", (0.28, 0.281), points=2)
+    exact = doubled["section"].values[0, 0]
+    again = whirlmap.continue_orbit(system, "gamma", (0.28, 0.281), orbit=exact, period=4, points=2)
+    assert doubled["period_T"].values.tolist() == again["period_T"].values.tolist() == [2]
+
+
+def test_a_cycle_that_is_asked_to_cross_too_often_has_its_smallest_number_of_crossings():
+    free = Model(
+        name="free", states=(x, v), parameters=(g,), equations={x: v, v: g * (1 - x**2) * v - x},
+        section=Section(x, "rising"), typical_time=1,
+    )  # fmt: skip
+    branch = whirlmap.continue_orbit(System(free, {"g": 1.0}), "g", (1.0, 1.1), orbit=(0.0, 2.0), period=3, points=2)
+    assert branch["period_T"].values.tolist() == [1]
+    assert abs(branch["duration"].values[0] - 6.6632868593) < 1e-8  # the period at mu = 1

@@ -59,6 +59,29 @@ def outside(c: Corrected) -> int:
     return int((c.exponents[0] > OUTSIDE).sum())
 
 
+def may_cross_twice(p: Corrected, a: Corrected, b: Corrected, first: float, second: float) -> bool:
+    """Whether a multiplier may cross the unit circle and come back between two points: two such events would cancel.
+
+    A parabola goes through the logarithms of its modulus at three points of a branch, the steps between which are given.
+    Its extreme in the second step, twice as far from the points as it is, lies on the other side.
+    """
+    count = outside(a)
+    if not isinstance(a.equations, PeriodicOrbits) or outside(b) != count:
+        return False
+    for k, sign in ((count, 1.0), (count - 1, -1.0)):
+        if not 0 <= k < a.exponents[0].size:
+            continue
+        before, here, there = (sign * float(c.exponents[0][k]) for c in (p, a, b))
+        slope = (there - here) / second
+        bend = (slope - (here - before) / first) / (first + second)
+        at = second / 2 - slope / (2 * bend) if bend < 0 else -1.0
+        if 0 < at < second:
+            top = here + slope * at + bend * at * (at - second)
+            if 2 * top - max(here, there) > sign * OUTSIDE:
+                return True
+    return False
+
+
 def events_between(a: Corrected, b: Corrected, *, alone: bool = True) -> Generator[Ask, Corrected | Lost, list[Event]]:
     """Bifurcation points between two points, in their order along the branch.
 

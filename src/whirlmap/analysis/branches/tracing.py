@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.event_curves import EventCurve
-from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between
+from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between, may_cross_twice
 from whirlmap.analysis.branches.grazing import grazings_between
 from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long
@@ -28,6 +28,8 @@ Asking = Generator[Ask, Corrected | Lost, Any]
 FIRST, SHORTEST = 0.1, 1e-7
 #: Steps below this part of the longest take what they find: two events in one may be one point.
 FINE = 1e-4
+#: Part of the longest below which steps take it that a multiplier that comes near the unit circle stays on its side.
+SHY = 1 / 64
 #: Largest angle between neighbouring tangents, and largest distance from the predicted point, over the step.
 ANGLE, AWAY = 0.25, 0.5
 #: Iterations at which a step grows, and at which it shrinks.
@@ -36,8 +38,13 @@ FEW, MANY = 4, 7
 CHECKED = 4
 #: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
 ROUND, SAME = 4, 1e-6
+#: Neighbouring points over which a parameter that stands still is told from a fold, and least length of them, in sizes.
+STANDING, LENGTH = 16, 1e-5
 #: Ends that are no fault, in words.
-ENDS = {"range": "the end of the range", "closed": "its first point"}
+ENDS = {
+    "range": "the end of the range", "closed": "its first point",
+    "vertical": "the parameter stands still while the orbit changes: here there are orbits of many sizes",
+}  # fmt: skip
 
 
 @dataclass
@@ -51,7 +58,7 @@ class Trace:
     events : list of (int, Event)
         The event, and the index of the point before it.
     end : str
-        ``range``, ``closed``, ``contact``, ``kink`` or ``steps``; empty while it is followed.
+        ``range``, ``closed``, ``contact``, ``kink``, ``vertical`` or ``steps``; empty while it is followed.
     why : str
         What stopped it, in words.
     doubts : set of str
@@ -105,6 +112,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         first, a = turned(seed, towards(seed, out.points[1])), out.points[-1]
         a = turned(a, -towards(a, out.points[-2]))
     step, lost = FIRST * limits.longest, Status.ok
+    before: tuple[float, Corrected] | None = None
     which, _, edge = limits.left(a)
     if abs(a.point.free[which] - edge) <= EDGE * (limits.high - limits.low)[which]:
         out.end, out.why = "range", ENDS["range"]
@@ -125,6 +133,8 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
                 out.end, out.why = "closed", "meets the orbit that it doubled from"
                 break
             events = yield from _between(a, b, alone=step > FINE * limits.longest)
+            if not events and before and step > SHY * limits.longest and may_cross_twice(before[1], a, b, before[0], step):
+                raise StepTooLongError
         except StepTooLongError:
             if step > 2 * FINE * limits.longest:
                 step /= 2
@@ -146,7 +156,10 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         elif too_long(b):
             b = yield from divided(b)
         out.points.append(b)
+        if not ended and _stands_still(out.points[-STANDING:], limits):
+            ended = "vertical"
         out.end, out.why = ended, out.why or ENDS.get(ended, "")
+        before = step, a
         step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
         step, a = min(step, limits.longest), coarser(b, limits.accuracy)
 
@@ -250,6 +263,19 @@ def apart_in_halves(c: Corrected) -> Array:
     """By how much the two halves of an orbit begin apart, in sizes of the states."""
     count, n = c.point.x.shape
     return np.asarray((c.point.x[0] - c.point.x[count // 2]) / c.linear.weights[:n])
+
+
+def _stands_still(last: Sequence[Corrected], limits: Limits) -> bool:
+    """Whether the only free parameter is the same at all of the last points, as where a linear motion is in resonance.
+
+    Events on such a stretch are rounding, and the branch would creep along it.
+    """
+    values = [c.value for c in last]
+    if len(last) < STANDING or last[0].point.free.size > 1 or max(values) - min(values) > EDGE * limits.width:
+        return False
+    n = last[0].point.x.shape[1]
+    moved = (last[-1].point.x[0] - last[0].point.x[0]) / last[-1].linear.weights[:n]
+    return bool(np.abs(moved).max() >= LENGTH)
 
 
 def _ending(lost: Status, a: Corrected) -> tuple[str, str]:

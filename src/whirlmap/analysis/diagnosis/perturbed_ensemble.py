@@ -161,6 +161,8 @@ def section_and_dimension(
     flat = good.reshape(-1, good.shape[2])
     of = np.repeat(np.arange(good.shape[0]), good.shape[1])
     if torus is not None:
+        if not len(torus):
+            return {"vote": "none", "reason": "the exponents' run was too short for a section"}
         flat, of = torus, np.zeros(len(torus), dtype=np.int64)
     d = correlation_dimension.find(flat, theiler=10, trajectories=of)
     data |= {f"dimension_{name}": v for name, v in d.variables.items()}

@@ -1,6 +1,7 @@
 """``whirlmap attractors``: coexisting attractors at one operating point, and the share of starts that lead to each."""
 
 from dataclasses import replace
+from json import loads
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -54,11 +55,12 @@ def attractors(
     ds, units = work.dataset, Dimensions(system, own=dimensionless)
     files = destination.write(ds, lambda done: pictures.attractors(units, done))
     report.say_doubts(ds.attrs)
-    facts = summary(units, ds)
+    facts, box_drawn = summary(units, ds), loads(ds.attrs["box"])
     if json:
-        report.print_json({**facts, "seed": seed, "files": files})
+        report.print_json({**facts, "box": box_drawn, "seed": seed, "files": files})
     else:
         say_attractors(facts)
+        say_box(units, box_drawn)
         report.print_written(files)
     if not work.complete:
         report.interrupted(facts["incomplete"], files, "the same command integrates all starts again")
@@ -137,7 +139,7 @@ def say_attractors(facts: dict[str, Any]) -> None:
         name, swing = next(iter(numbers["peak_to_peak"].items()))
         units = numbers["units"]
         rows.append((
-            str(a["number"]), label, f"{100 * a['share']:.2f} +- {100 * a['share_error']:.2f} %",
+            str(a["number"]), label, _share(a, facts),
             _exponent(numbers, units["lyapunov"]),
             f"{name} {swing:.4g}{report.unit_behind(units['peak_to_peak'][name])}" if swing == swing else "-", votes,
         ))  # fmt: skip
@@ -148,4 +150,21 @@ def say_attractors(facts: dict[str, Any]) -> None:
             typer.echo(f"  and {len(rows) - 40} more: --json or --out NAME.nc has them all")
     for name, one in facts["outcomes"].items():
         if one["starts"]:
-            typer.echo(f"{name}: {100 * one['share']:.2f} +- {100 * one['share_error']:.2f} % of the starts, no attractor")
+            typer.echo(f"{name}: {_share(one, facts)} of the starts, no attractor")
+
+
+def _share(one: dict[str, Any], facts: dict[str, Any]) -> str:
+    """A share with its error; of a search that was stopped, which has none, the starts that it is a share of."""
+    share, error = one["share"], one["share_error"]
+    if error == error:
+        return f"{100 * share:.2f} +- {100 * error:.2f} %"
+    return f"{100 * share:.2f} % of the {facts['starts']} that came to an end"
+
+
+def say_box(units: "Dimensions", box: dict[str, list[float]]) -> None:
+    """Print the ranges from which starts were drawn."""
+    ranges = []
+    for name, (low, high) in box.items():
+        unit = units.quantity(name)
+        ranges.append(f"{name} = {low * unit.size:.4g} to {high * unit.size:.4g}{report.unit_behind(unit.unit)}")
+    typer.echo(f"starts drawn from {', '.join(ranges)}")

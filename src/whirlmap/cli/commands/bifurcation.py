@@ -76,6 +76,7 @@ def bifurcation(
     if found is not None and beside is not None:
         files += beside.write(found, lambda ds: pictures.branches(units, ds, states))
     report.say_doubts(work.dataset.attrs)
+    report.say_doubts_of_branches({} if found is None else found.attrs)
     small = work.dataset.drop_vars("section")  # which would be in memory twice
     facts = summary(units, shown_in(units, small), name)
     assumptions = say_assumptions(system, {name: axis.values[[0, -1]]}, units_of_inputs)
@@ -83,7 +84,8 @@ def bifurcation(
         own = {**summary(Dimensions(system, own=True), work.dataset, name), "assumptions": assumptions}
         there = {**facts, "sweeps": [{key: sweep[key] for key in MEASURED} for sweep in facts["sweeps"]]}
         if found is not None:
-            own |= {"branches": facts_of(system, found)["branches"]}
+            of_branches = facts_of(system, found)
+            own |= {key: of_branches[key] for key in ("branches", "doubts")}
         report.print_json({**report.beside(own, there, ("values", "sweeps", "hysteresis", "units"), units), "files": files})
     else:
         _print(facts, states[0])
@@ -196,7 +198,8 @@ def _label(regime: str, period: int | None, status: str) -> str:
 
 def _largest(sweep: dict[str, Any], first: int, last: int) -> str:
     measured = [v for v in sweep["lyapunov"][first : last + 1] if v == v]
-    return f"{min(measured):.3g} to {max(measured):.3g}" if measured else "-"
+    some = f" of {counted(len(measured), 'point')}" if len(measured) < last - first + 1 else ""
+    return f"{min(measured):.3g} to {max(measured):.3g}{some}" if measured else "-"
 
 
 def _swing(sweep: dict[str, Any], state: str, first: int, last: int) -> str:

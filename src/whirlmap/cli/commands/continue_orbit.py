@@ -10,9 +10,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import typer
 
+from whirlmap.analysis.branches.tracing import ENDS
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.assignments import assignments
-from whirlmap.cli.common.messages import choice, say
+from whirlmap.cli.common.messages import choice
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
@@ -83,8 +84,7 @@ def continue_orbit(
         raise KeyboardInterrupt
     ds, units = work.dataset, Dimensions(system, own=dimensionless)
     files = destination.write(ds, lambda made: pictures.branches(units, made, quantities))
-    if doubts := ds.attrs.get("doubts"):
-        say(f"warning: {doubts}")
+    report.say_doubts_of_branches(ds.attrs)
     varied = str(ds.attrs["varied"]).split()
     inputs = {name: str(ds[name].attrs["units"]) for name in varied if is_input(system, name, beside=len(varied) > 1)}
     reached = {name: np.array([ds[name].values.min(), ds[name].values.max()]) for name in varied}
@@ -245,8 +245,7 @@ def _multipliers(events: "xr.Dataset", i: int) -> list[complex]:
 def say_branches(system: System, ds: "xr.Dataset", units: Dimensions, quantities: list[str]) -> None:
     """Print a table of the branches, and one of their events."""
     shown, varied, of = shown_in(units, ds), _Varied.of(ds), ds["branch_of"].values
-    what = "curve of events" if len(varied) > 1 else "branch"
-    count = ds.sizes["branch"]
+    what, count = "curve of events" if len(varied) > 1 else "branch", ds.sizes["branch"]
     typer.echo(f"{system.case}: {count} {what}{'es' if count != 1 else ''}, {of.size} points")
     if incomplete := ds.attrs.get("incomplete"):
         typer.echo(f"incomplete: {incomplete}")
@@ -267,6 +266,8 @@ def say_branches(system: System, ds: "xr.Dataset", units: Dimensions, quantities
     last = report.with_unit(f"largest peak to peak of {first}", swing_unit)
     columns = ("", "kind", *heads, "points", "stable", last, "ends")
     report.show(report.table("Branches", columns, rows, numbers=range(2, 5 + len(heads))))
+    if "vertical" in {word(ds, "end", e) for e in ds["end"].values.ravel()}:
+        typer.echo(f"vertical: {ENDS['vertical']}")
     _print_events(ds, varied)
 
 

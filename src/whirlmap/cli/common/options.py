@@ -119,14 +119,13 @@ Transient = Annotated[
     int,
     typer.Option(
         "--transient", metavar="N",
-        help="Common periods of the transient of a point that does not return; a point that returns stops earlier.",
+        help="Longest transient of a point, in common periods. A point whose motion returns earlier stops there.",
         rich_help_panel=COMPUTING,
     ),
 ]  # fmt: skip
 _LYAPUNOV = (
-    "T over which points that do not return run with a tangent vector, which gives their largest Lyapunov exponent"
-    " and tells quasi-periodic from chaotic, at most: each stops when its label is decided. Where absent: as"
-    " long as labels may need. "
+    "Longest run, in T, for the largest Lyapunov exponent of a point that does not return: it tells quasi-periodic from"
+    " chaotic. A point stops when its label is decided. Without this option the run is as long as labels may need. "
 )
 Lyapunov = Annotated[
     int | None,

@@ -131,6 +131,14 @@ def say_doubts(attributes: Mapping[Any, Any]) -> None:
         say(f"grazing: {grazing}")
 
 
+def say_doubts_of_branches(attributes: Mapping[Any, Any]) -> None:
+    """Say on standard error what could not be made sure on branches, and which events were not looked for."""
+    if doubts := attributes.get("doubts"):
+        say(f"warning: {doubts}")
+    if missing := attributes.get("not_sought"):
+        say(f"note: {missing}")
+
+
 def say_not_declared(system: "System", role: str) -> None:
     """Say on standard error what an answer lacks because the model does not declare a role."""
     if words := system.model.not_declared().get(role):

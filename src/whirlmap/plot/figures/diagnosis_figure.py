@@ -46,7 +46,7 @@ SHOWN = 40
 @styled
 def diagram_figure(
     ds: xr.Dataset,
-    states: Sequence[str],
+    states: Sequence[str] | None = None,
     *,
     columns: int = 1,
     exponents: bool | None = None,
@@ -61,8 +61,8 @@ def diagram_figure(
     ----------
     ds : xr.Dataset
         From `bifurcation_diagram`; what is read of it, `draw_diagram` says.
-    states : sequence of str
-        One panel for each, from the upper left along the rows.
+    states : sequence of str, optional
+        One panel for each, from the upper left along the rows; where absent, all states whose section the Dataset holds.
     columns : int
         Of panels; each has a strip of its own.
     exponents : bool, optional
@@ -86,6 +86,7 @@ def diagram_figure(
     RangeError
         A state whose section the Dataset does not hold; no or several varied parameters.
     """
+    states = [str(s) for s in np.atleast_1d(ds["state"].values)] if states is None else states
     columns = min(columns, len(states))
     rows = -(-len(states) // columns)
     if exponents is None:

@@ -1,5 +1,6 @@
 """Coexisting attractors of one operating point: many start states, one batch, gathered, each with evidence and basin."""
 
+import json
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import Any, Unpack
@@ -28,7 +29,7 @@ from whirlmap.results.status import Status
 from whirlmap.sweep.attractors.attractor_search import Search
 from whirlmap.sweep.attractors.attractors_so_far import found_so_far
 from whirlmap.sweep.attractors.known_attractors import Found
-from whirlmap.sweep.attractors.start_states import Ends, default_box, draw_starts, repeated
+from whirlmap.sweep.attractors.start_states import Ends, box_ends, default_box, draw_starts, repeated
 from whirlmap.sweep.interruptible import Work, in_parts
 from whirlmap.sweep.points.point_variables import points_dataset
 
@@ -108,7 +109,9 @@ def attractors(
        or whose label is undecided, has no attractor, and is counted as such.
 
     The error of a share is that of a binomial share after Laplace, sqrt(p (1 - p) / (n + 3)) with p = (k + 1) / (n + 2):
-    it is not zero where all starts agree. An attractor of share p is missed by n starts with probability (1 - p)^n.
+    it is not zero where all starts agree. It is NaN in a search that was stopped while starts ran: those that come to an
+    end early are no random part. An attractor of share p is missed by n starts with probability (1 - p)^n. The attribute
+    ``box`` (JSON) has the ranges from which starts were drawn.
     An orbit that is unstable, or whose basin is thinner than the starts, is not seen; a chaotic transient longer
     than settling and exponent's run is taken for an attractor. Orbits closer than ten tolerances of settling are one (those
     that Newton's method does not close, as where dry friction holds a mass: closer than `SAME_POINT`).
@@ -125,7 +128,8 @@ def attractors(
         raise RangeError(f"lyapunov must lie between {LEAST} and 10000000 T, not {labelling.lyapunov}")
     drawn = isinstance(starts, int | np.integer)
     if drawn:
-        x = draw_starts(system, int(starts), default_box(system, labelling, execution) if box is None else box, seed)  # type: ignore[arg-type]
+        box = default_box(system, labelling, execution) if box is None else box
+        x = draw_starts(system, int(starts), box, seed)  # type: ignore[arg-type]
     else:
         if box is not None:
             raise RangeError("box: found one, expected none where the start states themselves are given")
@@ -168,7 +172,7 @@ def attractors(
             ds.attrs["incomplete"] = f"interrupted {where}"
         if doubts:
             ds.attrs["accuracy_not_met"] = doubts
-        return ds.assign_attrs({"seed": seed} if drawn else {})
+        return ds if box is None else ds.assign_attrs(seed=seed, box=json.dumps(box_ends(system, box)))
 
     return Work(n + 1, parts, gather)
 
@@ -239,10 +243,11 @@ def _evidence(
     return ds.drop_vars(set(ds.data_vars) & set(votes.data_vars)).merge(votes), run_attributes(system, ensemble)
 
 
-def _share(count: NDArray[np.int64], total: int) -> tuple[Array, Array]:
-    """Share, and its error after Laplace."""
+def _share(count: NDArray[np.int64], settled: NDArray[np.bool_]) -> tuple[Array, Array]:
+    """Share, and its error after Laplace: NaN while some starts run, for those that end early are no random part."""
+    total = int(settled.sum())
     p = (count + 1) / (total + 2)
-    return count / total, np.sqrt(p * (1 - p) / (total + 3))
+    return count / total, np.sqrt(p * (1 - p) / (total + 3)) if settled.all() else np.full(p.shape, np.nan)
 
 
 def _dataset(
@@ -255,7 +260,6 @@ def _dataset(
     """
     ds, attributes = known
     of = found.of
-    n = int(settled.sum())
     if found.representative:
         # An attractor is what has a label, once labels are known.
         sure = np.flatnonzero((ds["regime"].values != Regime.undecided) | ("vote" not in ds))
@@ -276,7 +280,7 @@ def _dataset(
     counts = np.bincount(of, minlength=size + 1)[1:]
     ended = np.array([(label[(of == 0) & settled] == r).sum() for r in OUTCOMES])
     for dim, k, prefix, what in (("attractor", counts, "", "attractor"), ("outcome", ended, "outcome_", "outcome")):
-        share, error = _share(k, n)
+        share, error = _share(k, settled)
         ds[f"{prefix}starts"] = variable(dim, k, "1", f"starts that came to this {what}")
         ds[f"{prefix}share"] = variable(dim, share, "1", f"share of the starts that came to this {what}")
         ds[f"{prefix}share_error"] = variable(dim, error, "1", "one standard error of it, binomial after Laplace")

@@ -54,10 +54,8 @@ def start_values(system: System) -> Array:
     return np.asarray(x[:, 0])
 
 
-def draw_starts(system: System, count: int, box: Mapping[str, Ends], seed: int) -> Array:
-    """Start states drawn uniformly from a box, shape (state, start)."""
-    if not 1 <= count <= 10_000_000:
-        raise RangeError(f"starts must lie between 1 and 10000000, not {count}")
+def box_ends(system: System, box: Mapping[str, Ends]) -> dict[str, tuple[float, float]]:
+    """Ends of a box as numbers, in the order of the states, whatever the order of the box."""
     if not box:
         raise RangeError("box: found no state, expected at least one, as in x=-2:2")
     ends: dict[str, tuple[float, float]] = {}
@@ -74,11 +72,18 @@ def draw_starts(system: System, count: int, box: Mapping[str, Ends], seed: int) 
         ends[name] = low, high
         if not (np.isfinite([low, high]).all() and low <= high):
             raise RangeError(f"box of {name!r}: found {low:g} to {high:g}, expected finite numbers that ascend")
+    return {name: ends[name] for name in system.states if name in ends}
+
+
+def draw_starts(system: System, count: int, box: Mapping[str, Ends], seed: int) -> Array:
+    """Start states drawn uniformly from a box, shape (state, start)."""
+    if not 1 <= count <= 10_000_000:
+        raise RangeError(f"starts must lie between 1 and 10000000, not {count}")
+    ends = box_ends(system, box)
     x = np.repeat(start_values(system)[:, None], count, axis=1)
     random = np.random.default_rng(seed)
-    for name in system.states:  # in the order of the states, whatever the order of the box
-        if name in ends:
-            x[system.states.index(name)] = random.uniform(*ends[name], count)
+    for name, between in ends.items():
+        x[system.states.index(name)] = random.uniform(*between, count)
     return x
 
 

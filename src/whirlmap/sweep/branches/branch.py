@@ -12,6 +12,7 @@ from whirlmap.analysis.branches.corrector import Corrected
 from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, along
+from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.tracing import Trace
 from whirlmap.integrate.system import System
 from whirlmap.sweep.branches.seeds import Seed
@@ -19,7 +20,7 @@ from whirlmap.sweep.branches.seeds import Seed
 Array = NDArray[np.float64]
 
 #: How a branch may end, in this order as flags of a Dataset.
-ENDS = ("range", "closed", "contact", "kink", "steps", "start", "interrupted")
+ENDS = ("range", "closed", "contact", "kink", "steps", "start", "interrupted", "vertical")
 #: What its points are.
 KINDS = ("orbit", "cycle", "equilibrium")
 
@@ -69,6 +70,11 @@ class Branch:
     def forced(self) -> bool:
         """Whether it is one of forced orbits."""
         return self.system.model.forced
+
+    def kinked(self) -> bool:
+        """Whether the rates of its orbits have kinks or jumps."""
+        equations = self.seed.at.equations
+        return isinstance(equations, PeriodicOrbits) and equations.has_surfaces
 
     def closed(self) -> bool:
         """Whether it comes back to its first point."""

@@ -120,7 +120,8 @@ def continue_orbit(
     those of the tangent dynamics; only the derivative by the parameter is a difference, on which no solution depends.
     Folds, branch points, period doublings, Neimark-Sacker and Hopf points and grazing orbits are located between corrected
     points of the branch. Not followed: tori, the branches that cross at a branch point, orbits that slide along a surface
-    (the end is ``kink``). Two events of one kind within one step cancel and are not seen: ``longest`` makes steps shorter.
+    (the end is ``kink``). Two events of one kind within one step cancel: it is halved where multipliers come so near the
+    unit circle that they may cross it and come back. What they do not show is not seen: ``longest`` makes steps shorter.
 
     References
     ----------
@@ -197,6 +198,10 @@ def attributes(
         doubts.append(f"the steps of {rough.sum()} points leave errors up to {ds['step_error'].values[rough].max():.1g}")
     if doubts:
         facts["doubts"] = "; ".join(doubts)
+    if any(b.system.model.switchings == {} and b.kinked() for b in branches):
+        facts["not_sought"] = (
+            f"{branches[0].system.model.name} names no surface (switchings=), so grazing orbits are not sought"
+        )
     if not work.complete:
         facts["incomplete"] = f"interrupted after {len(ds['point'])} points"
     return {**origin, **facts}

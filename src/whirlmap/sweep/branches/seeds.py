@@ -39,6 +39,11 @@ SAME = 1e-5
 CROSSINGS, MOST_CROSSINGS = 64, 65536
 
 
+def divisors(count: int) -> list[int]:
+    """Divisors of a number that are smaller than it."""
+    return [d for d in range(1, count) if count % d == 0]
+
+
 @dataclass(frozen=True)
 class Seed:
     """A first point.
@@ -181,6 +186,8 @@ class Beginning:
     def orbits(self, guesses: Sequence[Array], periods: int) -> list[Seed]:
         """Distinct forced orbits that Newton's method finds from some states, with steps that hold the accuracy.
 
+        An orbit that returns sooner than it was asked to has the smallest number of T after which it does.
+
         Raises
         ------
         RangeError
@@ -203,7 +210,10 @@ class Beginning:
             cyclic = cyclic_states(system)
             if any((np.abs(wrapped(p - c.point.x[0][:, None], cyclic) / scale).max(axis=0) < SAME).any() for p in known):
                 continue
-            seeds.append(Seed(c, periods, phases))
+            back = np.abs(wrapped(phases - phases[:, :1], cyclic) / scale).max(axis=0) < SAME
+            sooner = [d for d in divisors(back.size) if back[::d].all()]
+            shorter = self.orbits([c.point.x[0]], sooner[0] * repeats) if sooner else []
+            seeds += shorter or [Seed(c, periods, phases)]
         return seeds
 
     def _phases(self, c: Corrected) -> Array:
@@ -232,8 +242,20 @@ class Beginning:
         first = crossed["section"].values[times.size - 1 - returns]
         duration = float(times[-1] - times[-1 - returns])
         guess = Unknowns(first[None], np.array(self.value), duration)
-        found = self._corrected(self.equations(0, STEPS[4] * returns), [guess])
-        return [Seed(c, returns, c.point.x[:1].T) for c in found]
+        return [self._shortest(c, returns) for c in self._corrected(self.equations(0, STEPS[4] * returns), [guess])]
+
+    def _shortest(self, c: Corrected, returns: int) -> Seed:
+        """A cycle, with the smallest number of crossings after which it returns."""
+        n, duration = c.point.x.shape[1], c.point.duration
+        assert duration is not None
+        for d in divisors(returns):
+            time = duration * d / returns
+            guess = Unknowns(c.point.x[:1], c.point.free, time)
+            for shorter in self._corrected(self.equations(0, STEPS[4] * d), [guess]):
+                apart = wrapped(shorter.point.x[0] - c.point.x[0], cyclic_states(self.system)) / c.linear.weights[:n]
+                if np.abs(apart).max() < SAME and abs((shorter.point.duration or 0.0) / time - 1) < SAME:
+                    return Seed(shorter, d, shorter.point.x[:1].T)
+        return Seed(c, returns, c.point.x[:1].T)
 
     def equilibrium(self, x: Array) -> list[Seed]:
         """The equilibrium near a state."""
