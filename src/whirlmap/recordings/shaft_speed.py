@@ -2,9 +2,26 @@
 
 import numpy as np
 
-from whirlmap.errors import CaseError, RangeError
-from whirlmap.recordings.table import Array, Table
+from whirlmap.errors import CaseError, InputError, RangeError
+from whirlmap.recordings.table import Array, Table, find_column
 from whirlmap.units import factor
+
+
+def speed_column(table: Table, wanted: str) -> int:
+    """Position of the column that ``--speed`` names; a number that is no column is a speed without its unit."""
+    try:
+        return find_column(table, wanted, "--speed")
+    except InputError:
+        try:
+            float(wanted)
+        except ValueError:
+            pass
+        else:
+            raise InputError(
+                f"--speed: found {wanted!r}, a number without a unit that is no column either, expected a speed such as"
+                f" '{wanted.strip()} rpm' or '{wanted.strip()} Hz', or a column"
+            ) from None
+        raise
 
 
 def shaft_speed(table: Table, at: int, values: Array, rate: float | None, notices: list[str]) -> float:
@@ -35,9 +52,11 @@ def shaft_speed(table: Table, at: int, values: Array, rate: float | None, notice
 
 
 def turns_per(unit: str, where: str) -> float:
-    """Turns per second in one unit of speed; Hz counts turns here."""
+    """Turns per second in one unit of speed; Hz, 1/s and 1/min count turns here."""
     if unit in ("Hz", "1/s"):
         return 1.0
+    if unit in ("1/min", "/min"):
+        return 1 / 60
     try:
         return float(factor(unit, "turn/s"))
     except CaseError:

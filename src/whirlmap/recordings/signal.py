@@ -12,7 +12,7 @@ from whirlmap.errors import InputError
 from whirlmap.recordings.clock import Clock, find_clock, seconds_of
 from whirlmap.recordings.even_grid import Grid, even_grid
 from whirlmap.recordings.open_table import open_table
-from whirlmap.recordings.shaft_speed import shaft_speed
+from whirlmap.recordings.shaft_speed import shaft_speed, speed_column
 from whirlmap.recordings.suspects import suspects
 from whirlmap.recordings.table import Array, Table, find_column
 
@@ -39,7 +39,7 @@ class Signal:
     form : str
         Format of the file in words.
     speed : float or None
-        Mean of the speed column in turns per second, where one was asked for.
+        Mean of the speed column over the part that is kept, in turns per second, where one was asked for.
     notices : tuple of str
         What was skipped, filled, assumed or looks wrong, one sentence each.
     """
@@ -109,7 +109,7 @@ def _signal(
 ) -> Signal:
     at = find_column(table, column)
     clock = find_clock(table, time)
-    tacho = None if speed is None else find_column(table, speed, "--speed")
+    tacho = None if speed is None else speed_column(table, speed)
     positions = [at, *(clock.positions if clock else ()), *([tacho] if tacho is not None else [])]
     unique = list(dict.fromkeys(positions))
     parts: list[list[NDArray[np.generic]]] = [block.values for block in table.blocks(unique)]
@@ -146,7 +146,6 @@ def _signal(
     present = np.flatnonzero(~gone)
     notices += suspects(values[present], lambda k: place(int(present[k])))
     pulses = None if tacho is None else np.asarray(loaded[tacho], dtype=np.float64)
-    turns = None if tacho is None or pulses is None else shaft_speed(table, tacho, pulses, sampled, notices)
     rows = np.arange(values.size) if grid is None or grid.rows is None else grid.rows
     index = np.arange(rows.size) if grid is None or grid.index is None else grid.index
     kept = ~gone[rows]
@@ -154,7 +153,12 @@ def _signal(
     if sampled:
         start += offset / sampled
     if window is not None:
-        values, start = _window(table, values, sampled, start, window)
+        values, start, cut = _window(table, values, sampled, start, window)
+        offset += cut
+    turns = None
+    if tacho is not None and pulses is not None:  # the speed may change within the record
+        within = (index >= offset) & (index < offset + values.size)
+        turns = shaft_speed(table, tacho, pulses[rows[within]], sampled, notices)
     return Signal(values, sampled, start, table.source, title, table.columns[at].unit, table.form, turns, tuple(notices))
 
 
@@ -262,7 +266,8 @@ def _filled(values: Array, index: NDArray[np.int64], notices: list[str]) -> tupl
 
 def _window(
     table: Table, values: Array, rate: float | None, start: float, window: tuple[float, float]
-) -> tuple[Array, float]:
+) -> tuple[Array, float, int]:
+    """Values in the window, time of the first, and samples before it."""
     if not rate:
         raise InputError("--window: found it without a rate, expected --rate or a time column, for it is in seconds")
     end = start + values.size / rate
@@ -271,4 +276,4 @@ def _window(
         raise InputError(
             f"--window: found {window[0]:g}:{window[1]:g}, but {table.source} goes from {start:.6g} to {end:.6g} s"
         )
-    return values[first:last], start + first / rate
+    return values[first:last], start + first / rate, first

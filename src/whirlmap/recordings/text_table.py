@@ -41,6 +41,7 @@ class TextTable:
     _rows: list[int] = field(default_factory=list)
     _lines: list[int] = field(default_factory=list)
     _footer: list[tuple[int, str]] = field(default_factory=list)
+    _comments: list[tuple[int, str]] = field(default_factory=list)
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -105,6 +106,10 @@ class TextTable:
             line += len(lines)
             row += len(at)
             yield Block(values)
+        if self._comments:
+            first, text = self._comments[0]
+            more = f" ({len(self._comments)} such lines)" if len(self._comments) > 1 else ""
+            self.notices.append(f"line {first}: a comment within the table, {text[:40]!r}, skipped{more}")
         if self._footer:
             first, text = self._footer[0]
             self.notices.append(
@@ -175,6 +180,8 @@ class TextTable:
         layout, rows, at = self.layout, [], []
         for k, text in enumerate(lines, first):
             if is_comment(text, layout.decimal):
+                if text.strip():
+                    self._comments.append((k, text.strip()))
                 continue
             fields = split(text, layout.separator)
             if self._is_footer(fields):

@@ -211,3 +211,28 @@ def test_columns_of_a_simulation_have_the_verdict_of_its_equations(case, changes
         assert found["regime"] == truth["regime"], state
         if truth["period"]:
             assert found["period"] / system.period == pytest.approx(truth["period"], rel=1e-4), state
+
+
+def test_listed_lines_have_fitted_frequencies():
+    found = verdict(sines(4000, 0.005678282, 0.0123353, amplitudes=(1, 0.8)))
+    first = found["indicators"]["spectrum"]["named"][0]
+    assert first["frequency"] == pytest.approx(0.005678282, rel=2e-7) and first["frequency"] == found["frequency"]
+
+
+def test_a_burst_rises_and_falls_and_has_no_zero_one_test():
+    found = verdict(np.exp(-(((K - 2000) / 700) ** 2)) * tone(F * K) * np.where(K > 2000, 1.2, 1))
+    assert found["regime"] == "not-steady" and "it rises, then falls" in found["verdict"]
+    assert "factor" not in found["verdict"] and "0-1 test" not in found["verdict"]
+
+
+def test_the_frequency_of_a_changing_record_is_named():
+    chirp = verdict(tone(F * K + 1e-7 * K**2))
+    steps = verdict(tone(np.cumsum(np.where(K > 2000, 2.0, 1.0)) * F) + 0.1 * np.random.default_rng(0).normal(size=K.size))
+    assert "The frequency of its strongest line in the three thirds" in chirp["verdict"]
+    assert "The mean frequency of its whole spectrum, noise included, in the three thirds" in steps["verdict"]
+
+
+def test_the_number_of_lines_is_said_in_words():
+    noise = verdict(np.random.default_rng(0).normal(size=K.size))
+    assert " 1 spectral line holds " in verdict(tone(F * K))["verdict"]
+    assert "No spectral line stands out" in noise["verdict"]

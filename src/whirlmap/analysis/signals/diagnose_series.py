@@ -111,6 +111,7 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
             "vote": "not-steady" if steady.changes else "steady", "changes": list(steady.changes),
             "rms": (steady.rms * scale).tolist(), "frequency": (steady.frequency * rate).tolist(),
             "mean": (steady.mean * scale).tolist(), "statistics": steady.statistics,
+            "frequency_of": "strongest line" if steady.followed else "whole spectrum",
         }
     }  # fmt: skip
     votes |= regular.votes

@@ -163,9 +163,15 @@ def _named(
     counted: NDArray[np.intp],
     step: float,
 ) -> list[dict[str, Any]]:
-    """Lines with frequency, share and name: fractions of the strongest where there is a grid, else sums of two."""
+    """Lines with fitted frequency, share and name: fractions of the strongest where there is a grid, else sums of two."""
     if grid is None or grid.kind != "grid":
-        return [line for line in named_shares(lines, {}, step=step) if float(str(line["share"])) > LINE]
+        listed = [line for line in named_shares(lines, {}, step=step) if float(str(line["share"])) > LINE]
+        known = np.asarray(lines["line_frequency"], float)[counted]
+        for line in listed:  # the peak of the spectrum is less exact than the fit
+            beside = np.abs(known - float(str(line["frequency"])))
+            if beside.size and beside.min() < step / 100:
+                line["frequency"] = float(fitted[int(beside.argmin())]) * step
+        return listed
     first = int(grid.multiples[0])
     out = []
     for k, m in enumerate(grid.multiples[:12]):

@@ -45,6 +45,8 @@ class Steadiness:
         What changes beyond chance: ``level``, ``frequency``, ``mean``; empty for a steady record.
     statistics : dict
         Statistic of each.
+    followed : bool
+        Whether the frequency is that of the strongest line.
     """
 
     rms: Array
@@ -52,6 +54,7 @@ class Steadiness:
     mean: Array
     changes: tuple[str, ...]
     statistics: dict[str, float]
+    followed: bool
 
 
 def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float) -> Steadiness:
@@ -104,7 +107,7 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
         "mean": trend_statistic(mean),
     }
     critical = CLEAN if float(np.median(np.abs(np.diff(level)))) < SCATTER and count > BLOCKS // 2 else SCATTERED
-    changes = []
+    changes, followed = [], False
     ratio = float(rms.max()) / max(float(rms.min()), 1e-300)
     if (statistics["level"] > critical and ratio > LEVEL) or ratio > BURST:
         changes.append("level")
@@ -122,11 +125,11 @@ def steadiness(x: Array, swing: float, lines: Array, share: Array, broad: float)
     if moves:
         changes.append("frequency")
     elif _alone(lines, x.size) and "level" not in changes and (moved := _followed(x, float(lines[0]))) is not None:
-        frequency = moved
+        frequency, followed = moved, True
         changes.append("frequency")
     if statistics["mean"] > critical and float(np.ptp(means)) > MEAN * np.sqrt(whole):
         changes.append("mean")
-    return Steadiness(rms, frequency, means, tuple(changes), statistics)
+    return Steadiness(rms, frequency, means, tuple(changes), statistics, followed)
 
 
 def _thirds(values: Array) -> Array:

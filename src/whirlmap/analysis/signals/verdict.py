@@ -11,6 +11,8 @@ from whirlmap.results.regime import Regime
 DRIFT = 0.01
 #: Power outside of lines up to which the 0-1 test has no say: there is no room for chaos in it.
 CLEAN = 1e-3
+#: Factor by which the rms of the middle third is beyond both others where the level turns.
+TURNS = 1.1
 
 
 def decide(votes: Mapping[str, Any]) -> tuple[Regime, float]:
@@ -50,10 +52,12 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
             f"It returns after {period:.7g} samples, {period / rate:.7g} {unit}, with a distance of"
             f" {votes['return']['distance']:.2g} (0: exactly, 1: not at all)."
         )
-    text.append(f"{spectrum['lines']} spectral lines hold {share:.4g} % of its power.")
+    count = spectrum["lines"]
+    many = f"{count} spectral line{' holds' if count == 1 else 's hold'} {share:.4g} % of its power."
+    text.append(many if count else "No spectral line stands out of the rest.")
     if label == Regime.undecided:
         text += _reasons(votes)
-    if zero_one["value"] is not None:
+    if zero_one["value"] is not None and label != Regime.not_steady:
         text.append(f"The 0-1 test gives {zero_one['value']:.2f} (0 regular, 1 chaotic).")
     if votes["neighbours"]["vote"] == "no-dimension":
         text.append("No embedding dimension up to 8 unfolds it: noise, or motion of many dimensions.")
@@ -76,22 +80,31 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
 
 def _changes(steady: Mapping[str, Any], unit: str) -> list[str]:
     rms, frequency, mean = (steady[key] for key in ("rms", "frequency", "mean"))
+    of = (
+        "The frequency of its strongest line"
+        if steady["frequency_of"] == "strongest line"
+        else "The mean frequency of its whole spectrum, noise included,"
+    )
     words = {
         "level": f"Its rms in the three thirds is {rms[0]:.4g}, {rms[1]:.4g}, {rms[2]:.4g}"
-        + (
-            f": it {'grows' if rms[2] > rms[0] else 'falls'} by a factor of {_ratio(rms)}."
-            if rms[0] > 0 and rms[2] > 0
-            else "."
-        ),
-        "frequency": f"Its frequency in the three thirds is {frequency[0]:.6g}, {frequency[1]:.6g}, {frequency[2]:.6g} "
+        + _course(rms),
+        "frequency": f"{of} in the three thirds is {frequency[0]:.6g}, {frequency[1]:.6g}, {frequency[2]:.6g} "
         f"per {unit}.",
         "mean": f"Its mean drifts: {mean[0]:.4g}, {mean[1]:.4g}, {mean[2]:.4g} in the three thirds.",
     }
     return [words[change] for change in steady["changes"]]
 
 
-def _ratio(rms: list[float]) -> str:
-    return f"{max(rms[0], rms[2]) / min(rms[0], rms[2]):.3g}"
+def _course(rms: list[float]) -> str:
+    """How the rms of the thirds goes, where the middle one may be the largest or the smallest."""
+    first, middle, last = rms
+    if middle > TURNS * max(first, last):
+        return ": it rises, then falls."
+    if TURNS * middle < min(first, last):
+        return ": it falls, then rises."
+    if min(first, last) <= 0:
+        return "."
+    return f": it {'grows' if last > first else 'falls'} by a factor of {max(first, last) / min(first, last):.3g}."
 
 
 def _reasons(votes: Mapping[str, Any]) -> list[str]:

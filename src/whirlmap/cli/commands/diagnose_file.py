@@ -130,8 +130,8 @@ def _lines(verdict: dict[str, Any], rate: float, turns: float | None, teeth: int
 
 
 def _print(verdict: dict[str, Any], signal: "Signal", windows: list[dict[str, Any]], name: str) -> None:
-    unit = f" [{signal.unit}]" if signal.unit else ""
-    typer.echo(f"{name}: {verdict['regime']}")
+    unit = f" [{signal.unit}]" if signal.unit and f"[{signal.unit}]" not in signal.column else ""
+    typer.echo(f"{name}: {verdict['regime']} (confidence {verdict['confidence']:.2g})")
     typer.echo(
         f"  {signal.column}{unit}: {verdict['samples']} samples at {verdict['rate']:.7g} Hz, "
         f"{verdict['samples'] / verdict['rate']:.6g} s"

@@ -21,9 +21,8 @@ def show_file(file: Path, *, time: str | None, separator: str | None, decimal: s
         return
     typer.echo(f"{facts['file']}: {facts['form']}, {counted(facts['rows'], 'row')}")
     told = f"times in {facts['time']}" if facts["time"] else "no times"
-    typer.echo(
-        f"{told}; " + (f"{facts['rate']:.7g} samples per second" if facts["rate"] else "rate unknown: --rate says it")
-    )
+    unknown = "rate unknown: give it to diagnose, as --rate"
+    typer.echo(f"{told}; " + (f"{facts['rate']:.7g} samples per second" if facts["rate"] else unknown))
     rows = [
         (
             str(c["position"]),

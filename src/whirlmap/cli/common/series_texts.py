@@ -34,10 +34,10 @@ def samples_per_second(text: str) -> float:
 
 def turns_per_second(text: str | None) -> tuple[float | None, str | None]:
     """Read ``--speed``: turns per second, or the name of a column."""
-    found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([a-zA-Z/]\S*)\s*", text or "")
+    found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*([a-zA-Z/]\S*)|\s+(1/\S+))\s*", text or "")
     if not found:
         return None, text
-    speed = abs(float(found[1])) * turns_per(found[2], f"--speed {text}")
+    speed = abs(float(found[1])) * turns_per(found[2] or found[3], f"--speed {text}")
     if speed == 0:
         raise RangeError(f"--speed: found {text!r}, expected a speed that is not zero")
     return speed, None
