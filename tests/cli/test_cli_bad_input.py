@@ -70,7 +70,7 @@ WRONG = [
     ("show machines/jeffcott-rig --set 'T_oil=60 degR'", "expected one of degC, K, degF"),
     ("show machines/turbo-gearbox --set 'P_t=60 PS'", "expected a unit such as kW"),
     ("diagnose jeffcott-rig", "Did you mean 'machines/jeffcott-rig'?"),
-    ("diagnose turbo", "Did you mean 'machines/turbo-gearbox'?"),
+    ("diagnose turbo", "Did you mean 'machines/geared-turbo-set' or 'machines/turbo-gearbox'?"),
     ("linear machines/jeffcott-rig --threshold speed=1000:2000", "without units", "speed=500 rpm:6000 rpm"),
     ("improve machines/jeffcott-rig --vary c=60:140:5", "expected its unit, such as m"),
     ("improve machines/jeffcott-rig --vary clearance=60um:140um:5", "'c'? (radial clearance of both bearings)"),

@@ -44,6 +44,7 @@ def test_an_interrupted_comparison_says_of_how_many_designs_it_is(monkeypatch):
         return real(self, designs, **options)
 
     monkeypatch.setattr(trials._Trial, "run", run_two)
+    monkeypatch.setenv("COLUMNS", "200")
     done = run(f"improve {RIG} --vary c=80um:120um:3 --points 6 --coarse --quiet")
     assert done.exit_code == 130
     assert "incomplete: interrupted in the values given, after 1 of 3 designs" in done.stdout

@@ -126,8 +126,9 @@ class Facts:
     def shaft_speed(self) -> float | None:
         """Speed of the first shaft in rad/s at s = 1."""
         settled, name = self.system.machine, self.system.speed
-        speeds = [value / float(settled.values[name]) for value in self.results("shaft_speed").values()] if settled else []
-        return speeds[0] if speeds and name else None
+        if not (settled and name):
+            return None
+        return next((value / float(settled.values[name]) for value in self.results("shaft_speed").values()), None)
 
     @property
     def fastest(self) -> float:

@@ -137,7 +137,7 @@ def _meant(text: str, path: Path) -> str:
     ends = [name for name in names() if name.rpartition("/")[2].casefold() == text.casefold()]
     begins = [name for name in names() if len(text) > 2 and text.casefold() in name.casefold()]
     same = ends or ([] if nearest(text, names()) else begins)
-    return f" Did you mean {same[0]!r}?" if same else nearest(text, names())
+    return f" Did you mean {' or '.join(repr(name) for name in same[:3])}?" if same else nearest(text, names())
 
 
 def _read(path: Path, name: str, above: tuple[Path, ...]) -> Case:

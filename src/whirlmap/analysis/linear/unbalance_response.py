@@ -10,6 +10,7 @@ from sympy import Symbol, sympify
 
 from whirlmap.analysis.linear.amplification import LEAST_POINTS, criticals
 from whirlmap.analysis.linear.linearisation import linearised
+from whirlmap.analysis.linear.stations import stations_of
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.equations.model import Model
 from whirlmap.errors import InputError, RangeError, nearest
@@ -33,12 +34,6 @@ ELSEWHERE = 1e-8
 #: Golden section, whose multiples are spread evenly.
 GOLDEN = (5**0.5 - 1) / 2
 AXES = ("x", "y")
-
-
-def stations_of(model: Model) -> dict[str, tuple[str, str]]:
-    """States or outputs along x and y at each place that can be probed: those declared, else the centres of bodies."""
-    centres = {name: (q[0].name, q[1].name) for name, q in model.bodies.items() if len(q) == 2}
-    return dict(model.stations) or centres
 
 
 def unbalance_response(

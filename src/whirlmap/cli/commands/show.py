@@ -10,8 +10,8 @@ from rich.columns import Columns
 from sympy import sympify
 
 from whirlmap.analysis.linear.linearisation import standing
+from whirlmap.analysis.linear.stations import stations_of
 from whirlmap.analysis.linear.truncation import machine_of
-from whirlmap.analysis.linear.unbalance_response import stations_of
 from whirlmap.assumptions.oil_heat import oil_heat, why_none
 from whirlmap.assumptions.violation import Facts
 from whirlmap.assumptions.violations import judged, repeated

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
 
-from whirlmap.analysis.linear.unbalance_response import stations_of
+from whirlmap.analysis.linear.stations import stations_of
 from whirlmap.analysis.motion.ensembles import make_ensemble, parameter_values
 from whirlmap.analysis.motion.tooth_contact import tooth_contact
 from whirlmap.errors import RangeError, nearest
