@@ -19,7 +19,7 @@ Array = NDArray[np.float64]
 
 #: Growth in T of a perturbation along an unforced motion that is taken for an error of the integration.
 ZERO = 1e-3
-#: Parts of a record whose means give the error, and steps that are kept at once.
+#: Parts of a record whose means give the error, and steps that are kept, and evaluated, at once.
 PARTS, TOGETHER = 8, 4096
 #: T of the record of a perturbed ensemble, about.
 LENGTH = 128
@@ -173,4 +173,6 @@ class _Trace:
 
     def __call__(self, time: ArrayLike, x: Array, points: NDArray[np.intp]) -> Array:
         """Evaluate, shape (column,), for columns of the points given."""
-        return self.evaluate.trace(time, x, points)
+        parts = [slice(k, k + TOGETHER) for k in range(0, x.shape[1], TOGETHER)]
+        when = np.broadcast_to(np.asarray(time, dtype=float), points.shape)
+        return np.concatenate([self.evaluate.trace(when[part], x[:, part], points[part]) for part in parts])
