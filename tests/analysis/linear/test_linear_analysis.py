@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import whirlmap
+from whirlmap.analysis.linear import linearisation
 from whirlmap.analysis.linear.linearisation import NotLinearError
 from whirlmap.analysis.linear.truncation import truncation
 from whirlmap.equations import Model, State, when
@@ -109,3 +110,12 @@ def test_many_modes_of_a_machine_come_near_its_matrices():
 
     assert of(8, 8).error.max() < 3e-3
     assert of(10, 10).error.max() < 1e-3 and of(10, 10).fastest > 300
+
+
+def test_points_linearised_together_or_one_by_one_have_the_same_bits(monkeypatch):
+    system = whirlmap.load("gear-psfd/reference")
+    values = np.repeat(system.vector[:, None], 5, axis=1) * np.linspace(0.99, 1.01, 5)
+    together = linearisation.linearised(system.plain_model(), values)[1]
+    monkeypatch.setattr(linearisation, "BYTES", 1)
+    assert np.isfinite(together).all()
+    np.testing.assert_array_equal(linearisation.linearised(system.plain_model(), values)[1], together)

@@ -21,6 +21,8 @@ STEP, SHORTER = 1e-6, 16
 #: Change of the derivatives from one side to the other, over their own size, that is a kink, where the shorter step finds it
 #: as well: behind a stiff shaft a film curves by as much over a millionth of the motion, and has a derivative all the same.
 KINK = 1e-3
+#: Bytes that the Jacobians to all sides of points may take: so many points are linearised together, but one at least.
+BYTES = 2**28
 
 
 class NotLinearError(RangeError):
@@ -140,8 +142,9 @@ def linearised(
     jacobian = np.full((values.shape[1], n, n), np.nan)
     for form, members in variants(model, values):
         at = members[found[members]]
-        if at.size:
-            jacobian[at] = _jacobians(form, values[:, at], x[:, at])
+        together = max(BYTES // (32 * n**3), 1)  # four Jacobians for each state that is moved
+        for part in np.split(at, range(together, at.size, together)) if at.size else ():
+            jacobian[part] = _jacobians(form, values[:, part], x[:, part])
     return x, jacobian, found
 
 

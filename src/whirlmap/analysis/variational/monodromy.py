@@ -138,6 +138,11 @@ def go_round(
     cyclic : mapping of state index to period, optional
         States that are angles.
 
+    Returns
+    -------
+    Return
+        In the order of ``points``.
+
     Notes
     -----
     With the monodromy matrix M and the change d over the return, (1 - M)^-1 M d is left. Directions in which M is one are
