@@ -7,7 +7,7 @@ from typer.testing import CliRunner
 
 from whirlmap.cli.main import app
 from whirlmap.results.status import Status
-from whirlmap.sweep.diagrams import in_batches as sweep_run
+from whirlmap.sweep.diagrams import runs_in_parts as sweep_run
 
 STABLE = "linear machines/jeffcott-rig --threshold s=0.05:0.06"
 

@@ -10,7 +10,7 @@ from whirlmap.analysis.simulation import time_series
 from whirlmap.equations import Model, Parameter, State, Stop, cos, t
 from whirlmap.integrate.system import System
 from whirlmap.results.status import Status
-from whirlmap.sweep.diagrams.in_batches import simulation_in_stretches
+from whirlmap.sweep.diagrams.runs_in_parts import simulation_in_stretches
 
 x, v = State("x", "1", "x"), State("v", "1", "v")
 A, d, k, w = (Parameter(n, "1", n) for n in ("A", "d", "k", "w"))

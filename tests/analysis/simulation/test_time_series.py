@@ -51,7 +51,7 @@ def test_impossible_counts_are_refused(options, says):
 
 def test_a_series_says_where_the_accuracy_is_not_met():
     """An oscillator too fast for the ladder of steps, alone and in stretches; one that is not says nothing."""
-    from whirlmap.sweep.diagrams.in_batches import simulation_in_stretches
+    from whirlmap.sweep.diagrams.runs_in_parts import simulation_in_stretches
 
     fast = whirlmap.load("duffing", alpha=1e9)
     assert "stiff" in whirlmap.simulate(fast, periods=1).attrs["accuracy_not_met"]

@@ -4,13 +4,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from whirlmap.analysis.simulation.time_series import simulate
+from whirlmap.analysis.simulation.run_up import Running, run_up
+from whirlmap.analysis.simulation.time_series import Series, simulate
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import load
 from whirlmap.sweep.diagrams import in_batches as run
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
-from whirlmap.sweep.diagrams.in_batches import diagram_in_batches, simulation_in_stretches
+from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
+from whirlmap.sweep.diagrams.runs_in_parts import run_up_in_windows, simulation_in_stretches
 
 SETTLING = Settling(transient=30, most=8)
 GAMMA = np.linspace(0.2, 0.4, 11)
@@ -116,7 +118,7 @@ def test_stretches_of_a_run_that_ends_early_are_filled_with_nan():
 def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
     system = load("duffing")
     whole = simulate(system, periods=32)
-    advance, calls = run.Series.advance, []
+    advance, calls = Series.advance, []
 
     def interrupted(series):
         calls.append(series)
@@ -124,10 +126,32 @@ def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
             raise KeyboardInterrupt
         advance(series)
 
-    monkeypatch.setattr(run.Series, "advance", interrupted)
+    monkeypatch.setattr(Series, "advance", interrupted)
     work = simulation_in_stretches(system, periods=32).run()
     assert work.done == 6 and work.dataset.attrs["incomplete"] == "interrupted after 6 of 32 T"
     np.testing.assert_array_equal(work.dataset["x"], whole["x"][: 6 * 100 + 1])
+
+
+def test_an_interrupted_run_up_keeps_its_windows(monkeypatch):
+    system = load("duffing", gamma=0.05)
+    options = {"name": "omega", "begin": 0.5, "end": 0.7, "time": 3000.0, "windows": 12}
+    whole = run_up(system, **options)
+    same(run_up_in_windows(system, **options).run().dataset, whole)
+    summed, calls = Running._summed, []
+
+    def interrupted(running, *arguments):
+        calls.append(running)
+        if len(calls) == 6:
+            raise KeyboardInterrupt
+        return summed(running, *arguments)
+
+    monkeypatch.setattr(Running, "_summed", interrupted)
+    work = run_up_in_windows(system, **options).run()
+    assert work.done == 5 and work.dataset.attrs["incomplete"] == "interrupted after 5 of 12 windows"
+    for name in ("minimum", "clock_amplitude", "spectrum"):
+        np.testing.assert_array_equal(work.dataset[name][:5], whole[name][:5])
+        assert np.isnan(work.dataset[name][5:]).all()
+    np.testing.assert_array_equal(work.dataset["omega"], whole["omega"])
 
 
 def test_what_cannot_fit_into_memory_is_refused(monkeypatch):

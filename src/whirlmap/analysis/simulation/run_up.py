@@ -1,5 +1,6 @@
 """Run-up and coast-down of one machine in time: its speed changes truly, at a constant rate."""
 
+from collections.abc import Generator, Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Unpack
 
@@ -102,12 +103,14 @@ def run_up(
     after every tenth part of the run; where more are needed the run begins anew with them. An end by an event is believed
     where twice the steps find it again in the same window.
     """
-    refuse_counts(transient=(transient, 0), **({} if windows is None else {"windows": (windows, 2)}))
-    return Running(system, ramp_of(system, name, begin, end, time), transient, windows, integration, execution).dataset()
+    running = Running(system, ramp_of(system, name, begin, end, time), transient, windows, integration, execution)
+    for _ in running.run():
+        pass
+    return running.dataset()
 
 
 class Running:
-    """One run-up.
+    """One run-up, window after window: whoever iterates over `run` may stop, and `dataset` has the windows that are done.
 
     Attributes
     ----------
@@ -119,11 +122,14 @@ class Running:
         Windows, T in each, and T before the first.
     order : array, shape (order,)
         Orders of the spectrum.
+    summed : list of dict
+        The windows that are done.
     """
 
     def __init__(
         self, system: System, ramp: Ramp, transient: int, windows: int | None, integration: Integration, execution: Execution
     ) -> None:
+        refuse_counts(transient=(transient, 0), **({} if windows is None else {"windows": (windows, 2)}))
         first: dict[str, Any] = {ramp.name: ramp.begin}
         self.system, self.ramp, self.transient = system.replace(**first), ramp, transient
         self.integration, self.execution = integration, execution
@@ -146,6 +152,7 @@ class Running:
         fastest = 2 * np.pi / self.moving.period
         top = max(TOP, MULTIPLES * min(turns.values(), default=1.0) / fastest)
         self.order = np.arange(1, int(top * self.length) + 1) * fastest / self.length
+        self.summed: list[dict[str, Array]] = []
 
     def _orders(self) -> dict[str, float]:
         """Order of every clock: its frequency over the phase."""
@@ -175,17 +182,27 @@ class Running:
         least = 1 if self.integration.steps is not None else SAMPLES
         return made.subset(FIRST, steps=np.maximum(made.point_steps.max(), least)), bool(found[0])
 
-    def dataset(self) -> "xr.Dataset":
-        """Run, and sum up each window."""
-        import xarray as xr
-
-        ensemble, found = self._start()
-        start, began = ensemble.x.copy(), np.zeros(1, dtype=np.int64)
+    def run(self) -> Iterator[int]:
+        """Run; gives how many windows are done, after each. The count falls where the run begins anew with more steps."""
+        self.ensemble, self.found = self._start()
+        start, began = self.ensemble.x.copy(), np.zeros(1, dtype=np.int64)
         tell(self.execution.progress, "expect", self.before + self.windows * self.length)
         ends = list[tuple[int, float]]()
-        while (summed := self._once(ensemble)) is None or not self._believed(ensemble, ends):
-            steps = ensemble.point_steps * (1 if summed is None else 2)
-            ensemble = restarted(ensemble, FIRST, start, began, steps)
+        while True:
+            more = yield from self._once()
+            if not more and self._believed(self.ensemble, ends):
+                return
+            self.ensemble = restarted(self.ensemble, FIRST, start, began, self.ensemble.point_steps * (1 if more else 2))
+
+    def dataset(self) -> "xr.Dataset":
+        """Windows that are done, one at least; the others are NaN."""
+        import xarray as xr
+
+        ensemble, whole = self.ensemble, self.windows - len(self.summed)
+        summed = {
+            key: np.stack([part[key] for part in self.summed] + [np.full_like(value, np.nan)] * whole)
+            for key, value in self.summed[0].items()
+        }
         model, ramp = self.moving.model, self.ramp
         at_T = self.before + (np.arange(self.windows) + 0.5) * self.length
         middle = np.asarray(at_T * self.moving.period, dtype=float)
@@ -204,7 +221,7 @@ class Running:
                 "status": status_variable((), ensemble.status[0]),
                 "end_time": variable((), end, "rad", "phase at which the run ended early"),
                 "end_speed": variable((), ramp.speed(np.array(end)), own.unit, "speed there", measure=own.measure),
-                "start_found": variable((), int(found), "1", "whether the default start exists"),
+                "start_found": variable((), int(self.found), "1", "whether the default start exists"),
             },
             coords={
                 ramp.name: variable(ramp.name, ramp.speed(middle), own.unit, own.meaning),
@@ -231,18 +248,19 @@ class Running:
         ensemble.status[0], ensemble.step_verdict[0] = Status.unresolved, StepVerdict.stiff
         return True
 
-    def _once(self, ensemble: "Ensemble") -> dict[str, Array] | None:
-        """Run all windows; None where more steps are needed, which the ensemble then has."""
-        parts: list[dict[str, Array]] = []
-        every = max(self.windows // CHECKED, 1)
+    def _once(self) -> "Generator[int, None, bool]":
+        """Run all windows; gives True in the end where more steps are needed, which the ensemble then has."""
+        ensemble, every = self.ensemble, max(self.windows // CHECKED, 1)
+        self.summed.clear()
         if self.before:
             ensemble.advance(self.before, progress=self.execution.progress)
         for i in range(self.windows):
             window = ensemble.advance(self.length, save_every=1, extremes="between", progress=self.execution.progress)
-            parts.append(self._summed(window, self.before + i * self.length))
+            self.summed.append(self._summed(window, self.before + i * self.length))
             if ensemble.running[0] and (i + 1) % every == 0 and check_steps(ensemble):
-                return None
-        return {key: np.stack([part[key] for part in parts]) for key in parts[0]}
+                return True
+            yield i + 1
+        return False
 
     def _summed(self, window: "Segment", began: int) -> dict[str, Array]:
         """Extremes, order lines and spectrum of one window."""

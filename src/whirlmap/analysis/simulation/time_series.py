@@ -129,7 +129,8 @@ class Series:
 
     def _begin(self) -> None:
         model, rows = self.system.model, self.samples + 1
-        self.x, self.outputs = np.full((rows, model.dimension), np.nan), np.full((rows, len(model.outputs)), np.nan)
+        # No NaN is written here: memory of rows that were never taken is then not used, and `dataset` gives none of them.
+        self.x, self.outputs = np.empty((rows, model.dimension)), np.empty((rows, len(model.outputs)))
         self._take(0, self.ensemble.x.T)
 
     def _take(self, at: int, x: Array) -> None:

@@ -1,5 +1,6 @@
 """``whirlmap simulate --vary``: a run-up or coast-down in time."""
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -7,7 +8,6 @@ import numpy as np
 import typer
 import xarray as xr
 
-from whirlmap.analysis.simulation.run_up import run_up as compute
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.outputs import Destination
 from whirlmap.cli.common.progress import Progress
@@ -19,6 +19,7 @@ from whirlmap.integrate.system import System
 from whirlmap.options.computed import Integration
 from whirlmap.options.execution import Execution
 from whirlmap.results.status import Status
+from whirlmap.sweep.diagrams.runs_in_parts import run_up_in_windows
 
 #: Windows that the table shows.
 ROWS = 20
@@ -41,10 +42,13 @@ def run_up(
     name, begin, end = ends_of(vary)
     behind = None if diagram is None else _read(diagram)
     with Progress("simulate", None, quiet=quiet) as progress:
-        ds = compute(
+        work = run_up_in_windows(
             system, name, begin, end, time=time, transient=transient, integration=integration,
-            execution=Execution(workers=execution.workers, progress=progress),
-        )  # fmt: skip
+            execution=replace(execution, progress=progress),
+        ).run()  # fmt: skip
+    if work.dataset is None:
+        raise KeyboardInterrupt
+    ds = work.dataset
     units = Dimensions(system, own=dimensionless)
     shown = shown_in(units, ds)
     beside = None if behind is None else shown_in(units, behind)
@@ -55,6 +59,8 @@ def run_up(
     else:
         _print(system, shown, facts)
         report.print_written(files)
+    if not work.complete:
+        report.interrupted(facts["incomplete"], files, "the same command runs the machine up again from the first speed")
     if facts["status"] not in ("ok", "contact", "diverged"):
         raise typer.Exit(1)
 
@@ -81,7 +87,7 @@ def summary(system: System, ds: xr.Dataset) -> dict[str, Any]:
         "end_speed": float(ds["end_speed"]), "stop": ds.attrs.get("stop"), "quantity": quantity,
         "largest": float(np.nanmax(highest.values)) if known else None,
         "largest_at": float(ds[speed][int(np.nanargmax(highest.values))]) if known else None,
-        "start_found": bool(ds["start_found"]),
+        "start_found": bool(ds["start_found"]), "incomplete": ds.attrs.get("incomplete"),
     }  # fmt: skip
 
 
@@ -96,7 +102,9 @@ def _print(system: System, ds: xr.Dataset, facts: dict[str, Any]) -> None:
     length = f"{facts['elapsed']:.4g}{behind}"
     typer.echo(f"{system.case}: {facts['windows']} windows from {begin:.5g} to {end:.5g}{rpm} in {length}")
     status = Status[facts["status"]]
-    if status == Status.ok:
+    if facts["incomplete"]:
+        typer.echo(f"incomplete: {facts['incomplete']}")
+    elif status == Status.ok:
         typer.echo("status: ok, ran to its end")
     else:
         typer.echo(f"status: {status.name} at {facts['end_speed']:.6g}{rpm}: {status.sentence}")

@@ -1,7 +1,7 @@
-"""Diagrams in batches and simulations in stretches, so that Ctrl-C keeps the finished parts.
+"""Diagrams in batches, so that Ctrl-C keeps the finished ones.
 
-The numbers do not depend on the parts: points never see each other, a chain hands its state on from one batch
-to the next, and a stretch of a simulation goes on from the end of the one before.
+The numbers do not depend on the batches: points never see each other, and a chain hands its state on from one batch to the
+next.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,17 +14,15 @@ from numpy.typing import ArrayLike, NDArray
 from whirlmap.analysis.labels.measured import NUMBERS
 from whirlmap.analysis.motion.ensembles import parameter_values
 from whirlmap.analysis.motion.record_length import record_periods
-from whirlmap.analysis.simulation.time_series import Series
 from whirlmap.equations.model import Model
 from whirlmap.integrate.division import cores
 from whirlmap.integrate.orders import order_groups, orders_vary
 from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.kernels.writing.routine import LANES
-from whirlmap.options.computed import INTEGRATION, LABELLING, Integration, Labelling, Settling
+from whirlmap.options.computed import LABELLING, Labelling, Settling
 from whirlmap.options.execution import EXECUTION, Execution
-from whirlmap.options.taking import IntegrationParts, LabellingParts, takes_options
-from whirlmap.progress import tell
+from whirlmap.options.taking import LabellingParts, takes_options
 from whirlmap.results.memory import refuse_memory
 from whirlmap.results.status import Status
 from whirlmap.sweep.diagrams.diagram import Follow, bifurcation_diagram, kept_states, select_states
@@ -40,9 +38,6 @@ BATCH, FIRST = 32, 4
 
 #: Points of a chain in one batch at most; a chain walks them one by one.
 CHAIN = 16
-
-#: Stretches of a simulation at least, seconds in one at most, and T in the first one.
-STRETCHES, STRETCH, SHORT = 16, 1.0, 16
 
 #: Values that stand at points which an interrupted sweep did not reach, in variables that cannot hold NaN.
 NOT_REACHED = {number.name: int(number.absent) for number in NUMBERS if not np.isnan(number.absent)}
@@ -208,54 +203,6 @@ def _concat(parts: list[xr.Dataset], dim: str) -> xr.Dataset:
         compat="equals", combine_attrs="override",
     )  # fmt: skip
     return joined
-
-
-@takes_options()
-def simulation_in_stretches(
-    system: System,
-    *,
-    periods: int | None = None,
-    transient: int = 0,
-    every: int = 1,
-    integration: Integration = INTEGRATION,
-    execution: Execution = EXECUTION,
-    **_given: Unpack[IntegrationParts],
-) -> Work:
-    """Time series as work in stretches: whoever iterates may stop, and keeps what is recorded.
-
-    Parameters, and the Dataset, are those of `simulate`.
-    """
-    series = Series(
-        system, periods=periods, transient=transient, every=every, integration=integration, execution=execution
-    )
-    refuse_memory("the time series", 3 * series.samples * (system.model.dimension + len(system.model.outputs)))
-    tell(execution.progress, "expect", series.transient + series.periods)
-
-    def parts(_: Work) -> Iterator[int]:
-        for part in batches(series.transient, first=SHORT, most=series.transient, seconds=STRETCH):
-            series.pass_by(part.stop - part.start)
-            yield 0
-        unit = series.least  # T after which a sample falls on a whole one
-        most = min(series.stretch // unit, max(-(-series.periods // (STRETCHES * unit)), 1))
-        for part in batches(series.periods // unit, first=max(SHORT // unit, 1), most=most, seconds=STRETCH):
-            series.stretch = (part.stop - part.start) * unit
-            series.advance()
-            yield series.done
-        while series.done < series.periods:  # it has begun anew on the way, with more steps
-            series.advance()
-            yield series.done
-
-    def gather(work: Work) -> xr.Dataset | None:
-        if not series.passed + series.done:
-            return None
-        ds = series.dataset()
-        if not work.complete:
-            ds.attrs["incomplete"] = f"interrupted after {series.done} of {series.periods} T" if series.done else (
-                f"interrupted after {series.passed} of {series.transient} T of the transient: only the state there is known"
-            )  # fmt: skip
-        return ds
-
-    return Work(series.periods, parts, gather)
 
 
 def expected_periods(
