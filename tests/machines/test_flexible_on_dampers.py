@@ -77,3 +77,9 @@ def test_show_says_that_the_cages_carry_it_and_the_films_nothing():
     said = json.loads(CliRunner().invoke(app, ["show", CASE, "--json"]).stdout)
     found = {b["name"]: (b["load"], b["spring_load"]) for b in said["parts"]["bearings"]}
     assert found == {"front": (0.0, pytest.approx(109.4, abs=0.05)), "rear": (0.0, pytest.approx(204.2, abs=0.05))}
+
+
+def test_rings_are_called_rings():
+    model = whirlmap.load(CASE).model
+    assert [stop.meaning for stop in model.stops.values()] == [f"ring {end} touches its housing" for end in ("front", "rear")]
+    assert not any("journal" in text for text in (*model.bodies, *(o.meaning for o in model.outputs.values())))

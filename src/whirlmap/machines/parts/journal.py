@@ -155,14 +155,19 @@ class JournalBearing:
         return made
 
     @property
+    def _words(self) -> str:
+        return f"{'ring' if self.kind == 'damper' else 'journal'} {self.name}"
+
+    @property
+    def _around(self) -> str:
+        return "housing" if self.kind == "damper" else "bearing"
+
+    @property
     def u(self) -> tuple[State, State]:
         """Journal relative to its bearing."""
-        what = "ring" if self.kind == "damper" else "journal"
+        inside = f"{self._words} in its {self._around}"
         ux, uy = (
-            State(
-                f"u{axis}_{self.name}", LENGTH, f"{what} {self.name} in its bearing along {axis}, over c_0", measure="length"
-            )
-            for axis in "xy"
+            State(f"u{axis}_{self.name}", LENGTH, f"{inside} along {axis}, over c_0", measure="length") for axis in "xy"
         )
         return ux, uy
 
@@ -209,13 +214,13 @@ class JournalBearing:
         (ex, ey), (l_x, l_y), name = self._in_clearance, self.film_load(coupled), self.name
         made = Declared(
             outputs={
-                f"eps_{name}": Output(sqrt(ex**2 + ey**2), "1", f"eccentricity of journal {name}", "", "eccentricity", name),
+                f"eps_{name}": Output(sqrt(ex**2 + ey**2), "1", f"eccentricity of {self._words}", "", "eccentricity", name),
                 f"load_{name}": Output(
-                    sqrt(l_x**2 + l_y**2), "1", f"force of the film of bearing {name}, over K_0 c_0", "force", "load", name
+                    sqrt(l_x**2 + l_y**2), "1", f"force of the film of {self._words}, over K_0 c_0", "force", "load", name
                 ),
             },
             journals={name: Journal(self.u, self.spin, self.gamma)},
-            bodies={f"journal {name}": self.u},
+            bodies={self._words: self.u},
             stations={name: (self.u[0].name, self.u[1].name)},
             swing=[self.u[1]],
             tables=list(self.law.tables),
@@ -228,11 +233,11 @@ class JournalBearing:
             psi = self.psi.name
             made.checks.append(lambda values: permeability_fault({"psi": values[psi]}))
         if self.contact != "ignore":
-            wall = "is pressed through to its bearing" if self.contact == "rub" else "touches its bearing"
+            wall = f"{'is pressed through to' if self.contact == 'rub' else 'touches'} its {self._around}"
             reachable = {"short": 0 * s, "porous": self.psi, "printed": Integer(1)}[self.film]
-            made.stops = {f"contact_{name}": Stop(1 - ex**2 - ey**2, f"journal {name} {wall}", reachable)}
+            made.stops = {f"contact_{name}": Stop(1 - ex**2 - ey**2, f"{self._words} {wall}", reachable)}
         if self.contact == "rub":
             touch = sqrt(ex**2 + ey**2) - self.wall[rub.eps_r]
-            made.switchings = {f"rub_{name}": Switching(touch, f"journal {name} rubs its bearing")}
+            made.switchings = {f"rub_{name}": Switching(touch, f"{self._words} rubs its {self._around}")}
             made.sources.append("chu1998")
         return made
