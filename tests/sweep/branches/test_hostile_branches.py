@@ -232,7 +232,6 @@ def test_contact_ends_a_branch(begin, which):
     assert ends(ds) == [["range", "contact"] if which == 0 else ["contact", "range"]]
 
 
-@pytest.mark.xfail(strict=True, reason="stops are seen at the ends of steps only: the branch goes on for 3e-4 behind it")
 @pytest.mark.parametrize(("begin", "which"), [(0.4, 0), (1.6, 1)])
 def test_contact_ends_a_branch_where_it_is(begin, which, validate):
     """The last point is the contact itself."""

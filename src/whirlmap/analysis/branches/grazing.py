@@ -6,8 +6,9 @@ between two orbits; the place is found with 512 samples in each T. The orbit has
 exact to rounding.
 """
 
-from collections.abc import Callable, Generator
+from collections.abc import Callable, Generator, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -87,22 +88,27 @@ def _like(among: list[Extreme], one: Extreme) -> Extreme | None:
 
 def extremes(c: Corrected, samples: int) -> list[list[Extreme]]:
     """Extremes of an orbit's height over each declared switching, with so many samples in each T at least."""
-    out = []
-    for row in heights(c, samples):
-        before, after = np.roll(row, 1), np.roll(row, -1)
-        found = []
-        for maximum, sign in ((True, 1.0), (False, -1.0)):
-            for k in np.flatnonzero((sign * row >= sign * before) & (sign * row > sign * after)):
-                phase, value = _refined(row, int(k))
-                found.append(Extreme(phase, value, maximum))
-        out.append(found)
-    return out
+    assert isinstance(c.equations, PeriodicOrbits)
+    surfaces = [q.surface for q in c.equations.system.model.switchings.values()]
+    return [extremes_of(row) for row in heights(c, samples, "switchings", surfaces)]
 
 
-def heights(c: Corrected, least: int) -> Array:
-    """Height of an orbit over each declared switching at equal times of one return, shape (surface, sample).
+def extremes_of(row: Array) -> list[Extreme]:
+    """Extremes of samples at equal times of one return, each by the polynomial about it."""
+    before, after = np.roll(row, 1), np.roll(row, -1)
+    found = []
+    for maximum, sign in ((True, 1.0), (False, -1.0)):
+        for k in np.flatnonzero((sign * row >= sign * before) & (sign * row > sign * after)):
+            phase, value = _refined(row, int(k))
+            found.append(Extreme(phase, value, maximum))
+    return found
 
-    The times are those of its steps, or of a fraction of them, at ``least`` so many in each T.
+
+def heights(c: Corrected, least: int, role: str, surfaces: Sequence[Any]) -> Array:
+    """Height of an orbit over surfaces at equal times of one return, shape (surface, sample).
+
+    The times are those of its steps, or of a fraction of them, at ``least`` so many in each T. ``role`` names the surfaces
+    among those of the model.
     """
     orbits = c.equations
     assert isinstance(orbits, PeriodicOrbits)
@@ -115,8 +121,7 @@ def heights(c: Corrected, least: int) -> Array:
     duration = float(e.period[0]) * (orbits.periods or runs.share[0])
     time = duration * np.arange(samples) / samples
     values = orbits.columns(c.point.free[:, None])[:, 0]
-    surfaces = [q.surface for q in model.switchings.values()]
-    of = numpy_function(model, "switchings", lambda: Formula([t, model.states, model.parameters], surfaces))
+    of = numpy_function(model, role, lambda: Formula([t, model.states, model.parameters], surfaces))
     return np.stack([np.broadcast_to(np.asarray(row, dtype=float), time.shape) for row in of(time, list(x), list(values))])
 
 

@@ -82,7 +82,7 @@ class PeriodicOrbits:
     def key(self) -> tuple[Any, ...]:
         """What tells equations whose points may be computed together from others."""
         least = b"" if self.floor is None else self.floor.tobytes()
-        return self.columns, self.periods, self.steps, self.method.name, least
+        return self.columns, self.system.model, self.periods, self.steps, self.method.name, least
 
     @property
     def steps_of_return(self) -> int:

@@ -5,12 +5,14 @@ Many branches are followed at once: each is a generator, and what they ask for i
 
 from collections.abc import Generator, Iterator, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.bracketing import located
+from whirlmap.analysis.branches.contact import up_to_contact
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between, may_cross_twice
@@ -42,7 +44,7 @@ ROUND, SAME = 4, 1e-6
 STANDING, LENGTH = 16, 1e-5
 #: Ends that are no fault, in words.
 ENDS = {
-    "range": "the end of the range", "closed": "its first point",
+    "range": "the end of the range", "closed": "its first point", "contact": Status.contact.sentence,
     "vertical": "the parameter stands still while the orbit changes: here there are orbits of many sizes",
 }  # fmt: skip
 
@@ -123,7 +125,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
         if step < SHORTEST * limits.longest:
             out.end, out.why = _ending(lost, a)
             break
-        b, lost, ended = yield from _stepped(a, step, limits)
+        b, lost, ended = yield from up_to_contact(a, partial(_stepped, step=step, limits=limits))
         if b is None:
             step /= 2
             continue
