@@ -81,5 +81,5 @@ def test_show_says_that_the_cages_carry_it_and_the_films_nothing():
 
 def test_rings_are_called_rings():
     model = whirlmap.load(CASE).model
-    assert [stop.meaning for stop in model.stops.values()] == [f"ring {end} touches its housing" for end in ("front", "rear")]
+    assert [stop.meaning for stop in model.stops.values()] == [f"ring {n} touches its housing" for n in ("front", "rear")]
     assert not any("journal" in text for text in (*model.bodies, *(o.meaning for o in model.outputs.values())))

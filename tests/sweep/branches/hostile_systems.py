@@ -44,6 +44,16 @@ def oscillator_with_stop(**values: float) -> System:
     return System(model, {"zeta": 0.1, "F": 0.5, "Omega": 0.4, **values})
 
 
+def pushed_to_a_stop(**values: float) -> System:
+    """x'' + x' + x = F: rests at x = F, until x reaches the stop at 1."""
+    F = Parameter("F", "1", "force")
+    model = Model(
+        "pushed_to_a_stop", (x, v), (F,), {x: v, v: F - x - v}, section=Section(v, "rising"),
+        stops={"contact": Stop(1 - x, "touches the wall")},
+    )  # fmt: skip
+    return System(model, {"F": 0.2, **values})
+
+
 def mirrored(**values: float) -> System:
     """x' = -x + cos(Omega t), y' = (mu - x^2) y - y^3: y = 0 loses its stability where mu is the mean of x^2."""
     model = Model(

@@ -9,6 +9,7 @@ from tests.sweep.branches.hostile_systems import (
     mirrored,
     one_sided_spring,
     oscillator_with_stop,
+    pushed_to_a_stop,
     stretched,
     two_frequencies,
     unforced_amplitude,
@@ -239,3 +240,11 @@ def test_contact_ends_a_branch_where_it_is(begin, which, validate):
     last = ds["Omega"].values.max() if which == 0 else ds["Omega"].values.min()
     validate(f"oscillator with a stop, from Omega {begin:g}: Omega at which contact ends the branch", last,
              peak_reaches_one(0.5)[which], tier="exact", source="linear amplitude in closed form", rel=1e-9)  # fmt: skip
+
+
+def test_an_equilibrium_that_reaches_a_stop_ends_its_branch(validate):
+    """x = F reaches 1."""
+    ds = continue_orbit(pushed_to_a_stop(), "F", (0.1, 2.0), begin=0.2)
+    assert ends(ds) == [["range", "contact"]]
+    validate("equilibrium that reaches a stop: force of contact", ds["F"].values[-1], 1.0, tier="exact", source="x = F",
+             rel=1e-12)  # fmt: skip

@@ -1,8 +1,7 @@
-"""Where a branch of orbits ends because they reach a stop: the first orbit whose smallest gap is zero.
+"""Where a branch ends because its orbits or equilibria reach a stop: the first whose smallest gap is zero.
 
-The orbit itself goes on behind the stop, as the equations do. It is followed there without the stop (`unstopped`), for as
-long as one step of the branch, and the place is found between both points as that of a grazing orbit is
-(`whirlmap.analysis.branches.grazing`).
+Equations go on behind the stop. The branch is followed there, without the stop (`unstopped`) and for one step, and the place
+is found between both points as that of a grazing orbit is (`whirlmap.analysis.branches.grazing`).
 """
 
 from collections.abc import Callable, Generator, Mapping
@@ -10,11 +9,11 @@ from dataclasses import replace
 from functools import lru_cache
 from typing import Any
 
-import numpy as np
 from sympy import sympify
 
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
+from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.grazing import SAMPLES, extremes_of, heights
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.equations.model import Model
@@ -33,9 +32,10 @@ def unstopped(model: Model) -> Model:
 
 
 def without_stops(a: Corrected) -> Corrected:
-    """The same point, whose orbits go on behind stops."""
+    """The same point, whose orbits go on behind stops; equilibria do so already."""
     orbits = a.equations
-    assert isinstance(orbits, PeriodicOrbits)
+    if not isinstance(orbits, PeriodicOrbits):
+        return a
     return replace(a, equations=replace(orbits, system=replace(orbits.system, model=unstopped(orbits.system.model))))
 
 
@@ -64,18 +64,22 @@ def up_to_contact(a: Corrected, stepped: Stepped) -> Generator[Ask, Corrected | 
 
 
 def smallest_gap(c: Corrected, gaps: Mapping[str, Any], samples: int) -> float:
-    """Smallest of these gaps along an orbit, between its steps too, with so many samples in each T at least."""
-    rows = heights(c, samples, f"gaps {' '.join(gaps)}", list(gaps.values()))
-    lowest = [min([row.min(), *(e.value for e in extremes_of(row) if not e.maximum)]) for row in rows]
-    return float(np.min(lowest))
+    """Smallest of these gaps; along an orbit between its steps too, with so many samples in each T at least."""
+    role, equations = f"gaps {' '.join(gaps)}", c.equations
+    if isinstance(equations, Equilibria):
+        model, values = equations.system.model, equations.columns(c.point.free[:, None])[:, 0]
+        of = numpy_function(model, role, lambda: Formula([model.states, model.parameters], list(gaps.values())))
+        return float(min(of(list(c.point.x[0]), list(values))))
+    rows = heights(c, samples, role, list(gaps.values()))
+    return min(min([float(row.min()), *(e.value for e in extremes_of(row) if not e.maximum)]) for row in rows)
 
 
 def _reachable(c: Corrected) -> dict[str, Any]:
-    """Gaps of the stops that an orbit of these parameters can reach."""
-    orbits = c.equations
-    if not isinstance(orbits, PeriodicOrbits) or not orbits.system.model.stops:
+    """Gaps of the stops that the motion can reach with these parameters."""
+    equations = c.equations
+    if not isinstance(equations, PeriodicOrbits | Equilibria) or not equations.system.model.stops:
         return {}
-    model, values = orbits.system.model, list(orbits.columns(c.point.free[:, None])[:, 0])
+    model, values = equations.system.model, list(equations.columns(c.point.free[:, None])[:, 0])
     stops = model.stops
     of = numpy_function(model, "reachable", lambda: Formula([model.parameters], [s.reachable for s in stops.values()]))
     return {name: stop.gap for (name, stop), real in zip(stops.items(), of(values), strict=True) if real > 0}
