@@ -38,6 +38,8 @@ Array = NDArray[np.float64]
 
 #: Difference of a free parameter on either side, over its size, by which the derivative is taken.
 DIFFERENCE = 1e-6
+#: Part of an error of tangent vectors that counts as one of the orbit.
+OF_TANGENTS = 0.1
 #: Largest norm of a segment's matrix, in sizes of the states: beyond, an orbit takes more segments.
 LONGEST = 1e4
 
@@ -97,7 +99,7 @@ class PeriodicOrbits:
     def linear(self, points: Sequence[Unknowns], before: Sequence[Linear | None] = ()) -> list[Linear]:
         """Equations and derivatives of many orbits, each with its own number of segments; see `Equations`."""
         runs = Lanes.of(points)
-        e = self.ensemble(runs, tangents=True)
+        e = self.ensemble(runs, tangents=self.system.model.dimension)
         extremes = self.extremes(e, runs)
         ends = e.x.copy()
         by_free, by_time = self._by_free(points, runs, ends, before), self._by_time(runs, ends)
@@ -142,9 +144,9 @@ class PeriodicOrbits:
         return wrapped(difference, self.cyclic, axis=1) if self.cyclic else difference
 
     def ensemble(
-        self, runs: Lanes, *, tangents: bool = False, free: Array | None = None, finer: int = 1
+        self, runs: Lanes, *, tangents: int = 0, free: Array | None = None, finer: int = 1
     ) -> Ensemble:
-        """Lanes ready to run their segments; with other free parameters, or ``finer`` steps."""
+        """Lanes ready to run their segments, with so many tangent vectors; other free parameters, or ``finer`` steps."""
         model, values = self.system.model, self.columns(runs.free if free is None else free)
         forced = self.periods > 0
         # A cycle begins where a state is zero to rounding: that tells nothing of the size at which it has diverged.
@@ -153,7 +155,7 @@ class PeriodicOrbits:
         steps = finer * (np.full(runs.share.size, self.steps) if forced else self.steps // runs.share)
         return Ensemble(
             model, values, runs.x, orders=self.orders, steps=steps, method=self.method,
-            tangents=model.dimension if tangents else 0, orthonormal=False, workers=self.workers, beyond=beyond,
+            tangents=tangents, orthonormal=False, workers=self.workers, beyond=beyond,
             turn=None if forced else runs.time,
             ahead=finer * self.steps_of_return // runs.share * runs.place if forced else None,
         )  # fmt: skip
@@ -310,14 +312,21 @@ class PeriodicOrbits:
         e.advance(beyond, parts=share)
         return [e.x[:, orbit == k].T for k in range(len(points))]
 
-    def step_error(self, points: Sequence[Unknowns], sizes: Sequence[Array]) -> Array:
-        """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,)."""
+    def step_error(self, points: Sequence[Unknowns], sizes: Sequence[Array], *, tangents: int = 0) -> Array:
+        """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,).
+
+        Where there are ``tangents``, what they change of these counts for a tenth, over the longest.
+        """
         runs = Lanes.of(points)
-        coarse, fine = (self.ensemble(runs, finer=f) for f in (1, 2))
+        coarse, fine = (self.ensemble(runs, finer=f, tangents=tangents) for f in (1, 2))
         for e in (coarse, fine):
             self.run(e, runs)
         scale = np.stack([s[: coarse.model.dimension] for s in sizes], axis=1)[:, runs.orbit]
         apart = np.abs(wrapped(coarse.x - fine.x, self.cyclic) / scale).max(axis=0)
+        if tangents:
+            length = np.abs(fine.vectors / scale).max(axis=(0, 1))
+            moved = np.abs((coarse.vectors - fine.vectors) / scale).max(axis=(0, 1))
+            apart = np.maximum(apart, OF_TANGENTS * moved / np.maximum(length, 1 / scale[:tangents].min(axis=0)))
         apart[~(coarse.running & fine.running)] = np.inf
         return np.array([apart[runs.orbit == k].max() for k in range(len(points))])
 

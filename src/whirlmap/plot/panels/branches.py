@@ -77,7 +77,7 @@ def draw_branches(
                 )  # fmt: skip
     _marks(ax, ds, name, heights)
     if legend and ds.sizes["event"]:
-        handles = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))  # one entry a kind, over several calls too
+        handles = dict(zip(*reversed(ax.get_legend_handles_labels()), strict=True))  # one entry a kind, of all calls
         ax.legend(handles.values(), handles.keys(), loc="best")
     if fresh:
         ax.set_xlabel(axis_label(ds, name, meaning=True))
