@@ -88,3 +88,15 @@ def test_a_cycle_that_is_asked_to_cross_too_often_has_its_smallest_number_of_cro
     branch = whirlmap.continue_orbit(System(free, {"g": 1.0}), "g", (1.0, 1.1), orbit=(0.0, 2.0), period=3, points=2)
     assert branch["period_T"].values.tolist() == [1]
     assert abs(branch["duration"].values[0] - 6.6632868593) < 1e-8  # the period at mu = 1
+
+
+def test_a_machine_whose_films_are_fast_is_followed_with_steps_that_hold():
+    """With 32 to 192 steps per T its films are not stable: such orbits closed on nothing, or had a false period doubling."""
+    system = whirlmap.load("machines/flexible-on-dampers")
+    ds = whirlmap.continue_orbit(system, "speed", ("9900 rpm", "10200 rpm"), begin="10000 rpm", longest=0.2)
+    assert not ds.sizes["event"] and "the end of the range | the end of the range" in ds.attrs["why"]
+    assert ds["stable"].values.all() and (ds["steps"].values > 192).all() and ds["step_error"].values.max() < 1e-10
+    diagram = whirlmap.bifurcation_diagram(system, "speed", ["9900 rpm", "10200 rpm"])
+    assert (diagram["period_T"].values == 1).all()
+    here = ds["peak_to_peak"].values[[0, -1]]
+    np.testing.assert_allclose(here, diagram["peak_to_peak"].values, rtol=1e-4, atol=1e-6)

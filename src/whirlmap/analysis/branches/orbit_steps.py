@@ -16,8 +16,9 @@ STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 307
 #: the dense solver of NumPy starts threads, which cost more than they gain.
 WIDEST = 96
 #: Part of an error to which two more rungs of steps must bring it at least; else the fewest steps are taken that
-#: do about as well: what is left is rounding, and differs from orbit to orbit.
-HELPS = 0.5
+#: do about as well: what is left is rounding, and differs from orbit to orbit. A larger error is none: a fast state is not
+#: stable with so few steps.
+HELPS, ROUNDED = 0.5, 1e-4
 #: Tangent vectors whose error counts beside the orbit's.
 TANGENTS = 2
 #: An error so much smaller than asked for allows fewer steps.
@@ -54,7 +55,7 @@ def fine_enough(
         if error <= accuracy:
             break
         tried.append((error, b))
-        if len(tried) > 2 and error > HELPS * tried[-3][0]:
+        if len(tried) > 2 and error > HELPS * tried[-3][0] and error < ROUNDED:
             least = min(each for each, _ in tried)
             b = next(c for each, c in tried if each <= least / HELPS**2)
             break
@@ -68,7 +69,18 @@ def fine_enough(
             doubts.add("the accuracy is not met with the steps of the point before")
             break
         b = found
-    return (yield from _in_segments(b)), doubts
+    return replace((yield from _in_segments(b)), step_error=b.step_error), doubts
+
+
+def with_more_steps(a: Corrected, b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected | None]:
+    """A point with the steps of a later one, where these are more; else None."""
+    one, other = a.equations, b.equations
+    if not isinstance(one, PeriodicOrbits) or not isinstance(other, PeriodicOrbits) or other.steps <= one.steps:
+        return None
+    if other.steps_of_return % len(a.point.x):
+        return None
+    found = yield Ask(replace(one, steps=other.steps), a.point, a.tangent / a.linear.sizes, a.linear.sizes)
+    return None if isinstance(found, Lost) else found
 
 
 def _in_segments(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:

@@ -39,7 +39,7 @@ Array = NDArray[np.float64]
 #: Difference of a free parameter on either side, over its size, by which the derivative is taken.
 DIFFERENCE = 1e-6
 #: Part of an error of tangent vectors that counts as one of the orbit.
-OF_TANGENTS = 0.1
+OF_TANGENTS = 0.01
 #: Largest norm of a segment's matrix, in sizes of the states: beyond, an orbit takes more segments.
 LONGEST = 1e4
 
@@ -315,18 +315,20 @@ class PeriodicOrbits:
     def step_error(self, points: Sequence[Unknowns], sizes: Sequence[Array], *, tangents: int = 0) -> Array:
         """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,).
 
-        Where there are ``tangents``, what they change of these counts for a tenth, over the longest.
+        Where there are ``tangents``, what they change of these counts for a hundredth, over the longest. They begin along
+        all states: steps at which a fast one is not stable are seen by them, and not by an orbit that does not move it.
         """
-        runs = Lanes.of(points)
+        runs, n = Lanes.of(points), self.system.model.dimension
+        scale = np.stack([s[:n] for s in sizes], axis=1)[:, runs.orbit]
         coarse, fine = (self.ensemble(runs, finer=f, tangents=tangents) for f in (1, 2))
         for e in (coarse, fine):
+            e.vectors[:] = scale * np.sign(np.cos(np.pi * np.outer(np.arange(tangents), np.arange(n))))[:, :, None]
             self.run(e, runs)
-        scale = np.stack([s[: coarse.model.dimension] for s in sizes], axis=1)[:, runs.orbit]
         apart = np.abs(wrapped(coarse.x - fine.x, self.cyclic) / scale).max(axis=0)
         if tangents:
             length = np.abs(fine.vectors / scale).max(axis=(0, 1))
             moved = np.abs((coarse.vectors - fine.vectors) / scale).max(axis=(0, 1))
-            apart = np.maximum(apart, OF_TANGENTS * moved / np.maximum(length, 1 / scale[:tangents].min(axis=0)))
+            apart = np.maximum(apart, OF_TANGENTS * moved / np.maximum(length, 1.0))
         apart[~(coarse.running & fine.running)] = np.inf
         return np.array([apart[runs.orbit == k].max() for k in range(len(points))])
 

@@ -18,7 +18,7 @@ from whirlmap.analysis.branches.event_curves import EventCurve
 from whirlmap.analysis.branches.events import Event, StepTooLongError, events_between, may_cross_twice
 from whirlmap.analysis.branches.grazing import grazings_between
 from whirlmap.analysis.branches.limits import EDGE, Limits
-from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long
+from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long, with_more_steps
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.resonances import LAST, points_between
 from whirlmap.results.status import Status
@@ -137,6 +137,11 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
             events = yield from _between(a, b, alone=step > FINE * limits.longest)
             if not events and before and step > SHY * limits.longest and may_cross_twice(before[1], a, b, before[0], step):
                 raise StepTooLongError
+            if events:  # which may be errors of the steps, as where a fast state is hardly stable with them
+                finer, doubt = yield from fine_enough(b, limits.accuracy)
+                if (again := (yield from with_more_steps(a, finer))) is not None:
+                    a = again
+                    continue
         except StepTooLongError:
             if step > 2 * FINE * limits.longest:
                 step /= 2

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.equilibria import Equilibria
-from whirlmap.analysis.branches.orbit_steps import STEPS, finished
+from whirlmap.analysis.branches.orbit_steps import ROUNDED, STEPS, finished
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.analysis.branches.unknowns import Equations, Unknowns
@@ -201,9 +201,8 @@ class Beginning:
         if periods % repeats:
             raise RangeError(f"period: found {periods} T, expected a multiple of {repeats} T, in which the forcing repeats")
         value = np.array(self.value)
-        found = self._corrected(self.equations(periods, STEPS[1]), [Unknowns(g[None], value) for g in guesses])
         seeds: list[Seed] = []
-        for c in found:
+        for c in self._found(periods, STEPS[1::3], [Unknowns(g[None], value) for g in guesses]):
             phases = self._phases(c)
             known = [s.phases for s in seeds]
             scale = c.linear.weights[: system.model.dimension, None]
@@ -242,7 +241,7 @@ class Beginning:
         first = crossed["section"].values[times.size - 1 - returns]
         duration = float(times[-1] - times[-1 - returns])
         guess = Unknowns(first[None], np.array(self.value), duration)
-        return [self._shortest(c, returns) for c in self._corrected(self.equations(0, STEPS[4] * returns), [guess])]
+        return [self._shortest(c, returns) for c in self._found(0, [returns * s for s in STEPS[4::3]], [guess])]
 
     def _shortest(self, c: Corrected, returns: int) -> Seed:
         """A cycle, with the smallest number of crossings after which it returns."""
@@ -251,7 +250,7 @@ class Beginning:
         for d in divisors(returns):
             time = duration * d / returns
             guess = Unknowns(c.point.x[:1], c.point.free, time)
-            for shorter in self._corrected(self.equations(0, STEPS[4] * d), [guess]):
+            for shorter in self._found(0, [d * s for s in STEPS[4::3]], [guess]):
                 apart = wrapped(shorter.point.x[0] - c.point.x[0], cyclic_states(self.system)) / c.linear.weights[:n]
                 if np.abs(apart).max() < SAME and abs((shorter.point.duration or 0.0) / time - 1) < SAME:
                     return Seed(shorter, d, shorter.point.x[:1].T)
@@ -267,6 +266,18 @@ class Beginning:
         free = self.free
         sizes = np.maximum(np.abs(x), np.abs([s.start for s in self.system.model.states]))
         return Equilibria(self.system, free.columns, free.allowed, free.widths, sizes)
+
+    def _found(self, periods: int, steps: Sequence[int], guesses: Sequence[Unknowns]) -> list[Corrected]:
+        """Orbits from some guesses, with the first of these steps that find orbits which more steps hardly change.
+
+        With too few steps a stiff machine diverges, or closes an orbit that is none of its own.
+        """
+        found: list[Corrected] = []
+        for count in steps:
+            found = self._corrected(self.equations(periods, count), guesses) or found
+            if found and all((c.step_error or 0.0) < ROUNDED for c in found):
+                break
+        return found
 
     def _corrected(self, equations: Equations, guesses: Sequence[Unknowns]) -> list[Corrected]:
         """Solutions at that value, with steps and segments that hold their accuracy."""
