@@ -123,7 +123,10 @@ def test_a_zoom_is_computed_finer_and_can_be_left(page: Page) -> None:
     assert 0.282 < low < 0.284
     assert 0.288 < high < 0.289
     page.until("explorer.layers.length === 2 && explorer.layers[1].regime.length === 160")
-    assert page.read("[...explorer.layers[1].period].every((n) => [2, 4].includes(n))")
+    found = page.read("[...explorer.layers[1].period]")
+    assert set(found[:80]) == {2}
+    assert set(found[-50:]) == {4}
+    assert set(found) <= {0, 2, 4}  # next to the doubling at 0.28669 motions settle too slowly to be told
     page.page.click("#back")
     page.until("explorer.state.zoom === null")
 

@@ -1,7 +1,7 @@
 """What is explored: a system, the quantities that vary, and the map or diagram over them, from a store, a file or a case."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
 from pathlib import Path
@@ -13,8 +13,8 @@ import xarray as xr
 from whirlmap.errors import InputError, RangeError
 from whirlmap.explorer.control import Control, controls_of
 from whirlmap.explorer.recorded_system import recorded_system
+from whirlmap.explorer.switch import Switch, switches_of
 from whirlmap.integrate.in_units import in_units
-from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Integration, Labelling, Settling
@@ -46,6 +46,7 @@ class Exploration:
         Direction in which a diagram carries the state along.
     title : str
     branches : sequence of xr.Dataset
+        Of a diagram, branches along its parameter; of a map, curves of bifurcations in its two parameters.
     instead : mapping of str to Control
         Controls in place of the system's own, where a page counts a quantity otherwise than the case does.
     """
@@ -63,6 +64,11 @@ class Exploration:
     def controls(self) -> dict[str, Control]:
         """Quantities that can be changed."""
         return {**controls_of(self.system, self.axes), **self.instead}
+
+    @cached_property
+    def switches(self) -> dict[str, Switch]:
+        """Switches of the case, which choose terms of its model."""
+        return switches_of(self.system)
 
 
 def opened(place: str, case: str | None = None) -> Exploration | None:
@@ -129,26 +135,6 @@ def explored_case(system: System, ranges: Mapping[str, Range], labelling: Labell
         axes[name] = values.tolist(), unit or "1"
         Axis.of(system, name, axis_values(*axes[name]))  # refuses now what the first point would meet
     return Exploration(system, axes, labelling, None, follow, system.case)
-
-
-def with_branches(found: Exploration, files: Sequence[Path]) -> Exploration:
-    """Lay branches of files over a diagram.
-
-    Raises
-    ------
-    InputError
-        No diagram, or a file of something else.
-    """
-    made = []
-    for file in files:
-        ds = read(file)
-        if "branch_of" not in ds:
-            raise InputError(f"--branches {file}: found no branches, expected a result of `whirlmap continue`")
-        same = ds.attrs.get("model_hash") == pieces(found.system).model_hash
-        if not same or list(found.axes) != [str(ds.attrs.get("varied"))]:
-            raise InputError(f"--branches {file}: expected branches of the same model along what the diagram varies")
-        made.append(ds)
-    return replace(found, branches=made)
 
 
 def labelling_of(attributes: Mapping[str, Any]) -> Labelling:

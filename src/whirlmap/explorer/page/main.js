@@ -48,7 +48,7 @@
     const names = [...new Set([...explorer.data.controls.filter((c) => c.axis).map((c) => c.name), ...Object.keys(explorer.state.values)])];
     $("where").textContent = names.map((n) => {
       const c = explorer.control(n);
-      return `${c.symbol} = ${explorer.withUnit(explorer.value(n) * c.size, c.unit, 6)}`;
+      return `${c.symbol} = ${c.choices ? explorer.value(n) : explorer.withUnit(explorer.value(n) * c.size, c.unit, 6)}`;
     }).join(", ");
   };
 
@@ -147,9 +147,9 @@
   };
 
   const branch = () => attempt(async () => {
-    let place = -1;
-    await follow(await explorer.source.branches(explorer.state.values), (b) => {
-      if (place < 0) place = explorer.branches.push(b) - 1; else explorer.branches[place] = b;
+    const before = explorer.branches;
+    await follow(await explorer.source.branches(explorer.state.values), (found) => {
+      explorer.branches = [...before, ...found];
       explorer.overview.refresh();
     });
   });
@@ -179,7 +179,8 @@
     const hide = (id, wanted) => { if (!wanted) $(id).hidden = true; };
     for (const id of ["finer", "again"]) hide(id, source.finer);
     $("auto").parentElement.hidden = !source.finer;
-    hide("branch", source.branches && data.kind === "diagram");
+    hide("branch", source.branches && data.kind !== "point");
+    if (data.kind === "map") $("branch").textContent = "Follow bifurcations";
     for (const id of ["ask-votes"]) hide(id, source.votes);
     $("auto-votes").parentElement.hidden = !source.votes;
     hide("ask-coexisting", source.coexisting);

@@ -107,7 +107,7 @@ explorer.overview = (() => {
     const {bbox} = u, now = [key, bbox.width, bbox.height].join();
     if (!raster || raster.key !== now) raster = {key: now, image: paint(u)};
     ctx.drawImage(raster.image, Math.round(bbox.left), Math.round(bbox.top));
-    if (!map()) explorer.drawBranches(ctx, X, Y, dpr);
+    explorer.branchLines.draw(ctx, X, Y, dpr);
     const x = X(explorer.value(explorer.layers[0].axes[0].name));
     const cross = (colour, width) => {
       ctx.strokeStyle = colour; ctx.lineWidth = width * dpr;
@@ -194,6 +194,10 @@ explorer.overview = (() => {
   };
 
   const legend = () => {
+    colours();
+    $("lines-legend").replaceChildren(...explorer.branchLines.legend());
+  };
+  const colours = () => {
     const list = $("legend"), number = explorer.layers[0].numbers[explorer.state.colour];
     list.replaceChildren();
     if (number || explorer.state.colour === "period") {
@@ -283,5 +287,5 @@ explorer.overview = (() => {
     const names = explorer.layers[0].axes.map((a) => a.name), found = cellAt(names.map((n) => explorer.value(n)));
     return found ? Object.fromEntries(found.at.map((i, k) => [names[k], found.layer.axes[k].values[i]])) : {};
   };
-  return {begin, first, show, replace, add, ranges, cellAt, words, written, legend, refresh: () => panel?.refresh()};
+  return {begin, first, show, replace, add, ranges, cellAt, words, written, legend, refresh: () => { panel?.refresh(); legend(); }};
 })();
