@@ -6,6 +6,8 @@
 
   // Motion of the chosen point: one request at a time, the newest wins.
   let busy = false, again = false, control = null, timer = 0, told = "";
+  /** Mark what is shown as the motion of values that were asked before: the newest could not be computed. */
+  const old = (yes) => { for (const part of [".panels", ".facts", "#label"]) document.querySelector(part).classList.toggle("old", yes); };
   const ask = async () => {
     if (busy) { again = true; return; }
     busy = true;
@@ -24,9 +26,11 @@
       explorer.panels.show();
       explorer.timing = {asked, drawn: performance.now()};
       if (!explorer.verdict && (explorer.state.autoVotes || !(m.label.decided || explorer.stored))) { clearTimeout(timer); timer = setTimeout(votes, 600); }
+      old(false);
     } catch (error) {
       explorer.say(error.message, true);
       explorer.failed = error.message;
+      old(true);
     } finally {
       clearTimeout(slow);
       busy = false;

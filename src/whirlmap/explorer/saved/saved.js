@@ -8,6 +8,8 @@ const whirlmapSaved = (() => {
   // T between two looks whether a motion has returned; T that one is waited for beyond what the diagram or map says, and
   // longest return that is looked for where nothing is known.
   const LOOK = 8, LATE = 512, LONGEST = 64;
+  // Steps in which a state is carried to a point, and the part of the axis that it comes along (coexisting.py).
+  const STEPS = 8, REACH = 0.2;
   // Samples that are recorded in one piece, and that are shown; turns of the slowest clock that are shown; least samples per
   // T of a spectrum.
   const PIECE = 16384, SAMPLES = 2400, TURNS = 4, RATE = 48;
@@ -51,8 +53,9 @@ const whirlmapSaved = (() => {
     }
 
     // Go on until the motion returns after as many T as the diagram or map says, or for as long as it ran there.
-    async settle([period, waits], tolerance) {
-      const known = period > 0 ? [period] : period < 0 ? Array.from({ length: LONGEST }, (_, k) => k + 1) : [];
+    async settle([period, waits], { tolerance, common }) {
+      const counts = Array.from({ length: LONGEST }, (_, k) => k + 1), shared = counts.map((k) => k * Math.max(common, 1));
+      const known = period > 0 ? [period] : period < 0 ? [...new Set([...counts, ...shared])].sort((a, b) => a - b) : [];
       const limit = known.length ? waits + LATE : waits, look = known.length ? Math.max(LOOK, 2 * period) : waits;
       for (;;) {
         const n = known.find((k) => this.returns(k, tolerance)) || 0, left = limit - this.point.done / this.point.steps;
@@ -62,12 +65,11 @@ const whirlmapSaved = (() => {
     }
   }
 
-  // A motion at the live point nearest to values: settled and recorded.
-  async function liveMotion(live, data, values) {
-    const index = live.nearest(values), point = live.point(index), states = data.live.states.length, run = new Run(point, states);
-    const period = await run.settle(live.take(data.live.settling, index), data.record.tolerance);
-    const settled = point.done / point.steps, ended = point.ended;
-    if (ended) point.restart();
+  // A motion at the live point nearest to values, or at an index, from a state that is carried there: settled and recorded.
+  async function liveMotion(live, data, values, { at = live.nearest(values), from = null } = {}) {
+    const index = at, { point, run, period } = await settled(live, data, index, from), states = data.live.states.length;
+    const settledAfter = point.done / point.steps, ended = point.ended;
+    if (ended) { point.restart(); if (from) point.begin(from); }
     const begin = Float64Array.from(point.x.slice(0, states));
     if (!ended) await run.go(Math.max(data.record.periods, 2 * period), true);
     else run.pieces.push(await point.advance(Math.floor(ended.turn * point.steps), 1));
@@ -76,9 +78,40 @@ const whirlmapSaved = (() => {
     run.pieces.reduce((at, piece) => { x.set(piece, at); return at + piece.length; }, states);
     const plane = data.live.section ? live.take(data.live.section, index) : null;
     return {
-      values: live.values(index), x, outputs: await point.outputs(x), steps: point.steps, time: point.period, period, settled,
-      ended: ended || point.ended, plane, sizes: live.take(data.live.sizes, index),
+      values: live.values(index), x, outputs: await point.outputs(x), steps: point.steps, time: point.period, period,
+      settled: settledAfter, ended: ended || point.ended, plane, sizes: live.take(data.live.sizes, index),
     };
+  }
+
+  // A run that goes on until its motion returns. A carried state may come to another motion than the map says: any return counts.
+  async function settled(live, data, index, from) {
+    const point = live.point(index), run = new Run(point, data.live.states.length), [n, waits] = live.take(data.live.settling, index);
+    if (from) point.begin(from);
+    return { point, run, period: await run.settle([from && n > 0 ? -1 : n, waits], data.record) };
+  }
+
+  // So many T later all forcing is at phase zero, after -n T.
+  const whole = (n, common) => (common > 1 ? ((Math.round(n) % common) + common) % common : 0);
+
+  // Motions that come to a point along an axis, from below and from above; null where a run ends on the way.
+  async function coexisting(live, data, values, along) {
+    const index = live.nearest(values), axis = data.live.axes.findIndex((a) => a.name === along), last = data.live.axes[axis].values.length - 1;
+    const found = {};
+    for (const [way, sign] of [["up", -1], ["down", 1]]) {
+      const far = Math.min(Math.max(index[axis] + sign * Math.max(Math.round(REACH * last), 1), 0), last), path = new Set();
+      for (let k = 0; k < STEPS; k++) path.add(Math.round(far + (index[axis] - far) * k / STEPS));
+      path.delete(index[axis]);
+      let from = null, ended = false;
+      for (const place of path) {
+        const at = index.map((i, k) => (k === axis ? place : i)), { point } = await settled(live, data, at, from);
+        if (!point.ended) await point.advance(point.steps * whole(-point.done / point.steps, data.record.common)); // to phase zero
+        ended = ended || Boolean(point.ended);
+        if (ended) break;
+        from = Array.from(point.x.slice(0, data.live.states.length));
+      }
+      found[way] = ended ? null : await liveMotion(live, data, values, { at: index, from });
+    }
+    return found;
   }
 
   // --- stored motions -----------------------------------------------------------------------------------------------------
@@ -197,9 +230,14 @@ const whirlmapSaved = (() => {
       }
       return remembered.get(key);
     };
-    return {
+    const made = {
       load: async () => {
-        const { data } = await ready();
+        const { data, live } = await ready();
+        if (live && data.live.axes.length) made.coexisting = async (values, along, quantity) => {
+          const found = await coexisting(live, data, values, along);
+          const shown = Object.entries(found).map(([way, m]) => [way, m && described(m, data, values, quantity)]);
+          return { running: false, done: 1, total: 1, result: Object.fromEntries(shown) }; // a job that is done
+        };
         if (typeof location !== "undefined" && location.protocol === "about:") { // in a notebook: no address to write or copy
           explorer.address.write = () => {};
           document.getElementById("link").hidden = true;
@@ -216,6 +254,7 @@ const whirlmapSaved = (() => {
       motion: async (values, quantity) => described(await motion(values), (await ready()).data, values, quantity),
       computed: motion,
     };
+    return made;
   }
 
   return { source };

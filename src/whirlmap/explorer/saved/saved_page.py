@@ -112,7 +112,8 @@ def saved_data(exploration: Exploration, *, largest: int = LARGEST) -> tuple[dic
     except NoBrowserKernelError as error:
         data["stored"], packed = stored_motions(e)
         count = len(data["stored"]["motions"])
-        data["note"] = f"Motions are not computed here, for {error}. The nearest of {count} stored motions is shown."
+        data["note"] = f"Motions are not computed here, for {error}. The nearest of {count} stored motions is shown;"
+        data["note"] += " coexisting motions are not sought."
     return data, packed
 
 
