@@ -10,9 +10,9 @@ const whirlmapSaved = (() => {
   const LOOK = 8, LATE = 512, LONGEST = 64;
   // Steps in which a state is carried to a point, and the part of the axis that it comes along (coexisting.py).
   const STEPS = 8, REACH = 0.2;
-  // Samples that are recorded in one piece, and that are shown; turns of the slowest clock that are shown; least samples per
-  // T of a spectrum.
-  const PIECE = 16384, SAMPLES = 2400, TURNS = 4, RATE = 48;
+  // Samples that are recorded in one piece; that are shown, and least of these in a T; turns of the slowest clock that are
+  // shown; least samples per T of a spectrum.
+  const PIECE = 16384, SAMPLES = 2400, LEAST = 12, TURNS = 4, RATE = 48;
 
   // --- live motions -----------------------------------------------------------------------------------------------------
 
@@ -171,8 +171,12 @@ const whirlmapSaved = (() => {
     const names = data.live || data.stored, states = names.states.length, page = data.page, record = data.record;
     const all = columns(m, names), rows = m.x.length / states, steps = m.steps;
     const turns = m.period ? m.period * Math.max(1, Math.ceil((TURNS * record.turn) / m.period)) : 4 * TURNS * record.turn;
-    const last = m.ended ? Math.min(rows, SAMPLES) : Math.min(Math.round(turns * steps), rows - 1, SAMPLES) + 1;
-    const part = (values) => values.subarray(rows - last), section = {}, samples = Array.from({ length: last }, (_, k) => k);
+    const least = Math.min((m.period || record.turn) * steps, rows - 1); // where these do not fit, a part of the samples is shown
+    const parts = Array.from({ length: Math.max(Math.floor(steps / LEAST), 1) }, (_, k) => k + 1).filter((k) => steps % k === 0);
+    const take = m.ended ? 1 : parts.find((k) => least <= SAMPLES * k) || parts[parts.length - 1];
+    const last = Math.floor(Math.min(m.ended ? rows - 1 : Math.round(turns * steps), rows - 1, SAMPLES * take) / take) + 1;
+    const samples = Array.from({ length: last }, (_, k) => k * take), section = {};
+    const part = (values) => Float64Array.from(samples, (k) => values[rows - 1 - samples[last - 1] + k]);
     if (page.forced) {
       const count = Math.floor((rows - 1) / steps);
       names.states.forEach((name) => { section[name] = Float64Array.from({ length: count }, (_, k) => all[name][(k + 1) * steps]); });
