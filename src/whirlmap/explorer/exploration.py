@@ -20,6 +20,7 @@ from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Integration, Labelling, Settling
 from whirlmap.results.files import read
 from whirlmap.sweep.parameters.axis import Axis, read_axis
+from whirlmap.sweep.store.restoring import lost_parts
 from whirlmap.sweep.store.store_folder import exists
 from whirlmap.sweep.store.zarr_store import Store
 
@@ -83,12 +84,22 @@ def opened(place: str, case: str | None = None) -> Exploration | None:
     if path.is_dir():
         if not exists(path):
             raise InputError(f"{place}: found a folder that is no store, expected one that `whirlmap map --store` made")
-        ds = Store(path).open().load()
+        ds = _loaded(Store(path), place)
     elif path.suffix == ".nc":
         ds = read(path)
     else:
         return None
     return of_result(ds, place, case)
+
+
+def _loaded(store: Store, place: str) -> xr.Dataset:
+    """All points of a store whose files are whole: Zarr reads a chunk that is missing as one without labels."""
+    lost = lost_parts(store)
+    damaged = [] if lost else store.standing().damaged.tolist()
+    if lost or damaged:
+        what = ", ".join(lost) if lost else f"{len(damaged)} of {store.chunks.count} chunks"
+        raise InputError(f"{place}: {what} are damaged; `whirlmap map` with the same options and --resume repairs the store")
+    return store.open().load()
 
 
 def of_result(ds: xr.Dataset, source: str, case: str | None = None) -> Exploration:
