@@ -45,6 +45,13 @@ def test_a_curve_parts_motions_of_one_period_from_those_of_two(curve: xr.Dataset
     assert near["period_T"].values.tolist() == [1, 2]
 
 
+def test_a_page_of_a_notebook_holds_the_curve(curve: xr.Dataset, regimes: Exploration) -> None:
+    page = whirlmap.explore(regimes.overview, branches=[curve])
+    assert len(page.html) > len(whirlmap.explore(regimes.overview).html)
+    with pytest.raises(InputError, match=r"^branches\[1\]: found no branches"):
+        whirlmap.explore(regimes.overview, branches=[curve, regimes.overview])
+
+
 def test_the_page_follows_the_same_curve(curve: xr.Dataset, regimes: Exploration) -> None:
     job = Job(1)
     follow_branches(job, regimes, {"gamma": 0.2, "omega": 1.2}, None)

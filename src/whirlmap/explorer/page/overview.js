@@ -87,7 +87,8 @@ explorer.overview = (() => {
     if (!values) return;
     const x = l.axes[0].values, each = values.length / x.length, size = (v) => Math.round(u.valToPos(v, "x") * ratio);
     const gap = x.length > 1 ? Math.abs(size(x[x.length - 1]) - size(x[0])) / (x.length - 1) : 2;
-    const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), Math.round(3 * ratio))), h = Math.max(1, Math.round(1.8 * ratio));
+    const sparse = gap > 8 * ratio, most = Math.round((sparse ? 4 : 3) * ratio); // few points are drawn larger
+    const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), most)), h = Math.max(1, Math.round((sparse ? 3 : 1.8) * ratio));
     const fixed = way && explorer.state.colour === "regime" ? [...explorer.rgb(way), false] : null;
     for (let i = 0; i < x.length; i++) {
       const px = size(x[i]) - (w >> 1), c = fixed || of(i).slice(0, 3);

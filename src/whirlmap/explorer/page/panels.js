@@ -124,9 +124,9 @@ explorer.panels = (() => {
         const taken = [];
         for (const l of named) {
           const x = X(l.frequency), wide = ctx.measureText(l.name).width;
-          if (x < u.bbox.left || x > u.bbox.left + u.bbox.width || taken.some(([a, w]) => Math.abs(a - x) < (w + wide) / 2 + 6 * dpr)) continue;
-          taken.push([x, wide]);
           const side = Math.max(u.bbox.left + wide / 2, Math.min(x, u.bbox.left + u.bbox.width - wide / 2));
+          if (x < u.bbox.left || x > u.bbox.left + u.bbox.width || taken.some(([a, w]) => Math.abs(a - side) < (w + wide) / 2 + 6 * dpr)) continue;
+          taken.push([side, wide]);
           ctx.fillText(l.name, side, Y(3) - 2 * dpr);
         }
       },
