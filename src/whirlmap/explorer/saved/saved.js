@@ -1,6 +1,7 @@
 // Where a saved page's data and motions come from: from itself. What whirlmap.explorer.saved.saved_page wrote into it is
-//   data    the page's data; `note`, what it cannot do, if anything; `quantities` with their units; `record`: how motions are
-//           recorded; and `live`, the description of live points, or `stored`, motions that were computed before
+//   data    the page's data; `note`, what it cannot do of what such a file can, if anything; `limits`, what needs the
+//           server; `record`: how motions are recorded; and `live`, the description of live points, or `stored`, motions
+//           that were computed before
 //   bytes   what the live points or the stored motions are made of
 "use strict";
 
@@ -35,6 +36,7 @@ const whirlmapSaved = (() => {
           if ((k + 1) % point.steps === 0) this.ends.push(x.slice(k * states, (k + 1) * states));
         }
         if (kept) this.pieces.push(x.subarray(0, samples * states));
+        this.tell?.(point.done / point.steps);
       }
       this.range = low.map((v, i) => high[i] - v);
     }
@@ -66,8 +68,8 @@ const whirlmapSaved = (() => {
   }
 
   // A motion at the live point nearest to values, or at an index, from a state that is carried there: settled and recorded.
-  async function liveMotion(live, data, values, { at = live.nearest(values), from = null } = {}) {
-    const index = at, { point, run, period } = await settled(live, data, index, from), states = data.live.states.length;
+  async function liveMotion(live, data, values, { at = live.nearest(values), from = null, tell = null } = {}) {
+    const index = at, { point, run, period } = await settled(live, data, index, from, tell), states = data.live.states.length;
     const settledAfter = point.done / point.steps, ended = point.ended;
     if (ended) { point.restart(); if (from) point.begin(from); }
     const begin = Float64Array.from(point.x.slice(0, states));
@@ -84,8 +86,9 @@ const whirlmapSaved = (() => {
   }
 
   // A run that goes on until its motion returns. A carried state may come to another motion than the map says: any return counts.
-  async function settled(live, data, index, from) {
+  async function settled(live, data, index, from, tell = null) {
     const point = live.point(index), run = new Run(point, data.live.states.length), [n, waits] = live.take(data.live.settling, index);
+    run.tell = tell;
     if (from) point.begin(from);
     return { point, run, period: await run.settle([from && n > 0 ? -1 : n, waits], data.record) };
   }
@@ -226,11 +229,16 @@ const whirlmapSaved = (() => {
       return { data, buffer, live: data.live ? new whirlmapLive.Live(data.live, buffer) : null };
     };
     const ready = () => (opened = opened || open());
+    // Says on the page how far a long computation is: a machine of many states takes seconds.
+    const progress = () => {
+      const begun = performance.now();
+      return (turns) => { if (typeof document !== "undefined" && performance.now() - begun > 1000) explorer.say(`computing … ${Math.round(turns)} T`); };
+    };
     const motion = async (values) => {
       const { data, buffer, live } = await ready(), key = JSON.stringify(data.page.controls.filter((c) => c.axis).map((c) => values[c.name]));
       if (!remembered.has(key)) {
         if (remembered.size > 7) remembered.delete(remembered.keys().next().value);
-        remembered.set(key, live ? await liveMotion(live, data, values) : storedMotion(data, buffer, values));
+        remembered.set(key, live ? await liveMotion(live, data, values, { tell: progress() }) : storedMotion(data, buffer, values));
       }
       return remembered.get(key);
     };
@@ -246,13 +254,14 @@ const whirlmapSaved = (() => {
           explorer.address.write = () => {};
           document.getElementById("link").hidden = true;
         }
-        if (data.note && typeof document !== "undefined") {
+        const say = (id, text, after) => {
+          if (!text || typeof document === "undefined") return;
           const note = document.createElement("p");
-          note.className = "line";
-          note.id = "note";
-          note.textContent = data.note;
-          document.getElementById("status").after(note);
-        }
+          Object.assign(note, { className: "line", id, textContent: text });
+          document.getElementById(after).after(note);
+        };
+        say("note", data.note, "status");
+        say("limits", data.limits, "more");
         return data.page;
       },
       motion: async (values, quantity) => described(await motion(values), (await ready()).data, values, quantity),
