@@ -78,6 +78,8 @@ def test_engineering_units_are_those_of_in_units():
         want = series["x"].values[:, k]
         assert np.max(np.abs(np.array(m["series"][name]) - want[-last:])) < 1e-6 * np.ptp(want)  # it has settled
     np.testing.assert_allclose(np.array(m["time"])[:3], series["time"].values[:3])
+    assert m["numbers"][0]["unit"] == "um"
+    assert "over" not in m["numbers"][0]["name"]
     (load,) = [n for n in m["numbers"] if n["name"].startswith("largest load")]
     assert load["unit"] == "N"
     assert load["value"] == pytest.approx(series["outputs"].sel(output="load").max().item(), rel=1e-6)

@@ -81,7 +81,9 @@ explorer.panels = (() => {
     });
     const clusters = explorer.clusters(points, explorer.shown.section[other], spread(name, 1), spread(other, 2));
     const per = explorer.data.forced ? "once per T" : "crossings";
-    $("section-line").textContent = `${per}, ${points.length} points${clusters <= 64 ? ` in ${clusters} place${clusters > 1 ? "s" : ""}` : ""}`;
+    const n = explorer.shown.label.period, near = n && n !== clusters; // places so near that the panel does not tell them apart
+    const places = near ? `, ${n} of them different` : clusters <= 64 ? ` in ${clusters} place${clusters > 1 ? "s" : ""}` : "";
+    $("section-line").textContent = `${per}, ${points.length} points${places}`;
     explorer.shown.clusters = clusters;
   };
 

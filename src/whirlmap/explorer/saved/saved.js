@@ -193,7 +193,8 @@ const whirlmapSaved = (() => {
     for (let k = 2; k * RATE <= steps; k++) if (steps % k === 0) every = k;
     if (every > 1) series = Float64Array.from({ length: Math.floor(series.length / every) }, (_, k) => series[(k + 1) * every - 1]);
     const spectrum = m.ended ? null : whirlmapSpectrum.spectrum(series, steps / every, page.clocks);
-    const meaning = (name) => page.states.find((q) => q.name === name).meaning;
+    // In a unit a displacement is not over the clearance, as the model's own number is.
+    const meaning = (name) => page.states.find((q) => q.name === name).meaning.split(names.units[name] === "1" ? "\n" : ", over ")[0];
     const numbers = page.swing.map((name) => {
       const [low, high] = ends(all[name]);
       return { name: `peak to peak of ${meaning(name)}`, of: name, value: high - low, unit: names.units[name] };
