@@ -63,8 +63,24 @@ def test_the_page_follows_the_same_curve(curve: xr.Dataset, regimes: Exploration
 
 
 def test_a_branch_that_meets_nothing_says_so(regimes: Exploration) -> None:
-    with pytest.raises(whirlmap.errors.RangeError, match=r"along gamma, meets no fold, .* no curve begins there"):
+    with pytest.raises(whirlmap.errors.RangeError, match=r"along gamma and along omega, meet no fold, .* no curve begins"):
         follow_branches(Job(1), regimes, {"gamma": 0.2, "omega": 1.2, "delta": 1.5}, None)
+
+
+@pytest.mark.slow
+def test_folds_that_the_first_axis_does_not_meet_are_found_along_the_second() -> None:
+    """A hardening oscillator folds with its frequency, and its two folds meet in a cusp."""
+    system = whirlmap.load("duffing", alpha=1.0, beta=0.04, delta=0.1, start={"x": 0.0, "v": 0.0})
+    axes = {"gamma": np.linspace(0.1, 2, 2), "omega": np.linspace(0.9, 1.8, 2)}
+    e, job = of_result(whirlmap.regime_map(system, axes, lyapunov=0).load(), "map"), Job(1)
+    follow_branches(job, e, {"gamma": 1.5, "omega": 1.0}, None)
+    (found,) = job.result
+    assert found["kind"] == "fold"
+    (cusp,) = found["events"]
+    assert cusp["kind"] == "cusp"
+    omega = 1 + 3**0.5 / 2 * 0.1  # where the averaged response, of first order in the damping, begins to fold
+    assert cusp["values"]["omega"] == pytest.approx(omega, rel=0.01)
+    assert cusp["values"]["gamma"] == pytest.approx((8 / 3**1.5 * (0.1 * omega) ** 3 / (0.75 * 0.04)) ** 0.5, rel=0.02)
 
 
 def test_units_of_a_branch_become_those_of_the_diagram() -> None:

@@ -10,6 +10,7 @@ from whirlmap.explorer.branch_lines import lines
 from whirlmap.explorer.control import Values, system_at
 from whirlmap.explorer.exploration import Exploration
 from whirlmap.explorer.jobs import Job
+from whirlmap.integrate.system import System
 from whirlmap.options.execution import Execution
 from whirlmap.sweep.branches.branch_dataset import word
 from whirlmap.sweep.branches.continue_orbit import continue_orbit
@@ -23,34 +24,37 @@ def follow_branches(job: Job, e: Exploration, values: Values, workers: int | Non
     """Follow the branch of periodic orbits through a point of a diagram or a map.
 
     The job's result is a list of `branch_lines.lines`: over a diagram the branch; over a map the curves of the folds, period
-    doublings and Neimark-Sacker points that the branch along the first axis meets.
+    doublings and Neimark-Sacker points that the branch along its first axis meets, or else that along its second.
 
     Raises
     ------
     RangeError
-        Over a map, a branch without such a point.
+        Over a map, branches without such a point.
     """
-    begin = {name: float(values.get(name, e.controls[name].value)) for name in e.axes}
-    ends = {name: _ends(e, name, value) for name, value in begin.items()}
-    first, *others = begin
-    there = {name: value for name, value in values.items() if name != first} | {name: begin[name] for name in others}
-    system = system_at(e.system, e.controls, there)
-    options: dict[str, Any] = {
-        "begin": _text(e, first, begin[first]), "labelling": e.labelling,
-        "execution": Execution(workers, lambda _: job.check()),
-    }  # fmt: skip
-    branch = _followed(job, e, continue_orbit.parts(system, first, ends[first], **options), [], put=not others)
-    if not others:
-        return
-    met = {word(branch, "event_kind", code) for code in branch["event_kind"].values}
-    chosen = [kind for kind in KINDS if kind in met]
-    if not chosen:
-        events = f"{', '.join(KINDS[:-1])} or {KINDS[-1]}"
-        raise RangeError(f"the branch through this point, along {first}, meets no {events} point: no curve begins there")
-    made: list[dict[str, Any]] = []
-    for kind in chosen:
-        ds = _followed(job, e, event_curve.parts(system, ends, kind, **options), made, put=True)
-        made.append(lines(e, ds))
+    options = {"labelling": e.labelling, "execution": Execution(workers, lambda _: job.check())}
+    for along in e.axes:
+        system, begin, ends = _begin(e, values, along)
+        begun: dict[str, Any] = {"begin": _text(e, along, begin), **options}
+        branch = _followed(job, e, continue_orbit.parts(system, along, ends[along], **begun), [], put=len(e.axes) == 1)
+        if len(e.axes) == 1:
+            return
+        met = {word(branch, "event_kind", code) for code in branch["event_kind"].values}
+        made: list[dict[str, Any]] = []
+        for kind in (kind for kind in KINDS if kind in met):
+            ds = _followed(job, e, event_curve.parts(system, ends, kind, **begun), made, put=True)
+            made.append(lines(e, ds))
+        if made:
+            return
+    axes, events = " and along ".join(e.axes), f"{', '.join(KINDS[:-1])} or {KINDS[-1]}"
+    raise RangeError(f"the branches through this point, along {axes}, meet no {events} point: no curve begins there")
+
+
+def _begin(e: Exploration, values: Values, along: str) -> tuple[System, float, dict[str, list[Any]]]:
+    """The system at a point but for the axis along which a branch is followed, its value there, and ends of all axes."""
+    at = {name: float(values.get(name, e.controls[name].value)) for name in e.axes}
+    ends = {name: _ends(e, name, at[name]) for name in (along, *(name for name in at if name != along))}
+    others = {name: value for name, value in {**values, **at}.items() if name != along}
+    return system_at(e.system, e.controls, others), at[along], ends
 
 
 def _followed(job: Job, e: Exploration, work: Any, before: list[dict[str, Any]], *, put: bool) -> xr.Dataset:
