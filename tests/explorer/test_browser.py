@@ -3,11 +3,14 @@
 import shutil
 import threading
 from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from typing import Any
 
+import numpy as np
 import pytest
 
-from whirlmap.explorer.exploration import Exploration
+import whirlmap
+from whirlmap.explorer.exploration import Exploration, of_result
 from whirlmap.explorer.server import Server
 from whirlmap.explorer.session import Session
 
@@ -64,14 +67,21 @@ def browser() -> Iterator[Any]:
         made.close()
 
 
-@pytest.fixture(scope="module")
-def server(exploration: Exploration) -> Iterator[Server]:
+@contextmanager
+def serving(exploration: Exploration) -> Iterator[Server]:
+    """A server of an exploration in a thread."""
     with Session(exploration) as session, Server(session) as made:
         thread = threading.Thread(target=made.serve_forever, kwargs={"poll_interval": 0.05})
         thread.start()
         yield made
         made.shutdown()
         thread.join()
+
+
+@pytest.fixture(scope="module")
+def server(exploration: Exploration) -> Iterator[Server]:
+    with serving(exploration) as made:
+        yield made
 
 
 @pytest.fixture(scope="module")
@@ -123,7 +133,10 @@ def test_a_zoom_is_computed_finer_and_can_be_left(page: Page) -> None:
     assert 0.282 < low < 0.284
     assert 0.288 < high < 0.289
     page.until("explorer.layers.length === 2 && explorer.layers[1].regime.length === 160")
-    assert page.read("[...explorer.layers[1].period].every((n) => [2, 4].includes(n))")
+    found = page.read("[...explorer.layers[1].period]")
+    assert set(found[:80]) == {2}
+    assert set(found[-50:]) == {4}
+    assert set(found) <= {0, 2, 4}  # next to the doubling at 0.28669 motions settle too slowly to be told
     page.page.click("#back")
     page.until("explorer.state.zoom === null")
 
@@ -149,6 +162,46 @@ def test_the_picture_and_the_script_are_exported(page: Page) -> None:
         assert found.value.path().read_bytes()[:4] == (b"\x89PNG" if kind == "picture" else b'"""T')
 
 
+@pytest.mark.slow  # follows a curve; test_branches does so without a browser
+def test_curves_of_bifurcations_lie_over_a_map(browser: Any) -> None:
+    axes = {"gamma": np.linspace(0.2, 0.3, 5), "omega": np.linspace(1.15, 1.25, 3)}
+    ds = whirlmap.regime_map(whirlmap.load("duffing"), axes, lyapunov=0).load()
+    with serving(of_result(ds, "map")) as server:
+        page = Page(browser.new_context(), server.address)
+        page.then(lambda: page.page.mouse.click(*page.place(0.225, 0.5)))
+        page.page.click("#branch")
+        page.until("explorer.branches.length === 1 && explorer.$('cancel').hidden")
+        assert page.read("explorer.branches[0].kind") == "period-doubling"
+        assert page.page.inner_text("#lines-legend") == "curve of period doubling points"
+        assert page.wrong == []
+
+
+def test_a_map_of_one_row_can_be_clicked(browser: Any) -> None:
+    axes = {"gamma": np.linspace(0.2, 0.3, 5), "omega": [1.2]}
+    ds = whirlmap.regime_map(whirlmap.load("duffing"), axes, lyapunov=0).load()
+    with serving(of_result(ds, "map")) as server:
+        page = Page(browser.new_context(), server.address)
+        low, high = page.read("explorer.overview.ranges().y")
+        assert low < 1.2 < high
+        page.then(lambda: page.page.mouse.click(*page.place(0.225, 0.5)))
+        assert page.read("explorer.state.values") == {"gamma": 0.225, "omega": 1.2}
+        assert page.wrong == []
+
+
+@pytest.mark.slow  # test_switches asks the same without a browser
+def test_words_choose_switches(browser: Any) -> None:
+    with serving(Exploration(whirlmap.load("machines/jeffcott-rig"), {})) as server:
+        page = Page(browser.new_context(), server.address)
+        page.page.click("#more summary")
+        page.then(lambda: page.page.select_option("#v-arc", "fixed"))
+        assert page.page.inner_text("#where") == "arc = fixed"
+        other = Page(browser.new_context(), page.read("location.href"))
+        assert other.read("explorer.state.values") == {"arc": "fixed"}
+        page.page.select_option("#v-rotor", "rigid")
+        page.until("explorer.$('status').textContent.includes('the model has other states there')")
+        assert page.read("document.querySelector('.panels').classList.contains('old')")
+
+
 @pytest.mark.parametrize("width", [1440, 390])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_control_has_a_name_and_nothing_is_cut(browser: Any, server: Server, width: int, scheme: Any) -> None:
@@ -169,14 +222,14 @@ def test_nothing_was_asked_of_anyone_else(page: Page, server: Server) -> None:
 
 
 def test_a_server_that_was_ended_and_started_again_goes_on(browser: Any, exploration: Exploration) -> None:
-    def serving(made: Server) -> threading.Thread:
+    def started(made: Server) -> threading.Thread:
         thread = threading.Thread(target=made.serve_forever, kwargs={"poll_interval": 0.05})
         thread.start()
         return thread
 
     with Session(exploration) as session:
         with Server(session) as first:
-            thread = serving(first)
+            thread = started(first)
             page = Page(browser.new_context(), first.address)
             first.shutdown()
             thread.join()
@@ -184,7 +237,7 @@ def test_a_server_that_was_ended_and_started_again_goes_on(browser: Any, explora
         page.page.keyboard.press("ArrowRight")
         page.until("explorer.$('status').textContent.includes('does not answer')")
         with Server(session, first.port, first.token) as second:
-            thread = serving(second)
+            thread = started(second)
             page.then(lambda: page.page.keyboard.press("ArrowRight"))
             assert page.read("explorer.$('status').textContent") == ""
             second.shutdown()

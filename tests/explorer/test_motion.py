@@ -10,6 +10,7 @@ import pytest
 from tests.explorer.conftest import RETURNS
 
 import whirlmap
+from whirlmap.explorer import motion as motions
 from whirlmap.explorer.control import system_at
 from whirlmap.explorer.encoding import decoded
 from whirlmap.explorer.exploration import Exploration
@@ -81,3 +82,16 @@ def test_commands_and_data_name_what_was_changed(exploration: Exploration) -> No
     lines = data_csv(m).splitlines()
     assert lines[1] == "time,turn,x,v"
     assert [float(v) for v in lines[2].split(",")[2:]] == m.series["x"].values[0].tolist()
+
+
+def test_a_long_return_is_shown_whole_with_fewer_samples(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A page that gets 100 samples shows all 4 T of a motion, each of which has 200 steps, and both of its ends."""
+    system = whirlmap.load("duffing", gamma=0.29)
+    whole = motion_json(motion(system, Exploration(system, {}).labelling), "x")
+    monkeypatch.setattr(motions, "SAMPLES", 100)
+    found = motion_json(motion(system, Exploration(system, {}).labelling), "x")
+    turn, x = decoded(found["turn"]), decoded(found["series"]["x"])
+    assert (turn[0], turn[-1]) == (0, pytest.approx(4))
+    assert 50 < turn.size <= 101
+    assert np.ptp(np.diff(turn)) < 1e-12
+    np.testing.assert_array_equal(decoded(whole["series"]["x"])[[0, -1]], x[[0, -1]])

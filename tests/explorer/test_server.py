@@ -152,9 +152,10 @@ def test_votes_and_branches_come(client: Client) -> None:
     assert results[-1]["indicators"]["floquet"]["vote"] == "stable"
     report, results = client.follow("branches", {"values": {"gamma": 0.2}})
     assert report["error"] == ""
-    values = decoded(results[-1]["values"])
+    (branch,) = results[-1]
+    values = decoded(branch["values"]["gamma"])
     assert values.min() == pytest.approx(0.2)
     assert values.max() == pytest.approx(0.29)
-    doubled = [e for e in results[-1]["events"] if e["kind"] == "period-doubling"]
+    doubled = [e for e in branch["events"] if e["kind"] == "period-doubling"]
     assert len(doubled) == 1
-    assert 0.24 < doubled[0]["value"] < 0.28  # between the points of 1T and of 2T
+    assert 0.24 < doubled[0]["values"]["gamma"] < 0.28  # between the points of 1T and of 2T

@@ -1,12 +1,11 @@
 """Coexisting motions of a point: those that come to it along an axis from below and from above."""
 
-from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from whirlmap.explorer.control import system_at
+from whirlmap.explorer.control import Values, system_at
 from whirlmap.explorer.exploration import Exploration
 from whirlmap.explorer.jobs import Job
 from whirlmap.explorer.motion import Motion, motion, motion_json
@@ -20,7 +19,7 @@ STEPS, REACH = 8, 0.2
 
 
 def coexisting(
-    job: Job, exploration: Exploration, values: Mapping[str, float], along: str, quantity: str
+    job: Job, exploration: Exploration, values: Values, along: str, quantity: str
 ) -> dict[str, Any]:
     """Carry the state to a point along an axis, upwards and downwards.
 
@@ -38,10 +37,10 @@ def coexisting(
 
 
 def _carried(
-    job: Job, exploration: Exploration, values: Mapping[str, float], along: str, sign: float
+    job: Job, exploration: Exploration, values: Values, along: str, sign: float
 ) -> Motion | None:
     control = exploration.controls[along]
-    here = values.get(along, control.value)
+    here = float(values.get(along, control.value))
     low, high = control.low, control.high
     if control.log and min(here, low) > 0:
         far = here * (high / low) ** (sign * REACH)

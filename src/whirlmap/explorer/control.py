@@ -14,7 +14,10 @@ from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.loading import changed
 from whirlmap.integrate.system import System
 from whirlmap.sweep.parameters.axis import is_input
+from whirlmap.units import read, split
 
+#: Values of quantities, in their own unit, and words of switches, by name.
+Values = Mapping[str, float | str]
 #: How far a slider goes on either side of a value, as a factor.
 REACH = 4.0
 
@@ -73,7 +76,8 @@ def controls_of(system: System, axes: Mapping[str, tuple[Sequence[float], str]])
         if name not in found and not (system.speed in found and system.machine and name == system.machine.speed_input):
             p = given.parameter
             low, high, log = _reach(given.value, p)
-            found[name] = Control(name, symbol_text(system, name), p.meaning, p.unit, given.value, low, high, log, p.unit)
+            symbol, (written, size) = symbol_text(system, name), _written_in(given.written, p.unit)
+            found[name] = Control(name, symbol, p.meaning, p.unit, given.value, low, high, log, written, size)
     for p in system.model.parameters:
         if p.name in found or p.order or (p.name != system.speed and system.notes.get(p.name, "").startswith("group")):
             continue  # groups follow from the inputs
@@ -88,6 +92,15 @@ def _parameter(system: System, name: str, value: float, low: float, high: float,
     shown = Dimensions(system).quantity(name)
     size = float(shown.size)
     return Control(name, symbol_text(system, name), p.meaning, "1", value, low, high, log, shown.unit, size)
+
+
+def _written_in(text: str, unit: str) -> tuple[str, float]:
+    """The unit in which an input was written, as rpm, and how many of it are one of its declared unit."""
+    written = split(text, unit)[1].strip()
+    if not written:
+        return unit, 1.0
+    zero, one = (read(f"{number} {written}", unit) for number in (0, 1))
+    return (unit, 1.0) if zero else (written, float(1 / one))  # degrees Celsius have a zero of their own
 
 
 def _reach(value: float, p: Any) -> tuple[float, float, bool]:
@@ -124,26 +137,35 @@ def _greek(word: str) -> str:
         return word
 
 
-def system_at(system: System, controls: Mapping[str, Control], values: Mapping[str, float]) -> System:
-    """The system with other values of some of its quantities.
+def system_at(system: System, controls: Mapping[str, Control], values: Values) -> System:
+    """The system with other values of some of its quantities, and other choices of its switches.
 
     Raises
     ------
     InputError
-        A name that is none of them, or a value that the model or the case cannot take.
+        A name that is none of them, a value that the model or the case cannot take, or a switch that changes the states.
     """
     changes = changes_of(system, controls, values)
     rules = [sympify(rule) for rule in system.model.defaults.values()]
     followed = {q.name for rule in rules for q in rule.free_symbols}
     if set(changes) <= set(system.parameters) - followed:
         return system.replace(**changes)  # nothing follows: a tenth of the time of loading the case once more
-    return changed(system, **changes)
+    made = changed(system, **changes)
+    if (made.states, list(made.model.outputs)) != (system.states, list(system.model.outputs)):
+        words = {name: value for name, value in values.items() if isinstance(value, str)}
+        said = ", ".join(f"{name} = {word}" for name, word in words.items())
+        options = " ".join(f"--set {name}={word}" for name, word in words.items())
+        raise InputError(f"{said}: the model has other states there: explore {system.case} with {options}")
+    return made
 
 
-def changes_of(system: System, controls: Mapping[str, Control], values: Mapping[str, float]) -> dict[str, Any]:
-    """The same values as `whirlmap.load` takes them: numbers of parameters, texts with a unit of inputs."""
+def changes_of(system: System, controls: Mapping[str, Control], values: Values) -> dict[str, Any]:
+    """The same values as `whirlmap.load` takes them: numbers of parameters, words of switches, texts with unit of inputs."""
     changes: dict[str, Any] = {}
     for name, value in values.items():
+        if isinstance(value, str):
+            changes[name] = value
+            continue
         if name not in controls:
             raise InputError(f"{name!r} is none of the quantities that can be changed.{nearest(name, controls)}")
         unit = controls[name].unit

@@ -1,7 +1,7 @@
 """What is explored: a system, the quantities that vary, and the map or diagram over them, from a store, a file or a case."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from functools import cached_property
 from math import prod
 from pathlib import Path
@@ -13,13 +13,14 @@ import xarray as xr
 from whirlmap.errors import InputError, RangeError
 from whirlmap.explorer.control import Control, controls_of
 from whirlmap.explorer.recorded_system import recorded_system
+from whirlmap.explorer.switch import Switch, switches_of
 from whirlmap.integrate.in_units import in_units
-from whirlmap.integrate.loading import pieces
 from whirlmap.integrate.ranges import Range
 from whirlmap.integrate.system import System
 from whirlmap.options.computed import LABELLING, Integration, Labelling, Settling
 from whirlmap.results.files import read
 from whirlmap.sweep.parameters.axis import Axis, read_axis
+from whirlmap.sweep.store.restoring import lost_parts
 from whirlmap.sweep.store.store_folder import exists
 from whirlmap.sweep.store.zarr_store import Store
 
@@ -46,6 +47,7 @@ class Exploration:
         Direction in which a diagram carries the state along.
     title : str
     branches : sequence of xr.Dataset
+        Of a diagram, branches along its parameter; of a map, curves of bifurcations in its two parameters.
     instead : mapping of str to Control
         Controls in place of the system's own, where a page counts a quantity otherwise than the case does.
     """
@@ -64,6 +66,11 @@ class Exploration:
         """Quantities that can be changed."""
         return {**controls_of(self.system, self.axes), **self.instead}
 
+    @cached_property
+    def switches(self) -> dict[str, Switch]:
+        """Switches of the case, which choose terms of its model."""
+        return switches_of(self.system)
+
 
 def opened(place: str, case: str | None = None) -> Exploration | None:
     """Open a store or a NetCDF file of a map or a diagram; None where ``place`` is neither, but may be a case.
@@ -77,12 +84,22 @@ def opened(place: str, case: str | None = None) -> Exploration | None:
     if path.is_dir():
         if not exists(path):
             raise InputError(f"{place}: found a folder that is no store, expected one that `whirlmap map --store` made")
-        ds = Store(path).open().load()
+        ds = _loaded(Store(path), place)
     elif path.suffix == ".nc":
         ds = read(path)
     else:
         return None
     return of_result(ds, place, case)
+
+
+def _loaded(store: Store, place: str) -> xr.Dataset:
+    """All points of a store whose files are whole: Zarr reads a chunk that is missing as one without labels."""
+    lost = lost_parts(store)
+    damaged = [] if lost else store.standing().damaged.tolist()
+    if lost or damaged:
+        what = ", ".join(lost) if lost else f"{len(damaged)} of {store.chunks.count} chunks"
+        raise InputError(f"{place}: {what} are damaged; `whirlmap map` with the same options and --resume repairs the store")
+    return store.open().load()
 
 
 def of_result(ds: xr.Dataset, source: str, case: str | None = None) -> Exploration:
@@ -129,26 +146,6 @@ def explored_case(system: System, ranges: Mapping[str, Range], labelling: Labell
         axes[name] = values.tolist(), unit or "1"
         Axis.of(system, name, axis_values(*axes[name]))  # refuses now what the first point would meet
     return Exploration(system, axes, labelling, None, follow, system.case)
-
-
-def with_branches(found: Exploration, files: Sequence[Path]) -> Exploration:
-    """Lay branches of files over a diagram.
-
-    Raises
-    ------
-    InputError
-        No diagram, or a file of something else.
-    """
-    made = []
-    for file in files:
-        ds = read(file)
-        if "branch_of" not in ds:
-            raise InputError(f"--branches {file}: found no branches, expected a result of `whirlmap continue`")
-        same = ds.attrs.get("model_hash") == pieces(found.system).model_hash
-        if not same or list(found.axes) != [str(ds.attrs.get("varied"))]:
-            raise InputError(f"--branches {file}: expected branches of the same model along what the diagram varies")
-        made.append(ds)
-    return replace(found, branches=made)
 
 
 def labelling_of(attributes: Mapping[str, Any]) -> Labelling:

@@ -4,7 +4,7 @@ import json
 import shlex
 from typing import Any
 
-from whirlmap.explorer.control import changes_of
+from whirlmap.explorer.control import Values, changes_of
 from whirlmap.explorer.exploration import Exploration
 from whirlmap.explorer.motion import Motion
 from whirlmap.options.computed import Settling
@@ -27,17 +27,19 @@ if __name__ == "__main__":
 '''
 
 
-def all_changes(exploration: Exploration, values: dict[str, float]) -> dict[str, Any]:
+def all_changes(exploration: Exploration, values: Values) -> dict[str, Any]:
     """Changes of the case by which its system, at these values, is loaded."""
     system = exploration.system
     given = dict(system.machine.changes) if system.machine else {}
     return given | changes_of(system, exploration.controls, values)
 
 
-def script(exploration: Exploration, values: dict[str, float], m: Motion) -> str:
+def script(exploration: Exploration, values: Values, m: Motion) -> str:
     """A script that computes this motion again, to the bit."""
     system, labelling = m.system, exploration.labelling
-    changes = "".join(f", {name}={value!r}" for name, value in all_changes(exploration, values).items())
+    given = all_changes(exploration, values)
+    words = all(name.isidentifier() for name in given)  # names of parts have points: shaft.rotor.m
+    changes = "".join(f", {name}={value!r}" for name, value in given.items()) if words else f", **{given!r}"
     if exploration.system.start:
         changes += f", start={dict(exploration.system.start)!r}"
     usual, s, options = Settling(), labelling.settling, ""
@@ -48,15 +50,16 @@ def script(exploration: Exploration, values: dict[str, float], m: Motion) -> str
     accuracy = f", accuracy={labelling.integration.accuracy!r}" if labelling.integration.accuracy else ""
     settled = set(m.recipe.start) == set(system.states)
     begin = 'end = dict(zip(system.states, point["end_state"].values[0].tolist()))' if settled else "# the run ends"
+    at = ", ".join(f"{name} = {value if isinstance(value, str) else f'{value:g}'}" for name, value in values.items())
     return SCRIPT.format(
-        case=exploration.system.case, at=", ".join(f"{k} = {v:g}" for k, v in values.items()) or "the values of the case",
+        case=exploration.system.case, at=at or "the values of the case",
         changes=changes, name=system.parameters[0], value=float(system.vector[0]), labelling=options + method + accuracy,
         begin=begin, start=".replace(start=end)" if settled else "", periods=m.recipe.periods, steps=m.recipe.steps,
         method=method,
     )  # fmt: skip
 
 
-def commands(exploration: Exploration, values: dict[str, float]) -> list[str]:
+def commands(exploration: Exploration, values: Values) -> list[str]:
     """Commands for this point, and the one that made the map or diagram."""
     sets: list[str] = []
     for name, value in all_changes(exploration, values).items():

@@ -50,6 +50,14 @@ def numbers_of(value: Any, names: Collection[str], what: str) -> dict[str, float
     return {known(name, names, what): number(one, f"{what} {name}") for name, one in value.items()}
 
 
+def values_of(value: Any, names: Collection[str], words: Mapping[str, Collection[str]], what: str) -> dict[str, float | str]:
+    """Numbers by name, and of the names in ``words`` one of their words."""
+    given = value if isinstance(value, Mapping) else {}
+    chosen = {name: known(word, words[name], f"{what} {name}") for name, word in given.items() if name in words}
+    rest = {name: one for name, one in given.items() if name not in words} if chosen else value
+    return {**numbers_of(rest, names, what), **chosen}
+
+
 def range_of(value: Any, what: str) -> tuple[float, float]:
     """Two numbers that ascend."""
     if not isinstance(value, list) or len(value) != 2:

@@ -31,8 +31,8 @@ Array = NDArray[np.float64]
 
 #: T of the record at least, steps per T and per turn of the slowest clock at least, and T of a run that ends.
 RECORD, PER_T, PER_TURN, ENDED = 256, 24, 192, 400
-#: Samples of the time series that the page gets at most, and bins of the spectrum.
-SAMPLES, BINS = 1600, 2000
+#: Samples of the time series that the page gets at most, those of each T at least, and bins of the spectrum.
+SAMPLES, LEAST, BINS = 1600, 12, 2000
 #: Turns of the slowest clock, or returns, that the page shows where they fit.
 TURNS = 3
 #: Crossings of the section of an unforced motion, in typical times.
@@ -116,8 +116,8 @@ def motion_json(m: Motion, quantity: str) -> dict[str, Any]:
     good = np.isfinite(x).all(axis=1)
     count = int(good.sum())
     steps = round((len(x) - 1) / max(float(ds["turn"][-1] - ds["turn"][0]), 1e-300))
-    last = _shown_samples(m, steps, count)
-    part = slice(max(count - last, 0), count) if m.status == Status.ok else slice(max(count - SAMPLES, 0), count)
+    last, every = _shown_samples(m, steps, count) if m.status == Status.ok else (min(SAMPLES, count - 1), 1)
+    part = slice(max(count - 1 - last * every, 0), count, every)
     units = _units(ds)
     names = [*m.system.states, *m.system.model.outputs]
     columns = dict(zip(names, np.concatenate([x, outputs], axis=1).T, strict=True))
@@ -134,12 +134,18 @@ def motion_json(m: Motion, quantity: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _shown_samples(m: Motion, steps: int, count: int) -> int:
-    """Samples at the end of the record that are shown: whole returns, or turns of the slowest clock."""
+def _shown_samples(m: Motion, steps: int, count: int) -> tuple[int, int]:
+    """Steps of the series that is shown, at the end of the record, and one of how many samples it takes.
+
+    Whole returns or turns of the slowest clock; where one of them has more samples than a page gets, a part of these.
+    """
     n = int(m.point["period_T"][0])
     turn = max(1, round(slowest_turn(m.system)))
     whole = n * max(min(ceil(TURNS * turn / n), SAMPLES // (n * steps)), 1) if n else TURNS * 4 * turn
-    return int(min(whole * steps, count - 1, max(SAMPLES, 0))) + 1
+    least = min((n or turn) * steps, count - 1)
+    parts = [k for k in range(1, steps // LEAST + 1) if steps % k == 0] or [1]
+    every = next((k for k in parts if least <= SAMPLES * k), parts[-1])
+    return min(whole * steps, count - 1, SAMPLES * every) // every, every
 
 
 def _section(m: Motion, columns: Mapping[str, Array], steps: int, good: NDArray[np.bool_]) -> dict[str, Any]:

@@ -4,10 +4,11 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from whirlmap.analysis.motion.record_length import turns_per_T
-from whirlmap.explorer.branch_lines import branch_lines
+from whirlmap.explorer.branch_lines import lines
 from whirlmap.explorer.control import Control, symbol_text
 from whirlmap.explorer.exploration import Exploration
 from whirlmap.explorer.overview import overview
+from whirlmap.explorer.switch import Switch
 from whirlmap.integrate.system import System
 from whirlmap.results.regime import Regime
 
@@ -23,7 +24,10 @@ def page_data(exploration: Exploration) -> dict[str, Any]:
         "case": system.case,
         "kind": ("point", "diagram", "map")[len(exploration.axes)],
         "forced": model.forced,
-        "controls": [_control(c, c.name in exploration.axes) for c in exploration.controls.values()],
+        "controls": [
+            *(_control(c, c.name in exploration.axes) for c in exploration.controls.values()),
+            *(_switch(s) for s in exploration.switches.values()),
+        ],
         "overview": overview(system, exploration.axes, exploration.overview),
         "states": [_quantity(system, s.name, s.meaning) for s in model.states],
         "outputs": [_quantity(system, name, o.meaning) for name, o in model.outputs.items()],
@@ -33,7 +37,7 @@ def page_data(exploration: Exploration) -> dict[str, Any]:
         "clocks": {name: abs(turns) for name, turns in turns_per_T(system).items() if turns},
         "films": films(system),
         "regimes": [{"code": int(r), "name": r.name, "label": r.label} for r in Regime],
-        "branches": [branch_lines(system, ds) for ds in exploration.branches],
+        "branches": [lines(exploration, ds) for ds in exploration.branches],
     }  # fmt: skip
 
 
@@ -41,6 +45,12 @@ def _control(c: Control, axis: bool) -> dict[str, Any]:
     return {
         "name": c.name, "symbol": c.symbol, "meaning": c.meaning, "value": c.value, "low": c.low, "high": c.high,
         "log": c.log, "unit": c.shown_unit, "size": c.shown_size, "axis": axis,
+    }  # fmt: skip
+
+
+def _switch(s: Switch) -> dict[str, Any]:
+    return {
+        "name": s.name, "symbol": s.name, "meaning": s.meaning, "value": s.value, "choices": list(s.choices), "axis": False,
     }  # fmt: skip
 
 

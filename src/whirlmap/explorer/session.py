@@ -10,18 +10,17 @@ from typing import Any
 from whirlmap.analysis.diagnosis.diagnosis import diagnose
 from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
 from whirlmap.explorer import exports
-from whirlmap.explorer.branch_lines import branch_lines
 from whirlmap.explorer.coexisting import coexisting
-from whirlmap.explorer.control import system_at
+from whirlmap.explorer.control import Values, system_at
 from whirlmap.explorer.exploration import Exploration
 from whirlmap.explorer.finer import compute, range_axes
+from whirlmap.explorer.follow_branches import follow_branches
 from whirlmap.explorer.jobs import Job, Jobs
-from whirlmap.explorer.limits import Refused, known, numbers_of, range_of, whole
+from whirlmap.explorer.limits import Refused, known, range_of, values_of, whole
 from whirlmap.explorer.motion import Motion, motion, motion_json
 from whirlmap.explorer.page_data import page_data
 from whirlmap.options.execution import Execution
 from whirlmap.progress import Progress
-from whirlmap.sweep.branches.continue_orbit import continue_orbit
 
 Request = Mapping[str, Any]
 
@@ -78,15 +77,16 @@ class Session:
         """Whether kernels are compiled just now."""
         return {"compiling": self.progress.compiling > 0}
 
-    def _values(self, request: Request) -> dict[str, float]:
-        return numbers_of(request.get("values", {}), self.exploration.controls, "values")
+    def _values(self, request: Request) -> dict[str, float | str]:
+        words = {name: switch.choices for name, switch in self.exploration.switches.items()}
+        return values_of(request.get("values", {}), self.exploration.controls, words, "values")
 
     def _quantity(self, request: Request) -> str:
         model = self.exploration.system.model
         names = [*(s.name for s in model.states), *model.outputs]
         return known(request.get("quantity", names[0]), names, "quantity")
 
-    def _motion(self, values: dict[str, float]) -> Motion:
+    def _motion(self, values: Values) -> Motion:
         key = tuple(sorted(values.items()))
         with self._lock:
             if key not in self._motions:
@@ -143,30 +143,11 @@ class Session:
         ).report(0)  # fmt: skip
 
     def branches(self, request: Request) -> Any:
-        """Begin the branch of periodic orbits through a point of a diagram."""
-        e = self.exploration
-        if len(e.axes) != 1:
-            raise Refused(HTTPStatus.CONFLICT, "branches lie over diagrams: expected one quantity that varies")
-        (name, (ends, unit)), values = next(iter(e.axes.items())), self._values(request)
-        begin = values.pop(name, e.controls[name].value)
-        low, high = min(float(ends[0]), begin), max(float(ends[-1]), begin)
-
-        def text(value: float) -> Any:
-            return value if unit == "1" else f"{value!r} {unit}"
-
-        def work(job: Job) -> None:
-            system = system_at(e.system, e.controls, values)
-            going = continue_orbit.parts(
-                system, name, [text(low), text(high)], begin=text(begin),
-                labelling=e.labelling, execution=Execution(self.workers, lambda _: job.check()),
-            )  # fmt: skip
-            for done in going:
-                job.done = done
-                job.check()
-                if going.dataset is not None:
-                    job.put(branch_lines(system, going.dataset))
-
-        return self.jobs.start(work).report(0)
+        """Begin the branch through a point of a diagram, or the curves of the bifurcations of that of a map."""
+        e, values = self.exploration, self._values(request)
+        if not e.axes:
+            raise Refused(HTTPStatus.CONFLICT, "branches lie over a diagram or a map: nothing varies here")
+        return self.jobs.start(lambda job: follow_branches(job, e, values, self.workers)).report(0)
 
     def job(self, request: Request) -> Any:
         """Progress of a job, and its result where it is newer than ``version``."""

@@ -40,8 +40,13 @@ def test_a_click_shows_the_motion_without_any_network(context, files):
         assert page.read("explorer.state.values.gamma") == gamma
     assert page.wrong == []
     assert page.asked == [files[0].as_uri()]
-    for hidden in ("finer", "branch", "ask-votes", "ask-coexisting"):
+    for hidden in ("finer", "branch", "ask-votes"):
         assert page.read(f"explorer.$('{hidden}').hidden")
+    assert "need the program: whirlmap explore" in page.page.inner_text("#limits")
+    page.page.click("#ask-coexisting")
+    page.until("explorer.$('coexisting').textContent.startsWith('up: ')")
+    assert page.read("explorer.$('coexisting').textContent") == "up: the same motion; down: the same motion"
+    assert page.wrong == []
 
 
 def test_series_in_the_browser_are_those_of_python(context, files):

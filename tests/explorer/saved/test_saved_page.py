@@ -15,7 +15,11 @@ from whirlmap.analysis.spectra.spectrum import power_spectrum
 from whirlmap.cli.main import app
 from whirlmap.equations import Model, Parameter, State, Stop, cos, t
 from whirlmap.errors import InputError, OutputError
+from whirlmap.explorer.coexisting import coexisting
+from whirlmap.explorer.encoding import decoded, json_text
 from whirlmap.explorer.exploration import Exploration, of_result
+from whirlmap.explorer.jobs import Job
+from whirlmap.explorer.saved.packing import text_of
 from whirlmap.explorer.saved.saved_page import saved_data, saved_page
 from whirlmap.integrate.in_units import in_units
 from whirlmap.integrate.system import System
@@ -74,6 +78,8 @@ def test_engineering_units_are_those_of_in_units():
         want = series["x"].values[:, k]
         assert np.max(np.abs(np.array(m["series"][name]) - want[-last:])) < 1e-6 * np.ptp(want)  # it has settled
     np.testing.assert_allclose(np.array(m["time"])[:3], series["time"].values[:3])
+    assert m["numbers"][0]["unit"] == "um"
+    assert "over" not in m["numbers"][0]["name"]
     (load,) = [n for n in m["numbers"] if n["name"].startswith("largest load")]
     assert load["unit"] == "N"
     assert load["value"] == pytest.approx(series["outputs"].sel(output="load").max().item(), rel=1e-6)
@@ -113,6 +119,32 @@ def test_unforced_motions_are_cut_where_the_model_says():
     assert len(got) == 40
 
 
+@needs_node
+def test_coexisting_motions_are_those_of_python():
+    """Between the folds of a hardening oscillator: the large motion comes from below, the small one from above."""
+    system = whirlmap.load("duffing", alpha=1.0, beta=0.04, delta=0.1, gamma=2.5, start={"x": 0.0, "v": 0.0})
+    values = np.linspace(1.0, 2.2, 61)
+    ds = whirlmap.bifurcation_diagram(system, "omega", values, lyapunov=0)
+    e = Exploration(system, {"omega": (values.tolist(), "1")}, overview=ds)
+    at, job = {"omega": float(values[35])}, Job(1)
+    want = coexisting(job, e, at, "omega", "x")
+    data, packed = saved_data(e)
+    got = ran(
+        """const work = async ({ data, bytes, at }) => {
+             const source = whirlmapSaved.source({ data, bytes });
+             await source.load();
+             return (await source.coexisting(at, "omega", "x")).result;
+           };""",
+        {"data": text_of(json_text(data).encode()), "bytes": text_of(packed), "at": at},
+    )
+    sizes = {}
+    for way in ("up", "down"):
+        assert got[way]["label"]["text"] == want[way]["label"]["text"] == "periodic, 1T"
+        sizes[way] = np.ptp(got[way]["series"]["x"])
+        assert sizes[way] == pytest.approx(np.ptp(decoded(want[way]["series"]["x"])), rel=1e-3)
+    assert sizes["up"] > 3 * sizes["down"]
+
+
 # --- models that cannot go there -------------------------------------------------------------------------------------
 
 x, v = State("x", "1", "position", start=0.3), State("v", "1", "velocity")
@@ -128,7 +160,7 @@ def test_a_model_that_browsers_cannot_compute_shows_stored_motions_and_says_so()
     ds = whirlmap.bifurcation_diagram(system, "a", values, lyapunov=0)
     found, data = shown(Exploration(system, {"a": (values.tolist(), "1")}, overview=ds), [{"a": 0.201}], "x")
     assert data["note"].startswith("Motions are not computed here, for model 'soft' cannot run in a browser")
-    assert data["note"].endswith("The nearest of 4 stored motions is shown.")
+    assert data["note"].endswith("The nearest of 4 stored motions is shown; coexisting motions are not sought.")
     (m,) = found
     assert m["computed"]["values"] == {"a": 0.2}
     assert m["label"]["text"] == "periodic, 1T"

@@ -14,10 +14,11 @@ from whirlmap.cli.common.messages import choice, say
 from whirlmap.cli.common.opening import open_system
 from whirlmap.cli.common.progress import Progress
 from whirlmap.errors import InputError, RangeError
-from whirlmap.explorer.exploration import Exploration, explored_case, opened, with_branches
+from whirlmap.explorer.exploration import Exploration, explored_case, opened
 from whirlmap.explorer.saved.saved_page import completed, saved_page
 from whirlmap.explorer.server import Server
 from whirlmap.explorer.session import Session
+from whirlmap.explorer.with_branches import with_branches
 from whirlmap.integrate.own_units import refuse_twice
 from whirlmap.integrate.ranges import Range
 from whirlmap.options.computed import Labelling

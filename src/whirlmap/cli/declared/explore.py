@@ -56,7 +56,8 @@ def explore(
         list[Path] | None,
         typer.Option(
             "--branches", metavar="FILE.nc", rich_help_panel=SWEEP,
-            help="Branches of `whirlmap continue` that are drawn over a diagram. May be repeated.",
+            help="Branches of `whirlmap continue` that are drawn over a diagram, or curves of its --event over a map. May be"
+            " repeated.",
         ),
     ] = None,
     case: Annotated[

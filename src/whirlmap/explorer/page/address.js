@@ -19,7 +19,8 @@ explorer.address = (() => {
     const given = new URLSearchParams(location.hash.slice(1)), values = {}, found = {};
     for (const [k, v] of given) {
       const name = k.startsWith("v.") ? k.slice(2) : "";
-      if (name && explorer.control(name) && v.trim() && Number.isFinite(+v)) values[name] = +v;
+      const c = name && explorer.control(name);
+      if (c?.choices) { if (c.choices.includes(v)) values[name] = v; } else if (c && v.trim() && Number.isFinite(+v)) values[name] = +v;
     }
     const ends = (k) => {
       const r = (given.get(k) || "").split(":").map(Number);

@@ -5,7 +5,10 @@ explorer.cells = (() => {
   const borders = (values, log) => {
     const t = log ? Math.log : (v) => v, back = log ? Math.exp : (v) => v, n = values.length, out = new Float64Array(n + 1);
     for (let i = 1; i < n; i++) out[i] = back((t(values[i - 1]) + t(values[i])) / 2);
-    if (n === 1) { out[0] = values[0]; out[1] = values[0]; return out; }
+    if (n === 1) { // a single value has no neighbours: a twentieth of it to either side
+      const half = Math.abs(values[0]) / 20 || 1;
+      return Float64Array.of(values[0] - half, values[0] + half);
+    }
     out[0] = back(t(values[0]) - (t(values[1]) - t(values[0])) / 2);
     out[n] = back(t(values[n - 1]) + (t(values[n - 1]) - t(values[n - 2])) / 2);
     return out;

@@ -11,10 +11,22 @@ explorer.controls = (() => {
   const fromSlider = (c, k) => (c.log ? c.low * (c.high / c.low) ** (k / STEPS) : c.low + (c.high - c.low) * k / STEPS);
   const written = (c, v) => String(+(v * c.size).toPrecision(8));
 
+  const choice = (c) => {
+    const element = make("div", "", {class: "control"}), label = make("label", "", {for: `v-${c.name}`, title: c.meaning});
+    label.append(make("b", c.symbol), ` ${c.meaning}`);
+    const select = make("select", "", {id: `v-${c.name}`});
+    select.append(...c.choices.map((word) => make("option", word, {value: word})));
+    select.addEventListener("change", () => explorer.change({[c.name]: select.value}));
+    element.append(label, select);
+    rows.set(c.name, {c, select});
+    return element;
+  };
+
   const row = (c) => {
+    if (c.choices) return choice(c);
     const element = make("div", "", {class: "control"}), label = make("label", "", {for: `v-${c.name}`, title: c.meaning});
     const unit = explorer.unit(c.unit);
-    label.append(make("b", c.symbol), ` ${c.meaning}${unit ? `,${unit}` : ""}`);
+    label.append(make("b", c.symbol), ` ${c.meaning}`);
     const number = make("input", "", {type: "number", step: "any", id: `v-${c.name}`});
     const slider = make("input", "", {type: "range", min: 0, max: STEPS, "aria-label": `${c.symbol}, ${c.meaning}`});
     slider.addEventListener("input", () => explorer.change({[c.name]: +fromSlider(c, +slider.value).toPrecision(6)}));
@@ -22,14 +34,15 @@ explorer.controls = (() => {
       const v = number.valueAsNumber;
       if (Number.isFinite(v)) explorer.change({[c.name]: v / c.size}); else update();
     });
-    element.append(label, number, slider);
+    element.append(label, number, make("span", unit, {class: "unit"}), slider);
     rows.set(c.name, {c, number, slider});
     return element;
   };
 
   const update = () => {
-    for (const {c, number, slider} of rows.values()) {
+    for (const {c, number, slider, select} of rows.values()) {
       const v = explorer.value(c.name);
+      if (select) { select.value = v; continue; }
       if (document.activeElement !== number) number.value = written(c, v);
       if (document.activeElement !== slider) slider.value = toSlider(c, v);
     }

@@ -5,13 +5,14 @@
    explorer.data, one JSON object (`whirlmap.explorer.overview.page_data`):
      title, case, kind ("map", "diagram" or "point"), forced
      controls   [{name, symbol, meaning, value, low, high, log, unit, size, axis}]: quantities that can be changed; a value
-                is in the model's own numbers, what is written is value * size in unit; axes of the map come first
+                is in the model's own numbers, what is written is value * size in unit; axes of the map come first.
+                Switches come last, {name, symbol, meaning, value, choices, axis: false}: a value is one of the words
      overview   {axes: [{name, values}], regime, period, numbers: {name: {label, unit, values}}, section: {way: {state:
                 values}}, units: {state: unit}}: first axis slowest; regime 255 where a point has none; way is "" , "up" or
                 "down"; section values are over points and T
      states, outputs  [{name, symbol, meaning}];  swing [names];  velocities {name: name};  clocks {name: turns per T}
      planes     [{name, x, y, equal, clearance}];  films [{bearing, eccentricity, load}]
-     regimes    [{code, name, label}];  branches [{name, values, branch, stable, section, events}]
+     regimes    [{code, name, label}];  branches [{kind, values: {axis: values}, branch, stable, section, events}]
      filling    number of the job that computes the overview just now, if any
    Arrays are {type, shape, data}: base64 of f8, f4, i4, i1 or u1, little-endian; `explorer.array` decodes them.
 
@@ -24,7 +25,8 @@
        turn and time begin at 0; section has a point per T (of unforced motion: per crossing); frequencies are in 1/T.
        Arrays may be encoded, or typed arrays already.
    and, where there are such, else their buttons are hidden:
-     votes(values), finer({values, ranges, count}), coexisting(values, along, quantity), branches(values): start a job;
+     votes(values), finer({values, ranges, count}), coexisting(values, along, quantity), branches(values): start a job; the result
+     of the last is a list, as data.branches;
      job(number, version) its report {job, done, total, running, error, version, result?}; cancel(number);
      export(kind, values) gives text;  state() gives {compiling}.
 */

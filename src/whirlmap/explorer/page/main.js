@@ -6,6 +6,8 @@
 
   // Motion of the chosen point: one request at a time, the newest wins.
   let busy = false, again = false, control = null, timer = 0, told = "";
+  /** Mark what is shown as the motion of values that were asked before: the newest could not be computed. */
+  const old = (yes) => { for (const part of [".panels", ".facts", "#label"]) document.querySelector(part).classList.toggle("old", yes); };
   const ask = async () => {
     if (busy) { again = true; return; }
     busy = true;
@@ -24,9 +26,11 @@
       explorer.panels.show();
       explorer.timing = {asked, drawn: performance.now()};
       if (!explorer.verdict && (explorer.state.autoVotes || !(m.label.decided || explorer.stored))) { clearTimeout(timer); timer = setTimeout(votes, 600); }
+      old(false);
     } catch (error) {
       explorer.say(error.message, true);
       explorer.failed = error.message;
+      old(true);
     } finally {
       clearTimeout(slow);
       busy = false;
@@ -48,7 +52,7 @@
     const names = [...new Set([...explorer.data.controls.filter((c) => c.axis).map((c) => c.name), ...Object.keys(explorer.state.values)])];
     $("where").textContent = names.map((n) => {
       const c = explorer.control(n);
-      return `${c.symbol} = ${explorer.withUnit(explorer.value(n) * c.size, c.unit, 6)}`;
+      return `${c.symbol} = ${c.choices ? explorer.value(n) : explorer.withUnit(explorer.value(n) * c.size, c.unit, 6)}`;
     }).join(", ");
   };
 
@@ -147,9 +151,9 @@
   };
 
   const branch = () => attempt(async () => {
-    let place = -1;
-    await follow(await explorer.source.branches(explorer.state.values), (b) => {
-      if (place < 0) place = explorer.branches.push(b) - 1; else explorer.branches[place] = b;
+    const before = explorer.branches;
+    await follow(await explorer.source.branches(explorer.state.values), (found) => {
+      explorer.branches = [...before, ...found];
       explorer.overview.refresh();
     });
   });
@@ -179,7 +183,8 @@
     const hide = (id, wanted) => { if (!wanted) $(id).hidden = true; };
     for (const id of ["finer", "again"]) hide(id, source.finer);
     $("auto").parentElement.hidden = !source.finer;
-    hide("branch", source.branches && data.kind === "diagram");
+    hide("branch", source.branches && data.kind !== "point");
+    if (data.kind === "map") $("branch").textContent = "Follow bifurcations";
     for (const id of ["ask-votes"]) hide(id, source.votes);
     $("auto-votes").parentElement.hidden = !source.votes;
     hide("ask-coexisting", source.coexisting);

@@ -87,7 +87,8 @@ explorer.overview = (() => {
     if (!values) return;
     const x = l.axes[0].values, each = values.length / x.length, size = (v) => Math.round(u.valToPos(v, "x") * ratio);
     const gap = x.length > 1 ? Math.abs(size(x[x.length - 1]) - size(x[0])) / (x.length - 1) : 2;
-    const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), Math.round(3 * ratio))), h = Math.max(1, Math.round(1.8 * ratio));
+    const sparse = gap > 8 * ratio, most = Math.round((sparse ? 4 : 3) * ratio); // few points are drawn larger
+    const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), most)), h = Math.max(1, Math.round((sparse ? 3 : 1.8) * ratio));
     const fixed = way && explorer.state.colour === "regime" ? [...explorer.rgb(way), false] : null;
     for (let i = 0; i < x.length; i++) {
       const px = size(x[i]) - (w >> 1), c = fixed || of(i).slice(0, 3);
@@ -107,7 +108,7 @@ explorer.overview = (() => {
     const {bbox} = u, now = [key, bbox.width, bbox.height].join();
     if (!raster || raster.key !== now) raster = {key: now, image: paint(u)};
     ctx.drawImage(raster.image, Math.round(bbox.left), Math.round(bbox.top));
-    if (!map()) explorer.drawBranches(ctx, X, Y, dpr);
+    explorer.branchLines.draw(ctx, X, Y, dpr);
     const x = X(explorer.value(explorer.layers[0].axes[0].name));
     const cross = (colour, width) => {
       ctx.strokeStyle = colour; ctx.lineWidth = width * dpr;
@@ -194,6 +195,10 @@ explorer.overview = (() => {
   };
 
   const legend = () => {
+    colours();
+    $("lines-legend").replaceChildren(...explorer.branchLines.legend());
+  };
+  const colours = () => {
     const list = $("legend"), number = explorer.layers[0].numbers[explorer.state.colour];
     list.replaceChildren();
     if (number || explorer.state.colour === "period") {
@@ -283,5 +288,5 @@ explorer.overview = (() => {
     const names = explorer.layers[0].axes.map((a) => a.name), found = cellAt(names.map((n) => explorer.value(n)));
     return found ? Object.fromEntries(found.at.map((i, k) => [names[k], found.layer.axes[k].values[i]])) : {};
   };
-  return {begin, first, show, replace, add, ranges, cellAt, words, written, legend, refresh: () => panel?.refresh()};
+  return {begin, first, show, replace, add, ranges, cellAt, words, written, legend, refresh: () => { panel?.refresh(); legend(); }};
 })();

@@ -81,7 +81,9 @@ explorer.panels = (() => {
     });
     const clusters = explorer.clusters(points, explorer.shown.section[other], spread(name, 1), spread(other, 2));
     const per = explorer.data.forced ? "once per T" : "crossings";
-    $("section-line").textContent = `${per}, ${points.length} points${clusters <= 64 ? ` in ${clusters} place${clusters > 1 ? "s" : ""}` : ""}`;
+    const n = explorer.shown.label.period, near = n && n !== clusters; // places so near that the panel does not tell them apart
+    const places = near ? `, ${n} of them different` : clusters <= 64 ? ` in ${clusters} place${clusters > 1 ? "s" : ""}` : "";
+    $("section-line").textContent = `${per}, ${points.length} points${places}`;
     explorer.shown.clusters = clusters;
   };
 
@@ -124,9 +126,9 @@ explorer.panels = (() => {
         const taken = [];
         for (const l of named) {
           const x = X(l.frequency), wide = ctx.measureText(l.name).width;
-          if (x < u.bbox.left || x > u.bbox.left + u.bbox.width || taken.some(([a, w]) => Math.abs(a - x) < (w + wide) / 2 + 6 * dpr)) continue;
-          taken.push([x, wide]);
           const side = Math.max(u.bbox.left + wide / 2, Math.min(x, u.bbox.left + u.bbox.width - wide / 2));
+          if (x < u.bbox.left || x > u.bbox.left + u.bbox.width || taken.some(([a, w]) => Math.abs(a - side) < (w + wide) / 2 + 6 * dpr)) continue;
+          taken.push([side, wide]);
           ctx.fillText(l.name, side, Y(3) - 2 * dpr);
         }
       },

@@ -1,5 +1,6 @@
 """The explorer inside of a notebook, and as a file: `whirlmap.explore`."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
@@ -8,6 +9,7 @@ from typing import TYPE_CHECKING, Union
 from whirlmap.errors import InputError
 from whirlmap.explorer.exploration import Exploration, of_result
 from whirlmap.explorer.saved.saved_page import saved_page
+from whirlmap.explorer.with_branches import lay_over
 from whirlmap.integrate.system import System
 from whirlmap.results.files import replace_file
 
@@ -70,7 +72,10 @@ class ExplorerPage:
         return replace_file(Path(path), lambda trial: trial.write_text(self.html, encoding="utf-8"), force=force)
 
 
-def explore(what: Union["xr.Dataset", System], *, case: str | None = None, height: int = HEIGHT) -> ExplorerPage:
+def explore(
+    what: Union["xr.Dataset", System], *, case: str | None = None, branches: Sequence["xr.Dataset"] = (),
+    height: int = HEIGHT,
+) -> ExplorerPage:  # fmt: skip
     """Page on which one looks at a map or diagram, chooses a point, and sees its motion; shown inline in a notebook.
 
     Parameters
@@ -79,6 +84,8 @@ def explore(what: Union["xr.Dataset", System], *, case: str | None = None, heigh
         Result of `bifurcation_diagram` or `regime_map`, in the model's own units; or a system, whose one motion is shown.
     case : str, optional
         Name or path of the case of a result, where that is no stock case and not where it was.
+    branches : sequence of xr.Dataset
+        Of `continue_orbit`, drawn over a diagram, or of `event_curve`, drawn over a map.
     height : int
         Height of the page in a notebook [pixel].
 
@@ -90,7 +97,7 @@ def explore(what: Union["xr.Dataset", System], *, case: str | None = None, heigh
     Raises
     ------
     InputError
-        No labelled points over one or two quantities.
+        No labelled points over one or two quantities; branches of another system, or of other parameters.
     CaseError
         The case of a result cannot be loaded as it was.
 
@@ -104,4 +111,5 @@ def explore(what: Union["xr.Dataset", System], *, case: str | None = None, heigh
     if height < 1:
         raise InputError(f"height: found {height}, expected at least one pixel")
     found = Exploration(what, {}, title=what.case) if isinstance(what, System) else of_result(what, "the Dataset", case)
+    found = lay_over(found, {f"branches[{k}]": ds for k, ds in enumerate(branches)})
     return ExplorerPage(found.title or found.system.model.name, saved_page(found), height)

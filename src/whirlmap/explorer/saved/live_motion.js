@@ -97,6 +97,12 @@ const whirlmapLive = (() => {
       this.ended = null;
     }
 
+    // Begin at another state, at phase zero.
+    begin(state) {
+      this.restart();
+      state.forEach((value, i) => { this.x[i] = value; });
+    }
+
     // Take a whole number of steps; with `every`, resolves to the states after every so many of them, sample by sample.
     async advance(steps, every = 0) {
       const { sizes, module } = await this.variant.ready(), d = this.model.description;

@@ -1,6 +1,7 @@
 // Where a saved page's data and motions come from: from itself. What whirlmap.explorer.saved.saved_page wrote into it is
-//   data    the page's data; `note`, what it cannot do, if anything; `quantities` with their units; `record`: how motions are
-//           recorded; and `live`, the description of live points, or `stored`, motions that were computed before
+//   data    the page's data; `note`, what it cannot do of what such a file can, if anything; `limits`, what needs the
+//           server; `record`: how motions are recorded; and `live`, the description of live points, or `stored`, motions
+//           that were computed before
 //   bytes   what the live points or the stored motions are made of
 "use strict";
 
@@ -8,9 +9,11 @@ const whirlmapSaved = (() => {
   // T between two looks whether a motion has returned; T that one is waited for beyond what the diagram or map says, and
   // longest return that is looked for where nothing is known.
   const LOOK = 8, LATE = 512, LONGEST = 64;
-  // Samples that are recorded in one piece, and that are shown; turns of the slowest clock that are shown; least samples per
-  // T of a spectrum.
-  const PIECE = 16384, SAMPLES = 2400, TURNS = 4, RATE = 48;
+  // Steps in which a state is carried to a point, and the part of the axis that it comes along (coexisting.py).
+  const STEPS = 8, REACH = 0.2;
+  // Samples that are recorded in one piece; that are shown, and least of these in a T; turns of the slowest clock that are
+  // shown; least samples per T of a spectrum.
+  const PIECE = 16384, SAMPLES = 2400, LEAST = 12, TURNS = 4, RATE = 48;
 
   // --- live motions -----------------------------------------------------------------------------------------------------
 
@@ -33,6 +36,7 @@ const whirlmapSaved = (() => {
           if ((k + 1) % point.steps === 0) this.ends.push(x.slice(k * states, (k + 1) * states));
         }
         if (kept) this.pieces.push(x.subarray(0, samples * states));
+        this.tell?.(point.done / point.steps);
       }
       this.range = low.map((v, i) => high[i] - v);
     }
@@ -51,8 +55,9 @@ const whirlmapSaved = (() => {
     }
 
     // Go on until the motion returns after as many T as the diagram or map says, or for as long as it ran there.
-    async settle([period, waits], tolerance) {
-      const known = period > 0 ? [period] : period < 0 ? Array.from({ length: LONGEST }, (_, k) => k + 1) : [];
+    async settle([period, waits], { tolerance, common }) {
+      const counts = Array.from({ length: LONGEST }, (_, k) => k + 1), shared = counts.map((k) => k * Math.max(common, 1));
+      const known = period > 0 ? [period] : period < 0 ? [...new Set([...counts, ...shared])].sort((a, b) => a - b) : [];
       const limit = known.length ? waits + LATE : waits, look = known.length ? Math.max(LOOK, 2 * period) : waits;
       for (;;) {
         const n = known.find((k) => this.returns(k, tolerance)) || 0, left = limit - this.point.done / this.point.steps;
@@ -62,12 +67,11 @@ const whirlmapSaved = (() => {
     }
   }
 
-  // A motion at the live point nearest to values: settled and recorded.
-  async function liveMotion(live, data, values) {
-    const index = live.nearest(values), point = live.point(index), states = data.live.states.length, run = new Run(point, states);
-    const period = await run.settle(live.take(data.live.settling, index), data.record.tolerance);
-    const settled = point.done / point.steps, ended = point.ended;
-    if (ended) point.restart();
+  // A motion at the live point nearest to values, or at an index, from a state that is carried there: settled and recorded.
+  async function liveMotion(live, data, values, { at = live.nearest(values), from = null, tell = null } = {}) {
+    const index = at, { point, run, period } = await settled(live, data, index, from, tell), states = data.live.states.length;
+    const settledAfter = point.done / point.steps, ended = point.ended;
+    if (ended) { point.restart(); if (from) point.begin(from); }
     const begin = Float64Array.from(point.x.slice(0, states));
     if (!ended) await run.go(Math.max(data.record.periods, 2 * period), true);
     else run.pieces.push(await point.advance(Math.floor(ended.turn * point.steps), 1));
@@ -76,9 +80,41 @@ const whirlmapSaved = (() => {
     run.pieces.reduce((at, piece) => { x.set(piece, at); return at + piece.length; }, states);
     const plane = data.live.section ? live.take(data.live.section, index) : null;
     return {
-      values: live.values(index), x, outputs: await point.outputs(x), steps: point.steps, time: point.period, period, settled,
-      ended: ended || point.ended, plane, sizes: live.take(data.live.sizes, index),
+      values: live.values(index), x, outputs: await point.outputs(x), steps: point.steps, time: point.period, period,
+      settled: settledAfter, ended: ended || point.ended, plane, sizes: live.take(data.live.sizes, index),
     };
+  }
+
+  // A run that goes on until its motion returns. A carried state may come to another motion than the map says: any return counts.
+  async function settled(live, data, index, from, tell = null) {
+    const point = live.point(index), run = new Run(point, data.live.states.length), [n, waits] = live.take(data.live.settling, index);
+    run.tell = tell;
+    if (from) point.begin(from);
+    return { point, run, period: await run.settle([from && n > 0 ? -1 : n, waits], data.record) };
+  }
+
+  // So many T later all forcing is at phase zero, after -n T.
+  const whole = (n, common) => (common > 1 ? ((Math.round(n) % common) + common) % common : 0);
+
+  // Motions that come to a point along an axis, from below and from above; null where a run ends on the way.
+  async function coexisting(live, data, values, along) {
+    const index = live.nearest(values), axis = data.live.axes.findIndex((a) => a.name === along), last = data.live.axes[axis].values.length - 1;
+    const found = {};
+    for (const [way, sign] of [["up", -1], ["down", 1]]) {
+      const far = Math.min(Math.max(index[axis] + sign * Math.max(Math.round(REACH * last), 1), 0), last), path = new Set();
+      for (let k = 0; k < STEPS; k++) path.add(Math.round(far + (index[axis] - far) * k / STEPS));
+      path.delete(index[axis]);
+      let from = null, ended = false;
+      for (const place of path) {
+        const at = index.map((i, k) => (k === axis ? place : i)), { point } = await settled(live, data, at, from);
+        if (!point.ended) await point.advance(point.steps * whole(-point.done / point.steps, data.record.common)); // to phase zero
+        ended = ended || Boolean(point.ended);
+        if (ended) break;
+        from = Array.from(point.x.slice(0, data.live.states.length));
+      }
+      found[way] = ended ? null : await liveMotion(live, data, values, { at: index, from });
+    }
+    return found;
   }
 
   // --- stored motions -----------------------------------------------------------------------------------------------------
@@ -138,8 +174,12 @@ const whirlmapSaved = (() => {
     const names = data.live || data.stored, states = names.states.length, page = data.page, record = data.record;
     const all = columns(m, names), rows = m.x.length / states, steps = m.steps;
     const turns = m.period ? m.period * Math.max(1, Math.ceil((TURNS * record.turn) / m.period)) : 4 * TURNS * record.turn;
-    const last = m.ended ? Math.min(rows, SAMPLES) : Math.min(Math.round(turns * steps), rows - 1, SAMPLES) + 1;
-    const part = (values) => values.subarray(rows - last), section = {}, samples = Array.from({ length: last }, (_, k) => k);
+    const least = Math.min((m.period || record.turn) * steps, rows - 1); // where these do not fit, a part of the samples is shown
+    const parts = Array.from({ length: Math.max(Math.floor(steps / LEAST), 1) }, (_, k) => k + 1).filter((k) => steps % k === 0);
+    const take = m.ended ? 1 : parts.find((k) => least <= SAMPLES * k) || parts[parts.length - 1];
+    const last = Math.floor(Math.min(m.ended ? rows - 1 : Math.round(turns * steps), rows - 1, SAMPLES * take) / take) + 1;
+    const samples = Array.from({ length: last }, (_, k) => k * take), section = {};
+    const part = (values) => Float64Array.from(samples, (k) => values[rows - 1 - samples[last - 1] + k]);
     if (page.forced) {
       const count = Math.floor((rows - 1) / steps);
       names.states.forEach((name) => { section[name] = Float64Array.from({ length: count }, (_, k) => all[name][(k + 1) * steps]); });
@@ -153,7 +193,8 @@ const whirlmapSaved = (() => {
     for (let k = 2; k * RATE <= steps; k++) if (steps % k === 0) every = k;
     if (every > 1) series = Float64Array.from({ length: Math.floor(series.length / every) }, (_, k) => series[(k + 1) * every - 1]);
     const spectrum = m.ended ? null : whirlmapSpectrum.spectrum(series, steps / every, page.clocks);
-    const meaning = (name) => page.states.find((q) => q.name === name).meaning;
+    // In a unit a displacement is not over the clearance, as the model's own number is.
+    const meaning = (name) => page.states.find((q) => q.name === name).meaning.split(names.units[name] === "1" ? "\n" : ", over ")[0];
     const numbers = page.swing.map((name) => {
       const [low, high] = ends(all[name]);
       return { name: `peak to peak of ${meaning(name)}`, of: name, value: high - low, unit: names.units[name] };
@@ -189,33 +230,45 @@ const whirlmapSaved = (() => {
       return { data, buffer, live: data.live ? new whirlmapLive.Live(data.live, buffer) : null };
     };
     const ready = () => (opened = opened || open());
+    // Says on the page how far a long computation is: a machine of many states takes seconds.
+    const progress = () => {
+      const begun = performance.now();
+      return (turns) => { if (typeof document !== "undefined" && performance.now() - begun > 1000) explorer.say(`computing … ${Math.round(turns)} T`); };
+    };
     const motion = async (values) => {
       const { data, buffer, live } = await ready(), key = JSON.stringify(data.page.controls.filter((c) => c.axis).map((c) => values[c.name]));
       if (!remembered.has(key)) {
         if (remembered.size > 7) remembered.delete(remembered.keys().next().value);
-        remembered.set(key, live ? await liveMotion(live, data, values) : storedMotion(data, buffer, values));
+        remembered.set(key, live ? await liveMotion(live, data, values, { tell: progress() }) : storedMotion(data, buffer, values));
       }
       return remembered.get(key);
     };
-    return {
+    const made = {
       load: async () => {
-        const { data } = await ready();
+        const { data, live } = await ready();
+        if (live && data.live.axes.length) made.coexisting = async (values, along, quantity) => {
+          const found = await coexisting(live, data, values, along);
+          const shown = Object.entries(found).map(([way, m]) => [way, m && described(m, data, values, quantity)]);
+          return { running: false, done: 1, total: 1, result: Object.fromEntries(shown) }; // a job that is done
+        };
         if (typeof location !== "undefined" && location.protocol === "about:") { // in a notebook: no address to write or copy
           explorer.address.write = () => {};
           document.getElementById("link").hidden = true;
         }
-        if (data.note && typeof document !== "undefined") {
+        const say = (id, text, after) => {
+          if (!text || typeof document === "undefined") return;
           const note = document.createElement("p");
-          note.className = "line";
-          note.id = "note";
-          note.textContent = data.note;
-          document.getElementById("status").after(note);
-        }
+          Object.assign(note, { className: "line", id, textContent: text });
+          document.getElementById(after).after(note);
+        };
+        say("note", data.note, "status");
+        say("limits", data.limits, "more");
         return data.page;
       },
       motion: async (values, quantity) => described(await motion(values), (await ready()).data, values, quantity),
       computed: motion,
     };
+    return made;
   }
 
   return { source };

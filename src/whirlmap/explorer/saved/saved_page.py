@@ -43,6 +43,11 @@ SCRIPTS = ("harmonics.js", "live_motion.js", "spectrum.js", "saved.js")
 #: Bytes of a file, of the page and its kernels, and least ones of numbers of live points. Numbers grow by this factor in a
 #: file: base64 takes four letters for three bytes, and doubles are hardly compressed.
 LARGEST, OWN, LEAST, GROWTH = 7_500_000, 500_000, 500_000, 1.35
+#: Said in every page.
+LIMITS = (
+    "This file computes motions by itself. Other quantities, votes of the indicators, finer diagrams and the following of"
+    " branches need the program: whirlmap explore."
+)
 #: Stands in an empty page where the content comes.
 CONTENT = "/* content */null"
 
@@ -101,7 +106,7 @@ def saved_data(exploration: Exploration, *, largest: int = LARGEST) -> tuple[dic
         raise InputError("found a map or diagram whose points are still to be computed, expected labelled points")
     page = page_data(e)
     page["controls"] = [control for control in page["controls"] if control["axis"]]
-    data: dict[str, Any] = {"page": page, "record": _record(e), "note": ""}
+    data: dict[str, Any] = {"page": page, "record": _record(e), "note": "", "limits": LIMITS}
     try:
         room = largest - len(text_of(json_text(page).encode())) - OWN
         data["live"], packed = _live(e, min(max(int(room / GROWTH), LEAST), MOST))
@@ -112,7 +117,8 @@ def saved_data(exploration: Exploration, *, largest: int = LARGEST) -> tuple[dic
     except NoBrowserKernelError as error:
         data["stored"], packed = stored_motions(e)
         count = len(data["stored"]["motions"])
-        data["note"] = f"Motions are not computed here, for {error}. The nearest of {count} stored motions is shown."
+        data["note"] = f"Motions are not computed here, for {error}. The nearest of {count} stored motions is shown;"
+        data["note"] += " coexisting motions are not sought."
     return data, packed
 
 

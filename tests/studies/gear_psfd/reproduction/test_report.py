@@ -1,10 +1,14 @@
 """The report of a reproduction: what stands in it, in which order, and that it asks for nothing."""
 
+import base64
 import re
 from dataclasses import replace
 from html.parser import HTMLParser
+from io import BytesIO
 
+import numpy as np
 import pytest
+from matplotlib.image import imread
 
 from whirlmap.explorer.saved import saved_page, stored_motions
 from whirlmap.kernels.webassembly.browser_kernel import NoBrowserKernelError
@@ -116,7 +120,11 @@ def test_a_picture_stands_at_its_figure(finished, tmp_path):
     (at,) = [k for k, (tag, _, _) in enumerate(page.elements) if tag == "img"]
     assert page.place("figure-2") < at < page.place("figure-3")
     assert page.elements[at][1]["alt"] == plan.caption
-    assert page.elements[at][1]["src"].startswith("data:image/png;base64,iVBOR")
+    kind, _, content = page.elements[at][1]["src"].partition(";base64,")
+    assert kind == "data:image/webp"
+    assert len(content) < 0.6 * len(png)
+    kept = imread(BytesIO(base64.b64decode(content)), format="webp")
+    np.testing.assert_array_equal(kept[..., :3], np.rint(imread(BytesIO(png)) * 255)[..., :3])
 
 
 def test_the_edition_with_most_claims_that_hold_is_shown_first(finished):
@@ -146,6 +154,6 @@ def test_a_model_that_cannot_run_in_a_browser_has_stored_motions_and_says_so(evi
     monkeypatch.setattr(stored_motions, "POINTS", 2)
     found = explored(evidence, 0.0, evidence.diagrams[0.0])
     data, packed = saved_page.saved_data(found)
-    assert data["note"] == "Motions are not computed here, for its rates call erf. The nearest of 2 stored motions is shown."
+    assert data["note"].startswith("Motions are not computed here, for its rates call erf. The nearest of 2 stored motions")
     assert len(data["stored"]["motions"]) == 2
     assert packed

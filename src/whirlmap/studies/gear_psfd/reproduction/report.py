@@ -10,11 +10,15 @@ import json
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from importlib.resources import files
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from jinja2 import Environment, FunctionLoader, StrictUndefined
+from matplotlib import image
 
 from whirlmap.assumptions.violations import violations
 from whirlmap.explorer.saved.saved_page import CONTENT, empty_page
@@ -49,10 +53,12 @@ class Picture:
     figure: int
     caption: str
 
-    @property
+    @cached_property
     def data(self) -> str:
-        """The picture as text for an HTML page."""
-        return base64.b64encode(self.path.read_bytes()).decode()
+        """The same pixels as WebP in base64, for the page: less than half of the bytes of the PNG."""
+        pixels, kept = np.rint(image.imread(self.path) * 255).astype(np.uint8), BytesIO()
+        image.imsave(kept, pixels, format="webp", pil_kwargs={"lossless": True, "method": 2})
+        return base64.b64encode(kept.getvalue()).decode()
 
 
 @dataclass(frozen=True)
