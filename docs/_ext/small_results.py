@@ -53,7 +53,7 @@ def datasets() -> dict[str, "Callable[[], xr.Dataset]"]:
         "full_spectrum": lambda: whirlmap.full_spectrum(x, v, rate=100),
         "waterfall": lambda: whirlmap.waterfall(duffing, "gamma", [0.2, 0.21], "x"),
         "diagnose": lambda: whirlmap.diagnose(duffing, max_periods=64),
-        "diagnose_series": lambda: whirlmap.diagnose_series(tone, rate=100.0),
+        "diagnose_series": lambda: whirlmap.diagnose_series(tone, rate=100.0, speed=1.6, window=20.0),
         "lyapunov_spectrum": lambda: whirlmap.lyapunov_spectrum(duffing, transient=20, common_periods=16),
         "correlation_dimension": lambda: whirlmap.correlation_dimension(cloud, theiler=1),
         "floquet_multipliers": lambda: whirlmap.floquet_multipliers(duffing, series["x"].values[-1], duffing.period),

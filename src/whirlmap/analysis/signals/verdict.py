@@ -35,6 +35,17 @@ def decide(votes: Mapping[str, Any]) -> tuple[Regime, float]:
     return Regime.undecided, 0.0
 
 
+def reason(label: Regime, votes: Mapping[str, Any]) -> str:
+    """Why a signal has no one regime, or is undecided, in some words; nothing for other regimes."""
+    if label == Regime.not_steady:
+        changes = [{"level": "rms"}.get(change, change) for change in votes["steadiness"]["changes"]]
+        return f"{' and '.join(changes)} change{'s' if len(changes) == 1 else ''}"
+    if label != Regime.undecided:
+        return ""
+    known = _reasons(votes)
+    return known[0][0] if known else "the indicators do not agree"
+
+
 def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str, period: float | None, thinned: int) -> str:
     """Say in plain words what the signal is, and why."""
     spectrum, zero_one, steady = votes["spectrum"], votes["zero_one"], votes["steadiness"]
@@ -56,7 +67,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
     many = f"{count} spectral line{' holds' if count == 1 else 's hold'} {share:.4g} % of its power."
     text.append(many if count else "No spectral line stands out of the rest.")
     if label == Regime.undecided:
-        text += _reasons(votes)
+        text += [sentence for _, sentence in _reasons(votes)]
     if zero_one["value"] is not None and label != Regime.not_steady:
         text.append(f"The 0-1 test gives {zero_one['value']:.2f} (0 regular, 1 chaotic).")
     if votes["neighbours"]["vote"] == "no-dimension":
@@ -107,24 +118,38 @@ def _course(rms: list[float]) -> str:
     return f": it {'grows' if last > first else 'falls'} by a factor of {max(first, last) / min(first, last):.3g}."
 
 
-def _reasons(votes: Mapping[str, Any]) -> list[str]:
-    """Why a signal is undecided that might be regular."""
+def _reasons(votes: Mapping[str, Any]) -> list[tuple[str, str]]:
+    """Why a signal is undecided that might be regular: in some words, and as a sentence."""
     spectrum, grid = votes["spectrum"], votes["grid"]["vote"]
     out = []
     if spectrum["slow_fraction"] > DRIFT:
-        out.append(
-            f"Slow drift holds {100 * spectrum['slow_fraction']:.3g} % of the power: remove it, or judge a shorter part."
-        )
+        held = f"{100 * spectrum['slow_fraction']:.3g} % of the power"
+        out.append(("slow drift", f"Slow drift holds {held}: remove it, or judge a shorter part."))
     elif 0.02 < spectrum["broadband_fraction"] < 0.5:
         decibel = 10 * np.log10((1 - spectrum["broadband_fraction"]) / spectrum["broadband_fraction"])
-        out.append(f"The lines are {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.")
+        out.append(
+            (
+                f"lines {decibel:.3g} dB above the rest, 17 needed",
+                f"The lines are {decibel:.3g} dB above the rest: the labels periodic and quasi-periodic need 17 dB.",
+            )
+        )
     if grid == "chance":
-        out.append("The lines fit a common fundamental that any lines might fit by chance in a record of this length.")
+        out.append(
+            (
+                "too short: any lines might fit a common fundamental",
+                "The lines fit a common fundamental that any lines might fit by chance in a record of this length.",
+            )
+        )
     elif grid == "none" and spectrum["vote"] == "none":
-        out.append("Two lines lie so close that the record holds too few of their beats.")
+        out.append(
+            ("too short: two lines too close", "Two lines lie so close that the record holds too few of their beats.")
+        )
     elif grid == "grid" and spectrum["vote"] == "none":
         out.append(
-            f"The lines have a common fundamental, but the signal does not return after its period"
-            f" (distance {votes['return']['distance']:.2g})."
+            (
+                "does not return after the period of its lines",
+                "The lines have a common fundamental, but the signal does not return after its period"
+                f" (distance {votes['return']['distance']:.2g}).",
+            )
         )
     return out
