@@ -82,7 +82,7 @@ def judge_signal(
         add_embedded(x, lag, dimension, per_swing, rate / thin, votes, data, coords)
     label, confidence = decide(votes)
     data["regime"] = regime_variable((), label)
-    data["confidence"] = variable((), confidence, "1", "share of the indicators with a vote that speak for the regime")
+    data["confidence"] = variable((), confidence, "1", "share of the indicators asked that speak for the regime")
     facts = {
         "quantity": quantity, "rate": rate, "unit": unit, "samples": raw.size, "thinned": thin, "swing": swing / rate,
         "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),

@@ -122,7 +122,7 @@ def _windows(ds: Any) -> list[dict[str, Any]]:
 
 
 def _print(verdict: dict[str, Any], signal: "Signal", windows: list[dict[str, Any]], name: str) -> None:
-    unit = f" [{signal.unit}]" if signal.unit and split_unit(signal.column)[1] != signal.unit else ""
+    unit = f" [{signal.unit}]" if signal.unit not in ("", "1") and split_unit(signal.column)[1] != signal.unit else ""
     typer.echo(f"{name}: {verdict['regime']} (confidence {verdict['confidence']:.2g})")
     typer.echo(
         f"  {signal.column}{unit}: {verdict['samples']} samples at {verdict['rate']:.7g} Hz, "
@@ -167,7 +167,7 @@ def _window_table(windows: list[dict[str, Any]], unit: str) -> Any:
         for w in windows
     ]
     beside = ("speed [Hz]", "order", "of the shaft") if turning else ()
-    columns = ("time [s]", "regime", f"rms [{unit}]" if unit else "rms", "frequency [Hz]", *beside, "why")
+    columns = ("time [s]", "regime", f"rms [{unit}]" if unit not in ("", "1") else "rms", "frequency [Hz]", *beside, "why")
     return report.table("Windows", columns, rows, numbers=(2, 3, 4, 5) if turning else (2, 3))
 
 
