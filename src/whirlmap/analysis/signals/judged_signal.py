@@ -155,15 +155,16 @@ def _spectral_data(
     word = "power of a line, a^2/2" if square != 1.0 or scale == 1.0 else f"power of a line, a^2/2, over {scale:g}^2"
     each = np.array(lines["line_frequency"], dtype=float)
     each[regular.counted] = regular.frequency  # fitted: better than the peaks of the spectrum
+    per = "1" if unit == "1" else f"1/{unit}"
     squared = "1" if quantity_unit == "1" else f"{quantity_unit}^2" if quantity_unit.isalpha() else f"({quantity_unit})^2"
     data: dict[str, Any] = {
         "power": variable("frequency", spectrum["power"] * square, squared, word),
-        "line_frequency": variable("line", each * rate, f"1/{unit}", "frequency of the line"),
+        "line_frequency": variable("line", each * rate, per, "frequency of the line"),
         "line_power": variable("line", lines["line_power"] * square, squared, word.replace("a line", "the line")),
         "series": variable("time", x, quantity_unit, f"{quantity or 'signal'}, thinned where it was sampled finely"),
     }
     coords = {
         "time": variable("time", np.arange(x.size) * thin / rate, unit, "time"),
-        "frequency": variable("frequency", spectrum["frequency"] * rate, f"1/{unit}", "frequency"),
+        "frequency": variable("frequency", spectrum["frequency"] * rate, per, "frequency"),
     }
     return data, coords

@@ -89,7 +89,7 @@ def sliding_verdict(
         names.append(order_name(frequency[-1], speeds[-1], teeth, rate / size) if named else "")
         if progress:
             progress(1)
-    over, per = "window_start", f"1/{unit}"
+    over, per = "window_start", "1" if unit == "1" else f"1/{unit}"
     data = {
         "window_regime": regime_variable(over, regimes),
         "window_reason": variable(over, why, "1", "why the window has no one regime, or is undecided"),

@@ -50,6 +50,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
     """Say in plain words what the signal is, and why."""
     spectrum, zero_one, steady = votes["spectrum"], votes["zero_one"], votes["steadiness"]
     share = 100 * (1 - spectrum["broadband_fraction"])
+    per = f"per {unit}" if unit != "1" else "per unit of time"
     said = {
         Regime.chaotic: "The signal is chaotic.",
         Regime.periodic: "The signal is periodic.",
@@ -57,10 +58,11 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
         Regime.undecided: "The indicators do not agree on what the signal is.",
         Regime.not_steady: "The motion changes within the record, so that it has no one regime.",
     }[label]
-    text = [said, *_changes(steady, unit)]
+    text = [said, *_changes(steady, per)]
     if period is not None and label == Regime.periodic:
+        lasts = f"{period / rate:.7g}" + (f" {unit}" if unit != "1" else "")
         text.append(
-            f"It returns after {period:.7g} samples, {period / rate:.7g} {unit}, with a distance of"
+            f"It returns after {period:.7g} samples, {lasts}, with a distance of"
             f" {votes['return']['distance']:.2g} (0: exactly, 1: not at all)."
         )
     count = spectrum["lines"]
@@ -78,7 +80,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
         v = votes.get(name)
         if v and v["vote"] not in ("neighbours-coincide", "not-steady", "lines-hold-all"):
             text.append(
-                f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} per {unit}."
+                f"The exponent after {name.capitalize()} is {v['value']:.3g} +- {v['error']:.2g} {per}."
                 if v["value"] is not None
                 else f"After {name.capitalize()} neighbours do not diverge exponentially ({v['vote']})."
             )
@@ -89,7 +91,7 @@ def sentences(label: Regime, votes: Mapping[str, Any], *, rate: float, unit: str
     return " ".join(text)
 
 
-def _changes(steady: Mapping[str, Any], unit: str) -> list[str]:
+def _changes(steady: Mapping[str, Any], per: str) -> list[str]:
     rms, frequency, mean = (steady[key] for key in ("rms", "frequency", "mean"))
     of = (
         "The frequency of its strongest line"
@@ -100,7 +102,7 @@ def _changes(steady: Mapping[str, Any], unit: str) -> list[str]:
         "level": f"Its rms in the three thirds is {rms[0]:.4g}, {rms[1]:.4g}, {rms[2]:.4g}"
         + _course(rms),
         "frequency": f"{of} in the three thirds is {frequency[0]:.6g}, {frequency[1]:.6g}, {frequency[2]:.6g} "
-        f"per {unit}.",
+        f"{per}.",
         "mean": f"Its mean drifts: {mean[0]:.4g}, {mean[1]:.4g}, {mean[2]:.4g} in the three thirds.",
     }
     return [words[change] for change in steady["changes"]]

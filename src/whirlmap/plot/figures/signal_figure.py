@@ -65,7 +65,7 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
     start, quantity = float(ds.attrs.get("start", 0.0)), str(ds.attrs.get("quantity", ""))
     size = unit_text(str(ds["series"].attrs["units"]))
     axes[0].plot(start + time[shown], x[shown], color=BLUE, lw=0.7)
-    axes[0].set(xlabel=f"time [{unit}]", ylabel=f"{quantity or 'signal'} {size}", title="signal")
+    axes[0].set(xlabel=f"time {unit_text(unit)}", ylabel=f"{quantity or 'signal'} {size}", title="signal")
     lag, drawn = int(ds.attrs["lag"]), DRAWN * swing
     axes[1].plot(x[: -lag or None][:drawn], x[lag:][:drawn], color=BLUE, lw=0.4, alpha=0.7)
     axes[1].set(xlabel=f"$x(t)$ {size}", ylabel=f"$x(t + {lag}\\,\\Delta)$ {size}", title="delay portrait")
@@ -87,7 +87,7 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
 
 def _per(unit: str) -> str:
     """Unit of frequencies over a unit of time."""
-    return "Hz" if unit == "s" else f"1/{unit}"
+    return "Hz" if unit == "s" else "–" if unit == "1" else f"1/{unit}"
 
 
 def _unasked(votes: dict[str, Any]) -> str:
@@ -113,7 +113,7 @@ def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ax.plot(middle, ds["window_rms"].values, "o-", ms=2.5, color=INK, lw=0.8)
     unit = str(ds["window_start"].attrs["units"])
     size = unit_text(str(ds["window_rms"].attrs["units"]))
-    ax.set(xlabel=f"time [{unit}]", ylabel=f"rms {size}", xlim=(start[0], start[-1] + length))
+    ax.set(xlabel=f"time {unit_text(unit)}", ylabel=f"rms {size}", xlim=(start[0], start[-1] + length))
     ax.set_ylim(bottom=0)
     beside = ax.twinx()
     beside.plot(middle, ds["window_frequency"].values, "s", ms=2.5, color=VERMILION)
@@ -198,6 +198,7 @@ def draw_divergence(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             a, b = vote["range"]
             level = np.mean(curve[a : b + 1] - vote["value"] * time[a : b + 1])
             ax.plot(time[[a, b]], level + vote["value"] * time[[a, b]], color=INK, lw=1.2, ls="--", gid=f"fit-{name}")
-    ax.set(xlabel=f"time [{ds.attrs['unit']}]", ylabel=r"$\langle \ln d \rangle$", title="divergence of neighbours")
+    unit = unit_text(str(ds.attrs["unit"]))
+    ax.set(xlabel=f"time {unit}", ylabel=r"$\langle \ln d \rangle$", title="divergence of neighbours")
     ax.legend(loc="lower right", fontsize=text_size(6.5))
     return ax
