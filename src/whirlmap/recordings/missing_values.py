@@ -18,13 +18,15 @@ def words_are_missing(missing: Sequence[str | float]) -> bool:
 
 
 def is_missing(
-    values: Array, missing: Sequence[str | float], notices: list[str], place: Callable[[int], str],
+    source: str, values: Array, missing: Sequence[str | float], notices: list[str], place: Callable[[int], str],
     refused: Callable[[int, int], InputError],
 ) -> NDArray[np.bool_]:
     """Which values are missing.
 
     Parameters
     ----------
+    source : str
+        Name of the file, for messages.
     values : array, shape (row,)
     missing : sequence of str or float
         Values that mean that there is none; ``nan`` for whatever is no number.
@@ -55,7 +57,7 @@ def is_missing(
             notices.append(f"--missing {word}: there is no such value")
         gone |= same
     if gone.all():
-        raise InputError("found no value that is not missing, expected some")
+        raise InputError(f"{source}: found no value that is not missing, expected some")
     if gone.any():
         notices.append(f"{place(int(np.argmax(gone)))}: a value is missing ({int(gone.sum())} in all)")
     return gone

@@ -167,7 +167,7 @@ def _signal(
             " number; --missing nan leaves them out"
         )
 
-    gone = is_missing(values, missing, notices, place, refused)
+    gone = is_missing(table.source, values, missing, notices, place, refused)
     grid = _grid(table, clock, loaded, rate, place, notices)
     sampled = grid.rate if grid else rate if rate is not None else table.rate
     if grid is None and rate is None and table.rate is not None and table.form.startswith("text"):

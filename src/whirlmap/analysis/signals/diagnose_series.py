@@ -222,7 +222,7 @@ def _without_missing(values: Any, missing: Sequence[str | float], notices: list[
             " leaves others out"
         )
 
-    gone = is_missing(x, missing, notices, place, refused)
+    gone = is_missing("the signal", x, missing, notices, place, refused)
     return filled(x[~gone], np.flatnonzero(~gone), notices)
 
 
