@@ -1,7 +1,7 @@
-"""What a map costs on one core and on many: measures, and writes the tables of docs/scaling.md.
+"""What a map costs on one core and on many: measures, and writes the tables of docs/explanation/maps-on-disk.md.
 
     python benchmarks/scaling.py --json scaling.json      # measures, on a machine that does nothing else
-    python benchmarks/scaling.py --from scaling.json --page docs/scaling.md    # writes its tables into the page
+    python benchmarks/scaling.py --from scaling.json --page docs/explanation/maps-on-disk.md  # writes its tables there
 """
 
 import argparse

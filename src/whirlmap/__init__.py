@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from whirlmap.options.computed import Settling as Settling
     from whirlmap.options.execution import Execution as Execution
     from whirlmap.options.storage import Storage as Storage
+    from whirlmap.recordings.signal import read_signal as read_signal
     from whirlmap.results.labels import labels as labels
     from whirlmap.sweep.attractors.attractors import attractors as attractors
     from whirlmap.sweep.attractors.basins import basins as basins
@@ -78,6 +79,7 @@ _HOMES = {
     "in_units": "whirlmap.integrate.in_units",
     "load": "whirlmap.integrate.loading",
     "System": "whirlmap.integrate.system",
+    "read_signal": "whirlmap.recordings.signal",
     "labels": "whirlmap.results.labels",
     "attractors": "whirlmap.sweep.attractors.attractors",
     "basins": "whirlmap.sweep.attractors.basins",

@@ -3,6 +3,7 @@
 import ast
 import re
 from importlib import import_module
+from inspect import isroutine, signature
 from pathlib import Path
 
 import pytest
@@ -66,6 +67,15 @@ def test_the_page_of_case_files_has_every_key_that_stock_cases_have():
         case = read(name)
         for key in (*case.given, *case.switches):
             assert f"`{key.rpartition('.')[2]}`" in text, (name, key)
+
+
+def test_nothing_that_returns_a_dataset_or_prints_json_is_missing_in_the_reference():
+    functions = {name: value for name in whirlmap.__all__ if isroutine(value := getattr(whirlmap, name))}
+    returned = {name: str(signature(value).return_annotation) for name, value in functions.items()}
+    found = {name for name, kind in returned.items() if kind.endswith(("Dataset'>", "Dataset"))}
+    assert found == set(small_results.datasets())
+    printing = {name for name in COMMANDS if any("--json" in p.opts for p in loaded(name).params)}
+    assert printing - set(small_results.TOO_LONG) == {name.split()[0] for name in small_results.COMMANDS}
 
 
 @pytest.mark.slow  # every command and every function that returns a Dataset, once

@@ -52,11 +52,11 @@ def _table(path: Path, form: str, named: Iterable[tuple[str, Any, str]], rate: f
     arrays: list[Any] = []
     notices: list[str] = []
     for name, value, unit in named:
-        array = np.asarray(value)
+        array = value if hasattr(value, "dtype") else np.asarray(value)  # what is on the disk stays there
         if array.dtype.kind not in "biuf":
             notices.append(f"{name!r} has {'complex numbers' if array.dtype.kind == 'c' else 'no numbers'}: left out")
             continue
-        array = np.squeeze(array)
+        array = array.squeeze()
         plain = "".join(c for c in name.rpartition(".")[2].lower() if c.isalnum())
         if array.size < 2:
             if array.size and plain in RATES and float(array) > 0:
@@ -146,14 +146,15 @@ def hdf(path: Path) -> ArrayTable:
 
 @_reads("a NetCDF or HDF5 file")
 def nc(path: Path) -> ArrayTable:
-    """Variables of xarray, with their units; a second dimension with names gives a column for each name."""
+    """Variables of xarray, read when they are asked for; a second dimension with names gives a column for each name."""
     import xarray as xr
 
     try:
-        ds = xr.load_dataset(path, engine="netcdf4", decode_times=False)
+        ds = xr.open_dataset(path, engine="netcdf4", decode_times=False, cache=False)
     except (OSError, ValueError):
         return hdf(path)
     if not ds.variables:
+        ds.close()
         return hdf(path)
     named: list[tuple[str, Any, str]] = []
     for name, v in ds.variables.items():
@@ -161,7 +162,7 @@ def nc(path: Path) -> ArrayTable:
         unit = "" if unit in ("1", "time") else unit
         long = max(v.dims, key=lambda d: v.sizes[d]) if v.dims else None
         if v.ndim != 2:
-            named.append((str(name), v.values, unit))
+            named.append((str(name), v, unit))
             continue
         other = next(d for d in v.dims if d != long)
         labels = (
@@ -170,9 +171,15 @@ def nc(path: Path) -> ArrayTable:
         each = str(v.attrs.get("unit_of_each", "")).split()
         units = each if len(each) == len(labels) else [unit] * len(labels)
         named += [
-            (label, v.transpose(long, other).values[:, k], u) for k, (label, u) in enumerate(zip(labels, units, strict=True))
+            (label, v.transpose(long, other)[:, k], u) for k, (label, u) in enumerate(zip(labels, units, strict=True))
         ]
-    return _table(path, "a NetCDF file", named)
+    try:
+        table = _table(path, "a NetCDF file", named)
+    except InputError:
+        ds.close()
+        raise
+    table.closing = ds.close
+    return table
 
 
 @_reads("a Parquet file")

@@ -1,8 +1,9 @@
-"""The sampling rate that a line above a table declares: ``Rate,25600``, ``SampleRate, 100,Hz``, ``Delta_X 0.001``."""
+"""Sampling rates in words: of a line above a table (``SampleRate, 100,Hz``, ``Delta_X 0.001``), of a user (``25.6 kHz``)."""
 
 import re
 from collections.abc import Sequence
 
+from whirlmap.errors import InputError
 from whirlmap.recordings.column_names import seconds_per
 
 _NUMBER = r"([+-]?(?:\d+(?:[.,]\d*)?|\.\d+)(?:[eE][+-]?\d+)?)"
@@ -18,6 +19,15 @@ _STEP = re.compile(
     rf"\s*[\[(]?\s*(?P<before>[munµ]?s(?:ec)?)?[\])]?\W*?{_NUMBER}\W*(?P<unit>[munµ]?s(?:ec|econds)?\b)?",
     re.IGNORECASE,
 )
+_GIVEN = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([kMG]?)(?:Hz|S/s|Sa/s|sps|/s|1/s)?\s*")
+
+
+def samples_per_second(text: str) -> float:
+    """Read a rate: a number, with a unit of frequency or none."""
+    found = _GIVEN.fullmatch(text)
+    if not found:
+        raise InputError(f"--rate: found {text!r}, expected a number of samples per second, or such as '25.6 kHz'")
+    return float(found[1]) * {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}[found[2]]
 
 
 def declared_rate(lines: Sequence[str]) -> tuple[float | None, str]:

@@ -31,7 +31,7 @@ def describe_file(
         ``file``, ``form``, ``rows``, ``columns`` (each with ``position``, ``name``, ``unit``, ``kind``, ``minimum``,
         ``maximum``, ``missing``), ``time``, ``rate``, ``start``, ``warnings``.
     """
-    with closing(open_table(path, separator=separator, decimal=decimal, skip=skip)) as table:
+    with closing(open_table(path, separator=separator, decimal=decimal, skip=skip, words_missing=True)) as table:
         return _described(table, time)
 
 
@@ -62,6 +62,11 @@ def _described(table: Table, time: str | None) -> dict[str, Any]:
         except InputError as fault:
             rate = None
             notices.append(str(fault))
+    notices += [
+        f"column {k + 1}, {table.columns[k].title!r}, is constant at {lows[k]:.6g}: there is no motion in it"
+        for k in numbers
+        if counts[k] > 1 and k in lows and lows[k] == highs[k]
+    ]
     columns = [
         {
             "position": k + 1,

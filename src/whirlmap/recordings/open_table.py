@@ -25,7 +25,9 @@ MAGIC: tuple[tuple[bytes, int, Callable[[Path], ArrayTable]], ...] = (
 )
 
 
-def open_table(path: str | Path, *, separator: str | None = None, decimal: str | None = None, skip: int = 0) -> Table:
+def open_table(
+    path: str | Path, *, separator: str | None = None, decimal: str | None = None, skip: int = 0, words_missing: bool = False
+) -> Table:
     """Open a file as a table; nothing but its head is read.
 
     Parameters
@@ -34,6 +36,9 @@ def open_table(path: str | Path, *, separator: str | None = None, decimal: str |
         Text, packed or not; WAV, MATLAB, NumPy, Parquet, NetCDF, TDMS, UFF 58; ``-`` for standard input.
     separator, decimal, skip
         Of a text file, see `text_layout.find_layout`.
+    words_missing : bool
+        Words among the numbers of a text file are missing values, and lines of text among its rows are skipped; else both
+        are refused.
 
     Raises
     ------
@@ -55,7 +60,7 @@ def open_table(path: str | Path, *, separator: str | None = None, decimal: str |
         raise InputError(f"{path}: found a folder, expected a file")
     head, stream, name = open_bytes(path)
     try:
-        return _opened(path, head, stream, name, separator, decimal, skip)
+        return _opened(path, head, stream, name, separator, decimal, skip, words_missing)
     except BaseException:
         stream.close()
         raise
@@ -69,6 +74,7 @@ def _opened(
     separator: str | None,
     decimal: str | None,
     skip: int,
+    words_missing: bool,
 ) -> Table:
     for magic, at, read in MAGIC:
         if head[at : at + len(magic)] == magic:
@@ -83,7 +89,10 @@ def _opened(
         raise InputError(f"{name}: found a file of an office program, expected a table in text: save it as CSV")
     if str(path).lower().endswith(".mat"):
         return _binary(path, head, stream, array_files.mat)
-    return open_text_table(open_text(head, stream, name), name, separator=separator, decimal=decimal, skip=skip)
+    text = open_text(head, stream, name)
+    return open_text_table(
+        text, name, separator=separator, decimal=decimal, skip=skip, words_missing=words_missing
+    )
 
 
 def _binary(path: str | Path, head: bytes, stream: io.BufferedReader, read: Callable[[Path], ArrayTable]) -> Table:
@@ -99,5 +108,6 @@ def _binary(path: str | Path, head: bytes, stream: io.BufferedReader, read: Call
             unpacked.write(part)
         unpacked.flush()
         table = read(Path(unpacked.name))
+        table.load()
         table.source = str(path)
         return table

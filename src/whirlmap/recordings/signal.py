@@ -10,16 +10,16 @@ from numpy.typing import NDArray
 
 from whirlmap.errors import InputError
 from whirlmap.recordings.clock import Clock, find_clock, seconds_of
+from whirlmap.recordings.declared_rate import samples_per_second
 from whirlmap.recordings.even_grid import Grid, even_grid
+from whirlmap.recordings.missing_values import filled, is_missing, words_are_missing
 from whirlmap.recordings.open_table import open_table
-from whirlmap.recordings.shaft_speed import shaft_speed, speed_column
+from whirlmap.recordings.shaft_speed import ShaftSpeed, shaft_speed, speed_column
 from whirlmap.recordings.suspects import suspects
 from whirlmap.recordings.table import Array, Table, find_column
 
 #: Difference between a rate that was asked for and that of the times, relative, from which it is said.
 CONTRADICTS = 5e-3
-#: Missing values in a row that are filled, at most, and their largest share.
-LONGEST_FILLED, MOST_FILLED = 3, 0.15
 
 
 @dataclass(frozen=True)
@@ -38,8 +38,8 @@ class Signal:
         File, column and unit as they stand in the file.
     form : str
         Format of the file in words.
-    speed : float or None
-        Mean of the speed column over the part that is kept, in turns per second, where one was asked for.
+    shaft : ShaftSpeed or None
+        Angle of the shaft over the samples that are kept, where a column with its speed was asked for.
     notices : tuple of str
         What was skipped, filled, assumed or looks wrong, one sentence each.
     """
@@ -51,8 +51,16 @@ class Signal:
     column: str
     unit: str
     form: str
-    speed: float | None
+    shaft: ShaftSpeed | None
     notices: tuple[str, ...]
+
+    @property
+    def speed(self) -> float | None:
+        """Mean speed of the shaft [turns per second], where a column with its speed was asked for."""
+        if self.shaft is None or self.rate is None:
+            return None
+        mean = self.shaft.per_sample(0, self.values.size)
+        return None if mean is None else mean * self.rate
 
 
 def read_signal(
@@ -60,15 +68,15 @@ def read_signal(
     *,
     column: str | None = None,
     time: str | None = None,
-    rate: float | None = None,
+    rate: float | str | None = None,
     separator: str | None = None,
     decimal: str | None = None,
     skip: int = 0,
-    missing: Sequence[str] = (),
+    missing: Sequence[str | float] = (),
     window: tuple[float, float] | None = None,
     speed: str | None = None,
 ) -> Signal:
-    """Read one column of a file.
+    """Read one column of a file as an evenly spaced signal.
 
     Parameters
     ----------
@@ -78,24 +86,37 @@ def read_signal(
         Name or position from 1; may be left out where there is only one.
     time : str, optional
         Name or position of the time column, with its unit where the file says none: ``"t [ms]"``; ``none`` for no times.
-    rate : float, optional
-        Samples per second; where it contradicts the times, it is taken and that is said.
+    rate : float or str, optional
+        Samples per second, or ``"25.6 kHz"``; where it contradicts the times, it is taken and that is said.
     separator, decimal, skip
         What is known of a text file.
-    missing : sequence of str
-        Values that mean that there is none: ``-999``; ``nan`` for whatever is no number.
+    missing : sequence of str or float
+        Values that mean that there is none: ``-999``; ``nan`` for whatever is no number, words and lines of text too.
     window : (float, float), optional
         Part of the record that is kept [s], by the file's own times; from its start where these are dates.
     speed : str, optional
         A column with the shaft's speed, or with pulses once per turn.
 
+    Returns
+    -------
+    Signal
+        ``values``, ``rate``, ``start``, ``shaft``; ``notices`` says what was skipped, filled, assumed or looks wrong.
+
     Raises
     ------
     InputError
         The file or an option cannot be understood; line, what was found and what to do are said.
+
+    Notes
+    -----
+    The format is found from the first bytes; the table of a text file is the longest run of lines with one number of
+    fields, at least one of them a number. Up to three missing samples in a row are filled by cubic interpolation; a longer
+    gap ends the record, and its longest part is read.
     """
-    with closing(open_table(path, separator=separator, decimal=decimal, skip=skip)) as table:
-        return _signal(table, column, time, rate, missing, window, speed)
+    given = samples_per_second(rate) if isinstance(rate, str) else rate
+    words = words_are_missing(missing)
+    with closing(open_table(path, separator=separator, decimal=decimal, skip=skip, words_missing=words)) as table:
+        return _signal(table, column, time, given, missing, window, speed)
 
 
 def _signal(
@@ -103,7 +124,7 @@ def _signal(
     column: str | None,
     time: str | None,
     rate: float | None,
-    missing: Sequence[str],
+    missing: Sequence[str | float],
     window: tuple[float, float] | None,
     speed: str | None,
 ) -> Signal:
@@ -137,7 +158,16 @@ def _signal(
                 f"column {k + 1},"
                 " expected a time; --time none with --rate leaves the times out"
             )
-    gone = _missing(table, at, values, missing, notices, place)
+
+    def refused(row: int, count: int) -> InputError:
+        absent = table.absent.get(at)
+        text = absent.text if absent and absent.count else str(values[row])
+        return InputError(
+            f"{table.source}, {place(row)}: found {text!r} in column {at + 1} ({count} such fields), expected a finite"
+            " number; --missing nan leaves them out"
+        )
+
+    gone = is_missing(table.source, values, missing, notices, place, refused)
     grid = _grid(table, clock, loaded, rate, place, notices)
     sampled = grid.rate if grid else rate if rate is not None else table.rate
     if grid is None and rate is None and table.rate is not None and table.form.startswith("text"):
@@ -149,17 +179,17 @@ def _signal(
     rows = np.arange(values.size) if grid is None or grid.rows is None else grid.rows
     index = np.arange(rows.size) if grid is None or grid.index is None else grid.index
     kept = ~gone[rows]
-    values, offset = _filled(values[rows][kept], np.asarray(index)[kept], notices)
+    values, offset = filled(values[rows][kept], np.asarray(index)[kept], notices)
     if sampled:
         start += offset / sampled
     if window is not None:
         values, start, cut = _window(table, values, sampled, start, window)
         offset += cut
-    turns = None
+    shaft = None
     if tacho is not None and pulses is not None:  # the speed may change within the record
         within = (index >= offset) & (index < offset + values.size)
-        turns = shaft_speed(table, tacho, pulses[rows[within]], sampled, notices)
-    return Signal(values, sampled, start, table.source, title, table.columns[at].unit, table.form, turns, tuple(notices))
+        shaft = shaft_speed(table, tacho, index[within] - offset, pulses[rows[within]], sampled, notices)
+    return Signal(values, sampled, start, table.source, title, table.columns[at].unit, table.form, shaft, tuple(notices))
 
 
 def _without_count(table: Table, values: Array, notices: list[str]) -> tuple[Array, int]:
@@ -171,39 +201,6 @@ def _without_count(table: Table, values: Array, notices: list[str]) -> tuple[Arr
         return values, 0  # it may be a value like the others
     notices.append(f"{table.place(0)} holds the number of samples, {values[0]:.0f}: skipped")
     return rest, 1
-
-
-def _missing(
-    table: Table, at: int, values: Array, missing: Sequence[str], notices: list[str], place: Callable[[int], str]
-) -> NDArray[np.bool_]:
-    """Which values are missing."""
-    words = [m.strip().lower() for m in missing]
-    gone = ~np.isfinite(values)
-    absent = table.absent.get(at)
-    if gone.any() and not {"nan", "empty"} & set(words):
-        k = int(np.argmax(gone))
-        text = absent.text if absent and absent.count else str(values[k])
-        raise InputError(
-            f"{table.source}, {place(k)}: found {text!r} in column {at + 1} ({int(gone.sum())} such "
-            "fields), expected a finite"
-            " number; --missing nan leaves them out"
-        )
-    for word in words:
-        if word in ("nan", "empty"):
-            continue
-        try:
-            value = float(word.replace(",", "."))
-        except ValueError:
-            raise InputError(f"--missing: found {word!r}, expected a number such as -999, or nan") from None
-        same = np.isclose(values, value, rtol=1e-6, atol=0.0)
-        if not same.any():
-            notices.append(f"--missing {word}: there is no such value")
-        gone |= same
-    if gone.all():
-        raise InputError(f"{table.source}: found no value that is not missing, expected some")
-    if gone.any():
-        notices.append(f"{place(int(np.argmax(gone)))}: a value is missing ({int(gone.sum())} in all)")
-    return gone
 
 
 def _grid(
@@ -240,28 +237,6 @@ def _grid(
     if rate is None or abs(rate / grid.rate - 1) <= CONTRADICTS:
         return grid if rate is None else replace(grid, rate=rate)
     return Grid(rate, 0.0)
-
-
-def _filled(values: Array, index: NDArray[np.int64], notices: list[str]) -> tuple[Array, int]:
-    """Values on every place of the even grid, and the place of the first; long gaps cut the record."""
-    steps = np.diff(index)
-    if (steps == 1).all():
-        return values, int(index[0])
-    lost = int((steps - 1).sum())
-    if steps.max() - 1 > LONGEST_FILLED or lost > MOST_FILLED * (index[-1] - index[0] + 1):
-        ends = np.r_[0, np.flatnonzero(steps > 1) + 1, index.size]
-        best = int(np.argmax(np.diff(ends)))
-        part = slice(ends[best], ends[best + 1])
-        notices.append(
-            f"only the longest part without missing values is read: {ends[best + 1] - ends[best]} of {values.size} values"
-        )
-        return values[part], int(index[part.start])
-    from scipy.interpolate import CubicSpline
-
-    every = np.arange(index[0], index[-1] + 1)
-    if not any("filled" in text for text in notices):
-        notices.append(f"{lost} missing values are filled by cubic interpolation")
-    return np.asarray(CubicSpline(index.astype(float), values)(every.astype(float))), int(index[0])
 
 
 def _window(

@@ -1,8 +1,8 @@
 """A table of a file, whatever its format: columns with names and units, read block by block."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -143,23 +143,32 @@ def find_column(table: Table, wanted: str | None, option: str = "--column") -> i
 
 @dataclass
 class ArrayTable:
-    """A table whose columns are arrays: of a binary file."""
+    """A table whose columns are arrays of a binary file, or what NumPy reads as such from a file that is open."""
 
     source: str
     form: str
     columns: tuple[Column, ...]
-    arrays: list[NDArray[np.generic]]
+    arrays: list[Any]
     rate: float | None = None
     notices: list[str] = field(default_factory=list)
     absent: dict[int, Absent] = field(default_factory=dict)
+    closing: Callable[[], None] | None = None
 
     @property
     def first_rows(self) -> list[Array]:
         """First rows of every column."""
         return [np.asarray(a[:200], dtype=np.float64) for a in self.arrays]
 
+    def load(self) -> None:
+        """Read all columns, and close the file."""
+        self.arrays = [np.asarray(a) for a in self.arrays]
+        self.close()
+
     def close(self) -> None:
-        """Nothing is open."""
+        """Close the file, where one is open."""
+        if self.closing is not None:
+            self.closing()
+            self.closing = None
 
     def blocks(self, positions: Sequence[int]) -> Iterator[Block]:
         """Give the columns, of one length, as one block."""

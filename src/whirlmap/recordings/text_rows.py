@@ -5,6 +5,8 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+import numpy as np
+
 from whirlmap.recordings.fields import EMPTY, NUMBER, TEXT, kind_of
 
 _MARKS = ("#", "%", "//", "!", '"#', "'")
@@ -103,3 +105,20 @@ def header_fields(line: str, separator: str | None) -> list[str]:
                 return [f.strip() for f in split(marked.strip(), other)]
         return re.findall(r"[^\s\[(]+(?:\s*[\[(][^\])]*[\])])?", marked)
     return [f.strip() for f in split(marked.strip() if is_comment(text) else marked, separator)]
+
+
+def fields_per_line(text: str, separator: str | None) -> int:
+    """Fields of every line, -1 where lines differ."""
+    data = np.frombuffer(text.encode("utf-8", errors="replace"), dtype=np.uint8)
+    ends = np.flatnonzero(data == 10)
+    if separator is None:
+        blank = (data == 32) | (data == 9) | (data == 13) | (data == 10)
+        marks = np.flatnonzero(~blank & np.r_[True, blank[:-1]])
+    else:
+        marks = (
+            np.flatnonzero(data == ord(separator)) if len(separator) == 1 and ord(separator) < 128 else np.zeros(0, np.intp)
+        )
+    counts = np.diff(np.searchsorted(marks, ends), prepend=0)
+    if not counts.size or (counts != counts[0]).any():
+        return -1
+    return int(counts[0]) + (separator is not None)

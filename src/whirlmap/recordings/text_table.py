@@ -20,10 +20,12 @@ from whirlmap.recordings.fields import ABSENT, CLOCK, DATE, EMPTY, NUMBER, TEXT,
 from whirlmap.recordings.table import Absent, Array, Block, Column
 from whirlmap.recordings.text_layout import NAMED, SOUGHT, find_layout
 from whirlmap.recordings.text_names import Layout
-from whirlmap.recordings.text_rows import is_comment, split
+from whirlmap.recordings.text_rows import fields_per_line, is_comment, split
 
 #: Characters of one piece.
 PIECE = 1 << 22
+#: Different words that are named where they are taken as missing values.
+SHOWN_WORDS = 5
 NOT_A_TIME = np.iinfo(np.int64).min
 
 
@@ -35,6 +37,8 @@ class TextTable:
     layout: Layout
     head: list[str]
     stream: IO[str]
+    #: Whether words among the numbers are missing values, and lines of text among the rows are skipped.
+    words_missing: bool = False
     absent: dict[int, Absent] = field(default_factory=dict)
     notices: list[str] = field(default_factory=list)
     #: Row from which on, and line of that row, wherever lines were left out.
@@ -42,6 +46,9 @@ class TextTable:
     _lines: list[int] = field(default_factory=list)
     _footer: list[tuple[int, str]] = field(default_factory=list)
     _comments: list[tuple[int, str]] = field(default_factory=list)
+    _texts: list[tuple[int, str]] = field(default_factory=list)
+    #: Position of a column and a word in it -> line of the first one, and how many.
+    _words: dict[tuple[int, str], tuple[int, int]] = field(default_factory=dict)
 
     @property
     def columns(self) -> tuple[Column, ...]:
@@ -106,10 +113,19 @@ class TextTable:
             line += len(lines)
             row += len(at)
             yield Block(values)
-        if self._comments:
-            first, text = self._comments[0]
-            more = f" ({len(self._comments)} such lines)" if len(self._comments) > 1 else ""
-            self.notices.append(f"line {first}: a comment within the table, {text[:40]!r}, skipped{more}")
+        for kind, skipped in (("a comment", self._comments), ("text", self._texts)):
+            if skipped:
+                first, text = skipped[0]
+                more = f" ({len(skipped)} such lines)" if len(skipped) > 1 else ""
+                how = " with --missing nan" if kind == "text" else ""
+                self.notices.append(f"line {first}: {kind} within the table, {text[:40]!r}, skipped{how}{more}")
+        for (p, word), (first, count) in list(self._words.items())[:SHOWN_WORDS]:
+            self.notices.append(
+                f"line {first}: {word[:40]!r} in column {p + 1} is no number ({counted(count, 'such field')}): missing with"
+                " --missing nan"
+            )
+        if len(self._words) > SHOWN_WORDS:
+            self.notices.append(f"{len(self._words) - SHOWN_WORDS} other words are no numbers either")
         if self._footer:
             first, text = self._footer[0]
             self.notices.append(
@@ -135,11 +151,13 @@ class TextTable:
         """Columns of a piece without surprises, else None."""
         text = "\n".join(lines) + "\n"
         separator = self.layout.separator
-        if '"' in text or "'" in text or _fields_per_line(text, separator) != self.layout.fields:
+        if '"' in text or "'" in text or fields_per_line(text, separator) != self.layout.fields:
             return None
         import pandas as pd
 
-        kinds = {p: "float64" if self.columns[p].kind in (NUMBER, EMPTY) else "str" for p in positions}
+        # A word in the first column tells a footer, or a line of text, from a row.
+        read = sorted({*positions, 0} if self.columns[0].kind == NUMBER else set(positions))
+        kinds = {p: "float64" if self.columns[p].kind in (NUMBER, EMPTY) else "str" for p in read}
         try:
             with warnings.catch_warnings():
                 warnings.simplefilter("error")
@@ -148,7 +166,7 @@ class TextTable:
                     sep=r"\s+" if separator is None else separator,
                     decimal=self.layout.decimal,
                     header=None,
-                    usecols=sorted(set(positions)),
+                    usecols=read,
                     dtype=kinds,
                     na_filter=False,
                     quoting=3,
@@ -177,7 +195,9 @@ class TextTable:
         self, lines: list[str], first: int, row: int, positions: Sequence[int], ended: bool
     ) -> tuple[list[NDArray[np.generic]], list[int]]:
         """Columns of a piece line by line, and the line of each row."""
-        layout, rows, at = self.layout, [], []
+        layout = self.layout
+        rows: list[list[str]] = []
+        at: list[int] = []
         for k, text in enumerate(lines, first):
             if is_comment(text, layout.decimal):
                 if text.strip():
@@ -187,8 +207,8 @@ class TextTable:
             if self._is_footer(fields):
                 self._footer.append((k, text.strip()))
                 continue
-            if self._footer:
-                self._complain_about_footer()
+            if self._footer:  # it was none: the table goes on
+                self._resume(rows, at)
             if len(fields) != layout.fields:
                 last = ended and k == first + len(lines) - 1
                 if last and len(fields) < layout.fields and len(lines) > 2:
@@ -211,11 +231,13 @@ class TextTable:
                 if v is None or v != v:
                     field_text = rows[j][p]
                     if times or field_text.lower() not in ABSENT:
-                        raise InputError(
-                            f"{self.source}, line {at[j]}: found {field_text[:60]!r} in column {p + 1}, "
-                            "expected a"
-                            f" {'time' if times else 'finite number'}"
-                        )
+                        if times or not self.words_missing:
+                            raise InputError(
+                                f"{self.source}, line {at[j]}: found {field_text[:60]!r} in column {p + 1}, expected a"
+                                + (" time" if times else " finite number; --missing nan takes words as missing values")
+                            )
+                        begun, count = self._words.get((p, field_text), (at[j], 0))
+                        self._words[p, field_text] = begun, count + 1
                     if not absent.count:
                         absent.row, absent.text = row + j, field_text
                     absent.count += 1
@@ -227,17 +249,32 @@ class TextTable:
         kind = kind_of(fields[0], self.layout.decimal)
         return kind == TEXT and self.columns[0].kind != TEXT
 
+    def _resume(self, rows: list[list[str]], at: list[int]) -> None:
+        """Lines that looked like a footer, and are followed by rows: rows with a word, or lines of text, if these may be."""
+        if not self.words_missing:
+            self._complain_about_footer()
+        for k, text in self._footer:
+            fields = split(text, self.layout.separator)
+            numbers = any(kind_of(f, self.layout.decimal) == NUMBER for f in fields)
+            if len(fields) == self.layout.fields and (numbers or len(fields) == 1):
+                rows.append(fields)
+                at.append(k)
+            else:
+                self._texts.append((k, text))
+        self._footer.clear()
+
     def _complain_about_footer(self) -> None:
         k, text = self._footer[0]
         raise InputError(
             f"{self.source}, line {k}: found {text[:60]!r} in the middle of the table, expected a row of "
             "numbers;"
-            f" several tables in one file? --skip {k} reads the one below"
+            f" several tables in one file? --skip {k} reads the one below; --missing nan leaves lines of text out"
         )
 
 
 def open_text_table(
-    stream: IO[str], source: str, *, separator: str | None = None, decimal: str | None = None, skip: int = 0
+    stream: IO[str], source: str, *, separator: str | None = None, decimal: str | None = None, skip: int = 0,
+    words_missing: bool = False,
 ) -> TextTable:
     """Find the table in a stream of text; see `text_layout.find_layout`."""
     head: list[str] = []
@@ -246,29 +283,12 @@ def open_text_table(
     if re.match(r"\s*(\{|<|\[\s*[\[{]|\[\s*-?\d[\d.eE+-]*\s*,)", head[0] if head else ""):
         raise InputError(f"{source}: found JSON or markup, {head[0].strip()[:40]!r}, expected a table in text")
     layout = find_layout(head, source, separator=separator, decimal=decimal, skip=skip)
-    return TextTable(source, layout, head, stream, notices=list(layout.notices))
+    return TextTable(source, layout, head, stream, words_missing, notices=list(layout.notices))
 
 
 def _value(field_text: str, decimal: str) -> float:
     value = number_of(field_text, decimal)
     return float("nan") if value is None else value
-
-
-def _fields_per_line(text: str, separator: str | None) -> int:
-    """Fields of every line, -1 where lines differ."""
-    data = np.frombuffer(text.encode("utf-8", errors="replace"), dtype=np.uint8)
-    ends = np.flatnonzero(data == 10)
-    if separator is None:
-        blank = (data == 32) | (data == 9) | (data == 13) | (data == 10)
-        marks = np.flatnonzero(~blank & np.r_[True, blank[:-1]])
-    else:
-        marks = (
-            np.flatnonzero(data == ord(separator)) if len(separator) == 1 and ord(separator) < 128 else np.zeros(0, np.intp)
-        )
-    counts = np.diff(np.searchsorted(marks, ends), prepend=0)
-    if not counts.size or (counts != counts[0]).any():
-        return -1
-    return int(counts[0]) + (separator is not None)
 
 
 def _lines(first: int, last: int) -> str:

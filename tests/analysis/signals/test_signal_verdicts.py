@@ -102,9 +102,9 @@ def test_impossible_rates_are_refused(rate):
 
 def test_orders_and_sidebands():
     names = [order_name(f, 10.0, 23, 0.1) for f in (10, 20, 5, 230, 240, 460, 200, 77, 33.3, 1000)]
-    assert names == ["shaft", "2 shaft", "1/2 shaft", "mesh", "mesh + shaft", "2 mesh", "mesh - 3 shaft", "", "10/3 shaft",
-                     "100 shaft"]  # fmt: skip
-    assert order_name(33.33, 10.0, None, 0.1) == "10/3 shaft" and order_name(1000, 1.0, None, 5.0) == ""
+    assert names == ["1x", "2x", "1/2x", "mesh", "mesh + 1x", "2 mesh", "mesh - 3x", "", "10/3x",
+                     "100x"]  # fmt: skip
+    assert order_name(33.33, 10.0, None, 0.1) == "10/3x" and order_name(1000, 1.0, None, 5.0) == ""
 
 
 def test_chaos_stays_chaos():

@@ -1,78 +1,93 @@
 """Diagnosis of a recorded signal: the indicators that need no equations, and the regime that they give together."""
 
 import json
-from math import ceil
+import warnings
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from numpy.typing import ArrayLike, NDArray
-from scipy import signal
 
-from whirlmap.analysis.indicators.correlation_dimension import correlation_dimension
-from whirlmap.analysis.indicators.recurrence import recurrence
-from whirlmap.analysis.indicators.zero_one import STATUS as ZERO_ONE_STATUS
-from whirlmap.analysis.indicators.zero_one import zero_one_test
-from whirlmap.analysis.signals.embedding import delay_embedding, false_neighbours, mutual_information
-from whirlmap.analysis.signals.regular_motion import RegularMotion, regular_motion
-from whirlmap.analysis.signals.signal_exponents import signal_exponents
-from whirlmap.analysis.signals.steadiness import steadiness
-from whirlmap.analysis.signals.verdict import CLEAN, decide, sentences
-from whirlmap.analysis.spectra.spectral_lines import spectral_lines
-from whirlmap.analysis.spectra.spectrum import power_spectrum
-from whirlmap.errors import RangeError
-from whirlmap.results.findings import Findings
-from whirlmap.results.provenance import package_version
+from whirlmap.analysis.signals.judged_signal import judge_signal
+from whirlmap.analysis.signals.order_names import order_name
+from whirlmap.analysis.signals.sliding import sliding_verdict
+from whirlmap.errors import InputError, RangeError
+from whirlmap.recordings.column_names import split_unit
+from whirlmap.recordings.declared_rate import samples_per_second
+from whirlmap.recordings.missing_values import filled, is_missing
+from whirlmap.recordings.shaft_speed import ShaftSpeed, speed_of
+from whirlmap.recordings.signal import Signal
 from whirlmap.results.regime import Regime
-from whirlmap.results.schema import regime_variable, variable, with_attributes
 
 Array = NDArray[np.float64]
 
-#: Least number of samples, and of oscillations of the motion, for a diagnosis.
-FEWEST, FEWEST_SWINGS = 1000, 30
-#: Share of the power in the strongest bins, over which the mean frequency is taken: noise lies in the others.
-STRONG = 0.95
-#: Samples per oscillation to which a finely sampled signal is thinned before it is embedded.
-FINE = 40
-#: Samples used for false neighbours, vectors used for distances, and points used for recurrences.
-NEIGHBOURS, VECTORS, RECURRENT = 12_000, 8_000, 1_500
 #: Smallest rate, and the inverse of the largest.
 SLOWEST = 1e-280
-#: Damping of the 0-1 test, for noise.
-DAMPING = 1.0
-CITED = (
-    "gottwald2009 rosenstein1993 kantz1994 savitzky1964 fraser1986 kennel1992 grassberger1983 theiler1986 marwan2007"
-    " andrews1993"
-)
-#: K of the 0-1 test above and below which it has a say; clean sections allow tighter ones (`regime`).
-WANDERS, BOUNDED = 0.8, 0.3
 
 
-def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Dataset:
+def diagnose_series(
+    values: ArrayLike | Signal,
+    *,
+    rate: float | str | None = None,
+    unit: str = "s",
+    window: float | tuple[float, float] | None = None,
+    missing: Sequence[str | float] = (),
+    speed: float | str | ArrayLike | None = None,
+    teeth: int | None = None,
+    start: float = 0.0,
+    quantity: str = "",
+    quantity_unit: str = "1",
+    progress: Callable[[int], None] | None = None,
+) -> xr.Dataset:
     """Say of a recorded signal whether it is periodic, quasi-periodic or chaotic, with the evidence.
 
     Parameters
     ----------
-    values : array, shape (time,)
-        Evenly spaced samples.
-    rate : float
-        Samples per unit of time.
+    values : array, shape (time,), or Signal
+        Evenly spaced samples; or what `whirlmap.read_signal` returns, which has rate, start, name, unit and speed of the
+        shaft with it.
+    rate : float or str
+        Samples per unit of time; as text with a unit, ``"2 kHz"``, samples per second. A `Signal` that has none needs it.
     unit : str
         Unit of time.
+    window : float or (float, float), optional
+        First and last time of the part that is judged; or the length of windows that are judged too, half a window apart.
+    missing : sequence of str or float
+        Values that mean that there is none: ``-999``; ``"nan"`` for what is no finite number. Up to three in a row are
+        filled by cubic interpolation; with more, the longest part without is judged. A `Signal` has none left.
+    speed : float, str or array of shape (time,), optional
+        Turns of a shaft per unit of time; as text with its unit, ``"1480 rpm"``. Lines are named as its orders.
+    teeth : int, optional
+        Of the gear on that shaft: mesh and sidebands are named.
+    start : float
+        Time of the first sample.
+    quantity, quantity_unit : str
+        Name and unit of the values, for pictures.
+    progress : callable, optional
+        Told of each window.
 
     Returns
     -------
     xr.Dataset
-        ``regime``, ``series(time)``, and under the names of their functions what the indicators gave: spectrum and lines,
-        ``mutual_information(lag)``, ``false_neighbours(dimension)``, ``rosenstein(step)``, ``kantz(step)`` and
-        ``dimension_*``, where they were asked. ``attrs["indicators"]`` is a JSON object of every vote, ``attrs["verdict"]``
-        some sentences; ``attrs["period"]`` and ``attrs["frequency"]`` are there where the signal has them.
+        ``regime``, ``confidence``, ``series(time)``, and under the names of their functions what the indicators gave:
+        spectrum and lines, ``mutual_information(lag)``, ``false_neighbours(dimension)``, ``rosenstein(step)``,
+        ``kantz(step)`` and ``dimension_*``, where they were asked. ``attrs["indicators"]`` is a JSON object of every vote,
+        ``attrs["verdict"]`` some sentences, ``attrs["warnings"]`` a sentence a line on what was filled or assumed.
+        ``attrs["frequency"]`` is the fundamental of periodic motion and its period is ``attrs["period"]``; of other motion
+        it is the frequency of the strongest line. With windows, ``window_regime`` and the others of them over
+        ``window_start``.
 
     Raises
     ------
     RangeError
         Fewer than 1000 samples or 30 oscillations, a constant signal, numbers that are not finite, a rate that is not
-        positive.
+        positive, a window outside of the record.
+
+    Warns
+    -----
+    UserWarning
+        Values were filled, or a part of the record was left out.
 
     Notes
     -----
@@ -100,47 +115,39 @@ def diagnose_series(values: ArrayLike, *, rate: float, unit: str = "s") -> xr.Da
     [rosenstein1993] and [kantz1994] exponents; [grassberger1983] and [theiler1986] dimension; [gottwald2009] 0-1 test.
     [andrews1993] steadiness.
     """
-    raw, scale = _checked(values, rate)
-    spectrum = power_spectrum.find(raw, rate=1.0)
-    swing = _swing(raw, spectrum, rate)
-    lines = spectral_lines.find(spectrum)
-    regular = regular_motion(raw, spectrum, lines)
-    steady = steadiness(raw, swing, regular.frequency, regular.share, regular.broad)
-    votes: dict[str, Any] = {
-        "steadiness": {
-            "vote": "not-steady" if steady.changes else "steady", "changes": list(steady.changes),
-            "rms": (steady.rms * scale).tolist(), "frequency": (steady.frequency * rate).tolist(),
-            "mean": (steady.mean * scale).tolist(), "statistics": steady.statistics,
-            "frequency_of": "strongest line" if steady.followed else "whole spectrum",
-        }
-    }  # fmt: skip
-    votes |= regular.votes
-    for line in votes["spectrum"]["named"]:
-        line["frequency"] *= rate
-    thin = int(swing // FINE) if swing > 2 * FINE else 1
-    x, per_swing = _thinned(raw, thin), max(ceil(swing / thin), 2)
-    data, coords = _spectral_data(x * scale, spectrum, lines, thin, scale, rate, unit)
-    lag, dimension = _lag(x, per_swing, votes, data, coords), 0
-    votes["zero_one"] = _zero_one_vote(x, lag)
-    torus = votes["spectrum"]["vote"] == "quasi-periodic" and regular.broad < CLEAN
-    if steady.changes or regular.period is not None or torus:
-        why = "not-steady" if steady.changes else "lines-hold-all" if torus else "neighbours-coincide"
-        votes["neighbours"] = {"vote": why, "dimension": None}
-        votes |= {name: {"vote": why, "value": None, "error": None, "range": None} for name in ("rosenstein", "kantz")}
-    else:
-        lag, dimension = _dimension(x, lag, per_swing, votes, data, coords)
-    if dimension:
-        _embedded(x, lag, dimension, per_swing, rate / thin, votes, data, coords)
-    label, confidence = decide(votes)
-    data["regime"] = regime_variable((), label)
-    data["confidence"] = variable((), confidence, "1", "share of the indicators with a vote that speak for the regime")
-    facts = {
-        "rate": rate, "unit": unit, "samples": raw.size, "thinned": thin, "swing": swing / rate,
-        "lag": lag, "embedding_dimension": dimension, "indicators": json.dumps(votes),
-        "verdict": sentences(label, votes, rate=rate, unit=unit, period=regular.period, thinned=thin),
-        "whirlmap_version": package_version("whirlmap"), "citations": CITED, **_cycle(label, regular, rate),
-    }  # fmt: skip
-    return with_attributes(xr.Dataset(data, coords=coords), facts)
+    notices: list[str] = []
+    shaft: ShaftSpeed | None = None
+    x: Any = values
+    if isinstance(values, Signal):
+        rate = values.rate if rate is None else rate
+        quantity, quantity_unit = quantity or split_unit(values.column)[0], values.unit or quantity_unit
+        start, notices = values.start, list(values.notices)
+        shaft, x = values.shaft, values.values
+    per_unit = _rate(rate, unit)
+    if speed is not None:
+        shaft = _shaft(speed, per_unit, unit, np.size(x))
+    if teeth is not None and shaft is None:
+        raise RangeError("teeth: found it without speed, which it belongs to")
+    told = len(notices)
+    x, first = _without_missing(x, missing, notices)
+    if notices[told:]:
+        warnings.warn("; ".join(notices[told:]), stacklevel=2)
+    part, length = (window, None) if isinstance(window, tuple) else (None, window)
+    if part is not None:
+        x, begin = _part(x, part, per_unit, start + first / per_unit, unit)
+        first += begin
+    if shaft is not None:
+        shaft = ShaftSpeed(shaft.at - first, shaft.turns)
+    ds = judge_signal(x, per_unit, unit, quantity=quantity, quantity_unit=quantity_unit)
+    begun = start + first / per_unit
+    ds = _with_orders(ds, shaft, teeth, notices).assign_attrs(start=begun, warnings="\n".join(notices))
+    if length is None:
+        return ds
+    windows = sliding_verdict(
+        x, rate=per_unit, length=float(length), start=begun, unit=unit, quantity_unit=quantity_unit, shaft=shaft,
+        teeth=teeth, progress=progress,
+    )  # fmt: skip
+    return ds.merge(windows).assign_attrs(**ds.attrs, **windows.attrs)
 
 
 def series_json(ds: xr.Dataset) -> dict[str, Any]:
@@ -157,152 +164,90 @@ def series_json(ds: xr.Dataset) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _checked(values: ArrayLike, rate: Any) -> tuple[Array, float]:
-    """Signal over a power of two, so that squares stay within floats, and that power."""
+def _rate(rate: Any, unit: str) -> float:
+    """Samples per unit of time."""
+    if not isinstance(rate, str):
+        try:
+            per_unit = float(rate)
+        except (TypeError, ValueError):
+            per_unit = np.nan
+        if not SLOWEST < per_unit < 1 / SLOWEST:
+            raise RangeError(
+                f"rate = {rate!r}: a positive number of samples per unit of time, {SLOWEST:g} to {1 / SLOWEST:g}, or a text"
+                " such as '25.6 kHz', is needed"
+            )
+        return per_unit
     try:
-        raw, per_unit = np.asarray(values, dtype=np.float64), float(rate)
-    except (TypeError, ValueError):
-        raise RangeError(f"values of type {type(values).__name__}, rate = {rate!r}: numbers are needed") from None
-    if raw.ndim != 1 or raw.size < FEWEST:
-        raise RangeError(f"the signal has shape {raw.shape}: one series of at least {FEWEST} samples is needed")
-    if not np.isfinite(raw).all():
-        at = int(np.flatnonzero(~np.isfinite(raw))[0])
-        raise RangeError(f"sample {at + 1} of the signal is {raw[at]}: all must be finite numbers")
-    if isinstance(rate, str) or not SLOWEST < per_unit < 1 / SLOWEST:
-        raise RangeError(f"rate = {rate!r}: a positive number of samples per unit of time, {SLOWEST:g} to "
-            f"{1 / SLOWEST:g}, is needed")
-    largest = float(np.abs(raw).max())
-    if largest == 0 or float(raw.max()) / largest - float(raw.min()) / largest <= 1e-12:
-        raise RangeError(f"the signal is constant ({raw[0]:g}): there is no motion in it")
-    scale = float(np.ldexp(1.0, int(np.frexp(largest)[1]) - 1))
-    return raw / scale, scale
+        found = samples_per_second(rate)
+    except InputError:
+        found = 0.0
+    if found <= 0 or rate.strip()[-1].isdigit() or rate.strip()[-1] == ".":
+        raise RangeError(f"rate = {rate!r}: a number, or a text with a unit such as '25.6 kHz', is needed")
+    if unit != "s":
+        raise RangeError(f"rate = {rate!r} is per second, but unit = {unit!r}: give a number per {unit}")
+    return found
 
 
-def _swing(raw: Array, spectrum: Findings, rate: float) -> float:
-    """Samples per swing."""
-    power = np.asarray(spectrum["power"], dtype=float).copy()
-    power[:2] = 0.0  # offset and slow drift are no swing
-    strongest = np.argsort(-power, kind="stable")
-    held = strongest[: int(np.searchsorted(np.cumsum(power[strongest]), STRONG * power.sum())) + 1]
-    squares = np.asarray(spectrum["frequency"], dtype=float)[held] ** 2
-    swing = 1.0 / float(np.sqrt(np.average(squares, weights=power[held])))
-    if raw.size < FEWEST_SWINGS * swing:
+def _shaft(speed: Any, rate: float, unit: str, samples: int) -> ShaftSpeed:
+    if isinstance(speed, str):
+        turns = speed_of(speed)
+        if turns is None:
+            raise RangeError(f"speed = {speed!r}: a number with its unit, such as '1480 rpm', is needed")
+        if unit != "s":
+            raise RangeError(f"speed = {speed!r} is per second, but unit = {unit!r}: give a number of turns per {unit}")
+        return ShaftSpeed.constant(turns / rate, samples)
+    each = np.asarray(speed, dtype=float)
+    if each.ndim == 0 and np.isfinite(each) and each != 0:
+        return ShaftSpeed.constant(abs(float(each)) / rate, samples)
+    if each.shape != (samples,) or not np.isfinite(each).all():
         raise RangeError(
-            f"the signal holds {raw.size / swing:.3g} oscillations of its mean frequency, {rate / swing:.4g}:"
-            f" at least {FEWEST_SWINGS} are needed. Record longer, or remove a slow drift."
+            f"speed of shape {each.shape}: one finite number that is not zero, or one for each of the {samples} samples, is"
+            " needed"
         )
-    return swing
+    return ShaftSpeed.of_values(np.arange(samples, dtype=float), each / rate)
 
 
-def _thinned(raw: Array, thin: int) -> Array:
-    x = raw - raw.mean()
-    if thin > 1:
-        edge = 20  # the filter's reach, in samples of the thinned signal
-        x = signal.resample_poly(x, 1, thin)[edge:-edge]
-    return np.asarray(x)
+def _without_missing(values: Any, missing: Sequence[str | float], notices: list[str]) -> tuple[Any, int]:
+    """Signal without missing values, and samples before it."""
+    if not len(missing):
+        return values, 0
+    x = np.asarray(values, dtype=float)
+
+    def place(row: int) -> str:
+        return f"sample {row + 1}"
+
+    def refused(row: int, count: int) -> InputError:
+        return InputError(
+            f"{place(row)} of the signal is {x[row]} ({count} such samples): all must be finite numbers; missing=['nan']"
+            " leaves others out"
+        )
+
+    gone = is_missing("the signal", x, missing, notices, place, refused)
+    return filled(x[~gone], np.flatnonzero(~gone), notices)
 
 
-def _cycle(label: Regime, regular: RegularMotion, rate: float) -> dict[str, float]:
-    """Period and frequency: of the cycle where there is one, else the strongest line's frequency."""
-    if label == Regime.periodic and regular.period is not None:
-        return {"period": regular.period / rate, "frequency": rate / regular.period}
-    return {"frequency": float(regular.frequency[0]) * rate} if regular.frequency.size and label != Regime.not_steady else {}
+def _part(values: Any, part: tuple[float, float], rate: float, start: float, unit: str) -> tuple[Array, int]:
+    """Values of a part of the record, and samples before it."""
+    x = np.asarray(values, dtype=float)
+    end = start + x.size / rate
+    first, last = (round((edge - start) * rate) for edge in (max(part[0], start), min(part[1], end)))
+    if last - first < 1:
+        raise RangeError(f"window = {part}: the signal goes from {start:.6g} to {end:.6g} {unit}")
+    return x[first:last], first
 
 
-def _spectral_data(
-    x: Array, spectrum: Findings, lines: Findings, thin: int, scale: float, rate: float, unit: str
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Variables and coordinates of signal, spectrum and lines in units of the record."""
-    square = scale * scale if 1e-140 < scale < 1e140 else 1.0
-    word = "power of a line, a^2/2" if square != 1.0 or scale == 1.0 else f"power of a line, a^2/2, over {scale:g}^2"
-    data: dict[str, Any] = {
-        "power": variable("frequency", spectrum["power"] * square, "1", word),
-        "line_frequency": variable("line", lines["line_frequency"] * rate, f"1/{unit}", "frequency of the line"),
-        "line_power": variable("line", lines["line_power"] * square, "1", word.replace("a line", "the line")),
-        "series": variable("time", x, "1", "signal, thinned where it was sampled finely"),
-    }
-    coords = {
-        "time": variable("time", np.arange(x.size) * thin / rate, unit, "time"),
-        "frequency": variable("frequency", spectrum["frequency"] * rate, f"1/{unit}", "frequency"),
-    }
-    return data, coords
-
-
-def _lag(x: Array, swing: int, votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any]) -> int:
-    """Lag of the embedding [samples]."""
-    part = x[:NEIGHBOURS]
-    longest = min(2 * swing + 2, part.size // 10)
-    information = mutual_information(part, longest, bins=16 if part.size > 6000 else 7)
-    lag = int(information["first_minimum"])
-    votes["lag"] = {"vote": None, "samples": lag, "from": "first minimum of the mutual information"}
-    if not lag:
-        lag = max(swing // 4, 1)
-        votes["lag"] |= {"samples": lag, "from": "a quarter swing: the mutual information has no minimum"}
-    coords["lag"] = variable("lag", information["lag"].values, "1", "lag in samples")
-    data["mutual_information"] = variable("lag", information["mutual_information"].values, "bit", "mutual information")
-    return lag
-
-
-def _dimension(
-    x: Array, lag: int, swing: int, votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any]
-) -> tuple[int, int]:
-    """Lag, shortened where that helps, and dimension; dimension 0 where false neighbours find none."""
-    part = x[:NEIGHBOURS]
-    most = min(8, max((part.size - 200) // (2 * lag), 1))
-    first = lag
-    for shorter in dict.fromkeys(max(first // k, 1) for k in (1, 2, 4)):
-        neighbours = false_neighbours(part, lag=shorter, most=most, theiler=swing, enough=0.02)
-        dimension = int(neighbours["dimension_found"])
-        if dimension:
-            lag = shorter
-            break
-    if lag != first:
-        votes["lag"] |= {"samples": lag, "from": f"false neighbours end at no dimension with the lag {first}, but here"}
-    coords["dimension"] = variable("dimension", neighbours["dimension"].values, "1", "embedding dimension")
-    data["false_neighbours"] = variable("dimension", neighbours["fraction"].values, "1", "share of false neighbours")
-    votes["neighbours"] = {"vote": "ok" if dimension else "no-dimension", "dimension": dimension or None}
-    return lag, dimension
-
-
-def _zero_one_vote(x: Array, lag: int) -> dict[str, Any]:
-    thinned = x[::lag][:4000]
-    if thinned.size < 300:
-        return {"vote": "none", "value": None, "reason": f"{thinned.size} samples {lag} apart are too few"}
-    found = zero_one_test(thinned, damping=DAMPING)
-    K, low = float(found["K"][0]), float(found["K_low"][0])
-    status = ZERO_ONE_STATUS[int(found["status"][0])]
-    vote = "chaotic" if K > WANDERS and low > 0.3 else "regular" if K < BOUNDED and status == "ok" else "none"
-    return {"vote": vote, "value": K, "lower_quartile": low, "points": thinned.size, "status": status}
-
-
-def _embedded(
-    x: Array, lag: int, dimension: int, swing: int, rate: float,
-    votes: dict[str, Any], data: dict[str, Any], coords: dict[str, Any],
-) -> None:  # fmt: skip
-    """Exponents, dimension and recurrence of the embedded signal."""
-    exponents, factor = signal_exponents(x, dimension=dimension, lag=lag, swing=swing, rate=rate)
-    for name, found in exponents.items():
-        status = str(found["status"].attrs["flag_meanings"]).split()[int(found["status"])]
-        value, error = float(found["exponent"]), float(found["exponent_error"])
-        positive = status == "ok" and value > 2 * error
-        votes[name] = {
-            "vote": "positive" if positive else status if status != "ok" else "none", "value": _finite(value),
-            "error": _finite(error),
-            "range": [int(found[end]) for end in ("range_begin", "range_end")] if status == "ok" else None,
-        }  # fmt: skip
-        data[name] = variable("step", found["divergence"].values, "1", f"mean logarithm of distances, {name}")
-    coords["step"] = variable("step", np.arange(found.sizes["step"]) / factor, "1", "samples")
-    vectors = delay_embedding(x, dimension=dimension, lag=lag)
-    every = max(len(vectors) // VECTORS, 1)
-    d = correlation_dimension(vectors[::every], theiler=max(ceil(swing / every), 1))
-    status = str(d["status"].attrs["flag_meanings"]).split()[int(d["status"])]
-    votes["dimension"] = {"vote": status, "value": _finite(float(d["D2"])), "error": _finite(float(d["D2_error"]))}
-    for key, v in d.data_vars.items():
-        data[f"dimension_{key}"] = v
-    coords |= {str(key): c.variable for key, c in d.coords.items()}
-    r = recurrence(vectors[:: max(lag, 1)][:RECURRENT], theiler=max(ceil(swing / max(lag, 1)), 1))
-    votes["recurrence"] = {"vote": None, "rate": float(r["recurrence_rate"]), "determinism": float(r["determinism"])}
-
-
-def _finite(value: float) -> float | None:
-    return value if np.isfinite(value) else None
+def _with_orders(ds: xr.Dataset, shaft: ShaftSpeed | None, teeth: int | None, notices: list[str]) -> xr.Dataset:
+    """Name the lines as orders of the shaft, by its mean speed."""
+    samples, rate = int(ds.attrs["samples"]), float(ds.attrs["rate"])
+    if shaft is None:
+        return ds
+    turning = shaft.per_sample(0, samples)
+    if not turning:
+        notices.append("the speed of the shaft is zero, or known in less than half of the record: no line has an order")
+        return ds
+    votes = json.loads(ds.attrs["indicators"])
+    for line in votes["spectrum"]["named"]:
+        line["order"] = line["frequency"] / (turning * rate)
+        line["order_name"] = order_name(line["frequency"], turning * rate, teeth, rate / samples) or None
+    more = {} if teeth is None else {"teeth": teeth}
+    return ds.assign_attrs(indicators=json.dumps(votes), speed=turning * rate, **more)

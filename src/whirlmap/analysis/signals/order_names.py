@@ -9,7 +9,7 @@ SIDEBANDS, PARTS = 6, 4
 
 
 def order_name(frequency: float, turns: float, teeth: int | None, step: float) -> str:
-    """Name of a line: ``shaft``, ``3 shaft``, ``1/2 shaft``, ``mesh``, ``2 mesh - 3 shaft``; nothing where no order fits.
+    """Name of a line: ``1x``, ``3x``, ``1/2x``, ``mesh``, ``2 mesh - 3x``; nothing where no order fits.
 
     Parameters
     ----------
@@ -35,14 +35,10 @@ def order_name(frequency: float, turns: float, teeth: int | None, step: float) -
             aside = whole - meshes * teeth
             if meshes >= 1 and abs(aside) <= min(SIDEBANDS, (teeth - 1) // 2):
                 mesh = "mesh" if meshes == 1 else f"{meshes} mesh"
-                return mesh if not aside else f"{mesh} {'+' if aside > 0 else '-'} {_times(abs(aside))}"
-        return _times(whole)
+                return mesh if not aside else f"{mesh} {'+' if aside > 0 else '-'} {abs(aside)}x"
+        return f"{whole}x"
     for q in range(2, PARTS + 1):
         p = round(frequency / turns * q)
         if p >= 1 and abs(frequency - p * turns / q) <= tolerance < turns / (2 * q):
-            return f"{Fraction(p, q)} shaft"
+            return f"{Fraction(p, q)}x"
     return ""
-
-
-def _times(order: int) -> str:
-    return "shaft" if order == 1 else f"{order} shaft"

@@ -41,14 +41,17 @@ class RegularMotion:
         ``spectrum``, ``grid`` and ``return``.
     period : float or None
         In samples, where the signal returns.
+    counted : array of int, shape (line,)
+        Which of the lines of the spectrum count.
     frequency, share : array, shape (line,)
-        Lines that count, the strongest first: cycles per sample, and share of the power.
+        Of the lines that count, the strongest first: fitted, in cycles per sample, and share of the power.
     broad : float
         Share of the power outside of lines.
     """
 
     votes: dict[str, Any]
     period: float | None
+    counted: NDArray[np.intp]
     frequency: Array
     share: Array
     broad: float
@@ -111,7 +114,7 @@ def regular_motion(x: Array, spectrum: Findings, lines: Findings) -> RegularMoti
         "return": {"vote": None if distance is None else "returns" if vote == "periodic" else "no", "distance": distance},
     }
     found = grid if vote == "periodic" else None
-    return RegularMotion(votes, n / found.fundamental if found else None, fitted / n, share[counted], broad)
+    return RegularMotion(votes, n / found.fundamental if found else None, counted, fitted / n, share[counted], broad)
 
 
 def _grid(x: Array, lines: Findings, share: Array, chosen: NDArray[np.intp]) -> tuple[CommonGrid, Array]:

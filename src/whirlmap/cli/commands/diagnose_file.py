@@ -6,14 +6,13 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from whirlmap.analysis.signals.diagnose_series import diagnose_series, series_json
-from whirlmap.analysis.signals.order_names import order_name
-from whirlmap.analysis.signals.sliding import sliding_verdict
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.messages import say
 from whirlmap.cli.common.outputs import claim
 from whirlmap.cli.common.progress import Progress
-from whirlmap.cli.common.series_texts import mark, samples_per_second, turns_per_second, window_of
+from whirlmap.cli.common.series_texts import mark, turns_per_second, window_of
 from whirlmap.errors import InputError, RangeError
+from whirlmap.recordings.column_names import split_unit
 from whirlmap.recordings.signal import read_signal
 from whirlmap.results.regime import Regime
 
@@ -53,7 +52,7 @@ def diagnose_file(
         file,
         column=column,
         time=time,
-        rate=None if rate is None else samples_per_second(rate),
+        rate=rate,
         separator=mark(separator),
         decimal=mark(decimal),
         skip=skip,
@@ -65,72 +64,65 @@ def diagnose_file(
         raise InputError(
             f"--rate: missing beside --series; {file} has no times, expected samples per second, as in --rate 25600"
         )
-    for notice in signal.notices:
-        say(f"warning: {' '.join(notice.split())}")
-
     try:
-        ds = diagnose_series(signal.values, rate=signal.rate)
-        slid = _sliding(signal, length, quiet=quiet) if length else None
+        ds = _judged(signal, turns, teeth, length, quiet=quiet)
     except RangeError as fault:
         raise RangeError(f"{signal.source}: {fault}") from None
+    said = ds.attrs["warnings"].split("\n") if ds.attrs["warnings"] else []
+    for notice in said:
+        say(f"warning: {' '.join(notice.split())}")
     verdict = series_json(ds)
-    verdict["lines"] = _lines(verdict, signal.rate, turns or signal.speed, teeth)
-    files = destination.write(
-        ds if slid is None else ds.merge(slid).assign_attrs(**ds.attrs, **slid.attrs),
-        lambda made: pictures.series(made, file.name),
-    )
-    windows = _windows(slid)
+    verdict["lines"] = [
+        {**line, "per_sample": line["frequency"] / signal.rate} for line in verdict["indicators"]["spectrum"]["named"]
+    ]
+    files = destination.write(ds, lambda made: pictures.series(made, file.name))
+    windows = _windows(ds)
     if json:
         more = {
             "file": str(file),
             "column": signal.column,
             "column_unit": signal.unit,
             "start": signal.start,
-            "speed": turns or signal.speed,
+            "speed": ds.attrs.get("speed"),
             "windows": windows,
         }
-        report.print_json({**verdict, **more, "warnings": list(signal.notices), "files": files})
+        report.print_json({**verdict, **more, "warnings": said, "files": files})
         return
     _print(verdict, signal, windows, "standard input" if str(file) == "-" else file.name)
     report.print_written(files)
 
 
-def _sliding(signal: "Signal", length: float, *, quiet: bool) -> Any:
-    rate = signal.rate or 1.0
-    count = max(int(2 * (signal.values.size / rate / length - 1)) + 1, 1)
+def _judged(signal: "Signal", turns: float | None, teeth: int | None, length: float | None, *, quiet: bool) -> Any:
+    if length is None:
+        return diagnose_series(signal, speed=turns, teeth=teeth)
+    count = max(int(2 * (signal.values.size / (signal.rate or 1.0) / length - 1)) + 1, 1)
     with Progress("windows", count, quiet=quiet, unit="windows", rate_unit="windows/s") as progress:
-        return sliding_verdict(signal.values, rate=rate, length=length, start=signal.start, progress=progress)
+        return diagnose_series(signal, speed=turns, teeth=teeth, window=length, progress=progress)
 
 
-def _windows(slid: Any) -> list[dict[str, Any]]:
-    if slid is None:
+def _windows(ds: Any) -> list[dict[str, Any]]:
+    """Windows as plain data, unknown numbers as None."""
+    if "window_regime" not in ds:
         return []
-
-    rows = zip(
-        *(slid[n].values.tolist() for n in ("window_start", "window_regime", "window_rms", "window_frequency")), strict=True
-    )
-    length = slid.attrs["window_length"]
-    return [
-        {"start": s, "end": s + length, "regime": Regime(r).label, "rms": v, "frequency": None if f != f else f}
-        for s, r, v, f in rows
-    ]
-
-
-def _lines(verdict: dict[str, Any], rate: float, turns: float | None, teeth: int | None) -> list[dict[str, Any]]:
+    length = ds.attrs["window_length"]
+    names = [n for n in ("rms", "frequency", "speed", "order", "order_name") if f"window_{n}" in ds]
     out = []
-    for line in verdict["indicators"]["spectrum"]["named"]:
-        f = line["frequency"]
-        order = (
-            {"order": f / turns, "order_name": order_name(f, turns, teeth, rate / verdict["samples"]) or None}
-            if turns
-            else {}
+    for k, start in enumerate(ds["window_start"].values.tolist()):
+        each = {name: ds[f"window_{name}"].values[k].item() for name in names}
+        out.append(
+            {
+                "start": start,
+                "end": start + length,
+                "regime": Regime(int(ds["window_regime"][k])).label,
+                "reason": str(ds["window_reason"].values[k]) or None,
+                **{name: None if value in ("", None) or value != value else value for name, value in each.items()},
+            }
         )
-        out.append({**line, "per_sample": f / rate, **order})
     return out
 
 
 def _print(verdict: dict[str, Any], signal: "Signal", windows: list[dict[str, Any]], name: str) -> None:
-    unit = f" [{signal.unit}]" if signal.unit and f"[{signal.unit}]" not in signal.column else ""
+    unit = f" [{signal.unit}]" if signal.unit not in ("", "1") and split_unit(signal.column)[1] != signal.unit else ""
     typer.echo(f"{name}: {verdict['regime']} (confidence {verdict['confidence']:.2g})")
     typer.echo(
         f"  {signal.column}{unit}: {verdict['samples']} samples at {verdict['rate']:.7g} Hz, "
@@ -157,12 +149,30 @@ def _print(verdict: dict[str, Any], signal: "Signal", windows: list[dict[str, An
     rows = [(name, evidence(vote)) for name, vote in verdict["indicators"].items()]
     parts.append(report.table("Evidence", ("indicator", "says"), rows))
     if windows:
-        rows = [
-            (f"{w['start']:.6g} to {w['end']:.6g}", w["regime"], f"{w['rms']:.4g}", report.number(w["frequency"]))
-            for w in windows
-        ]
-        parts.append(report.table("Windows", ("time [s]", "regime", "rms", "frequency [Hz]"), rows, numbers=(2, 3)))
+        parts.append(_window_table(windows, signal.unit))
     report.show(*parts)
+
+
+def _window_table(windows: list[dict[str, Any]], unit: str) -> Any:
+    turning = "speed" in windows[0]
+    rows = [
+        (
+            f"{w['start']:.6g} to {w['end']:.6g}",
+            w["regime"],
+            f"{w['rms']:.4g}",
+            report.number(w["frequency"]),
+            *(_order(w) if turning else ()),
+            w["reason"] or "",
+        )
+        for w in windows
+    ]
+    beside = ("speed [Hz]", "order", "of the shaft") if turning else ()
+    columns = ("time [s]", "regime", f"rms [{unit}]" if unit not in ("", "1") else "rms", "frequency [Hz]", *beside, "why")
+    return report.table("Windows", columns, rows, numbers=(2, 3, 4, 5) if turning else (2, 3))
+
+
+def _order(w: dict[str, Any]) -> tuple[str, str, str]:
+    return report.number(w["speed"]), "" if w["order"] is None else f"{w['order']:.4f}", w["order_name"] or ""
 
 
 def evidence(vote: dict[str, Any]) -> str:

@@ -62,7 +62,8 @@ Missing = Annotated[
         "--missing",
         metavar="X",
         rich_help_panel=PANEL,
-        help="A value that means that there is none: -999; nan for what is no number. Up to three in a row are filled, "
+        help="A value that means that there is none: -999; nan for what is no number, such as the word OVL. "
+        "Up to three in a row are filled, "
         "else the longest"
         " part without is read. May be repeated.",
     ),

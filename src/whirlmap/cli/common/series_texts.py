@@ -1,10 +1,9 @@
 """Texts of the options of recorded signals."""
 
-import re
 from typing import Any
 
-from whirlmap.errors import InputError, RangeError
-from whirlmap.recordings.shaft_speed import turns_per
+from whirlmap.errors import InputError
+from whirlmap.recordings.shaft_speed import speed_of
 
 _MARKS = {
     "tab": "\t",
@@ -24,23 +23,10 @@ def mark(text: str | None) -> str | None:
     return None if text is None else _MARKS.get(text.lower(), text)
 
 
-def samples_per_second(text: str) -> float:
-    """Read ``--rate``: a number, with a unit of frequency or none."""
-    found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([kMG]?)(?:Hz|S/s|Sa/s|sps|/s|1/s)?\s*", text)
-    if not found:
-        raise InputError(f"--rate: found {text!r}, expected a number of samples per second, or such as '25.6 kHz'")
-    return float(found[1]) * {"": 1.0, "k": 1e3, "M": 1e6, "G": 1e9}[found[2]]
-
-
 def turns_per_second(text: str | None) -> tuple[float | None, str | None]:
     """Read ``--speed``: turns per second, or the name of a column."""
-    found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)(?:\s*([a-zA-Z/]\S*)|\s+(1/\S+))\s*", text or "")
-    if not found:
-        return None, text
-    speed = abs(float(found[1])) * turns_per(found[2] or found[3], f"--speed {text}")
-    if speed == 0:
-        raise RangeError(f"--speed: found {text!r}, expected a speed that is not zero")
-    return speed, None
+    speed = None if text is None else speed_of(text)
+    return (speed, None) if speed is not None else (None, text)
 
 
 def window_of(text: str | None) -> tuple[tuple[float, float] | None, float | None]:

@@ -29,6 +29,9 @@ SKY, PURPLE, INDIGO, INK, GREY, PALE = "#56B4E9", "#CC79A7", "#332288", "#1A1A1A
 #: Ground behind values at which sweeps in both directions differ.
 HYSTERESIS = "#FBF0D2"
 
+#: Mean width of a letter over the size of the font, and share of a panel's width that a sentence in it may take.
+LETTER, ROOM = 0.53, 0.92
+
 #: Dots per inch of a picture on a screen.
 SCREEN_DPI = 110
 
@@ -180,7 +183,9 @@ def write_reason(ax: Axes, reason: str) -> Axes:
     ax.set_yticks([])
     for spine in ax.spines.values():
         spine.set(visible=True, color=GREY, linestyle=(0, (4, 3)))
-    text = "\n".join(fill(line, 38) for line in reason.splitlines())
+    wide = ax.get_position().width * ax.figure.get_figure(root=True).get_size_inches()[0] * 72  # points
+    letters = max(int(ROOM * wide / (LETTER * float(mpl.rcParams["font.size"]))), 8)
+    text = "\n".join(fill(line, min(letters, 38)) for line in reason.splitlines())
     written = ax.text(0.5, 0.5, text, transform=ax.transAxes, ha="center", va="center", color="#555555")
     written.set_in_layout(False)  # a long sentence must not squeeze the panel
     return ax

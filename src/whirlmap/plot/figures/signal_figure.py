@@ -10,9 +10,11 @@ from matplotlib.figure import Figure
 from matplotlib.patches import Patch
 
 from whirlmap.errors import counted
+from whirlmap.plot.common.labels import unit_text
 from whirlmap.plot.common.style import (
     BLUE,
     GREEN,
+    GREY,
     INK,
     ORANGE,
     VERMILION,
@@ -60,11 +62,13 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
     x, time = ds["series"].values, ds["time"].values
     swing = max(int(float(ds.attrs["swing"]) / (time[1] - time[0])), 1)
     shown = slice(0, SHOWN * swing)
-    axes[0].plot(time[shown], x[shown], color=BLUE, lw=0.7)
-    axes[0].set(xlabel=f"time [{unit}]", ylabel="signal", title="signal")
+    start, quantity = float(ds.attrs.get("start", 0.0)), str(ds.attrs.get("quantity", ""))
+    size = unit_text(str(ds["series"].attrs["units"]))
+    axes[0].plot(start + time[shown], x[shown], color=BLUE, lw=0.7)
+    axes[0].set(xlabel=f"time {unit_text(unit)}", ylabel=f"{quantity or 'signal'} {size}", title="signal")
     lag, drawn = int(ds.attrs["lag"]), DRAWN * swing
     axes[1].plot(x[: -lag or None][:drawn], x[lag:][:drawn], color=BLUE, lw=0.4, alpha=0.7)
-    axes[1].set(xlabel="$x(t)$", ylabel=f"$x(t + {lag}\\,\\Delta)$", title="delay portrait")
+    axes[1].set(xlabel=f"$x(t)$ {size}", ylabel=f"$x(t + {lag}\\,\\Delta)$ {size}", title="delay portrait")
     draw_series_spectrum(ds, ax=axes[2])
     draw_embedding(ds, ax=axes[3])
     draw_divergence(ds, ax=axes[4])
@@ -73,10 +77,17 @@ def series_figure(ds: xr.Dataset, *, title: str = "") -> Figure:
         draw_correlation_sum(ds[names].rename({n: n.removeprefix("dimension_") for n in names}), ax=axes[5])
     else:
         write_reason(axes[5], f"correlation sum:\n{_unasked(votes)}")
-    zero_one = votes["zero_one"]["value"]
-    words = Regime(int(ds["regime"])).label + ("" if zero_one is None else f"; 0-1 test: {zero_one:.2f}")
-    fig.suptitle(f"{title}: {words}" if title else words)
+    zero_one, label = votes["zero_one"]["value"], Regime(int(ds["regime"])).label
+    words = f"{label} (confidence {float(ds['confidence']):.2g})"
+    words += "" if zero_one is None else f"; 0-1 test: {zero_one:.2f}"
+    named = ", ".join(part for part in (title, quantity) if part)
+    fig.suptitle(f"{named}: {words}" if named else words)
     return fig
+
+
+def _per(unit: str) -> str:
+    """Unit of frequencies over a unit of time."""
+    return "Hz" if unit == "s" else "–" if unit == "1" else f"1/{unit}"
 
 
 def _unasked(votes: dict[str, Any]) -> str:
@@ -90,7 +101,8 @@ def _unasked(votes: dict[str, Any]) -> str:
 def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Regime, rms and frequency of the windows of a record, over time.
 
-    Reads ``window_regime``, ``window_rms`` and ``window_frequency`` of `sliding_verdict`.
+    Reads ``window_regime``, ``window_rms``, ``window_frequency`` and, where it is there, ``window_speed`` of a
+    diagnosis with windows.
     """
     ax = axes_or_new(ax, height=1.6)
     start, length = ds["window_start"].values, float(ds.attrs["window_length"])
@@ -99,11 +111,16 @@ def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     for at, look in zip(middle, looks, strict=True):
         ax.axvspan(at - half, at + half, facecolor=look.colour, alpha=0.35, lw=0, gid=f"window-{look.label}")
     ax.plot(middle, ds["window_rms"].values, "o-", ms=2.5, color=INK, lw=0.8)
-    ax.set(xlabel=f"time [{ds['window_start'].attrs['units']}]", ylabel="rms", xlim=(start[0], start[-1] + length))
+    unit = str(ds["window_start"].attrs["units"])
+    size = unit_text(str(ds["window_rms"].attrs["units"]))
+    ax.set(xlabel=f"time {unit_text(unit)}", ylabel=f"rms {size}", xlim=(start[0], start[-1] + length))
     ax.set_ylim(bottom=0)
     beside = ax.twinx()
     beside.plot(middle, ds["window_frequency"].values, "s", ms=2.5, color=VERMILION)
-    beside.set_ylabel("frequency", color=VERMILION)
+    if "window_speed" in ds:
+        beside.plot(middle, ds["window_speed"].values, color=VERMILION, lw=0.7, ls="--", gid="speed")
+        beside.annotate("1x", (middle[-1], ds["window_speed"].values[-1]), color=VERMILION, fontsize=text_size(6.0))
+    beside.set_ylabel(f"frequency [{_per(unit)}]", color=VERMILION)
     beside.spines["right"].set_visible(True)
     shown = {look.label: look for look in looks}
     ax.legend(handles=[Patch(facecolor=look.colour, alpha=0.35, label=name) for name, look in shown.items()],
@@ -114,7 +131,7 @@ def draw_windows(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 @styled
 def draw_series_spectrum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Power spectrum of a signal with its strongest lines named."""
+    """Power spectrum of a signal with its strongest lines named: as orders of the shaft where its speed is known."""
     ax = axes_or_new(ax)
     frequency, power = ds["frequency"].values, ds["power"].values
     top = power[1:].max()
@@ -123,14 +140,22 @@ def draw_series_spectrum(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     floor = top * 10.0**-DECADES
     ax.semilogy(frequency[1:last], np.maximum(power[1:last], floor), color=BLUE, lw=0.6)
     spectrum = json.loads(ds.attrs["indicators"])["spectrum"]
+    speed = ds.attrs.get("speed")
+    if speed is not None and speed <= frequency[last]:
+        ax.axvline(speed, color=GREY, lw=0.6, ls=(0, (3, 2)), zorder=0.6, gid="order-1x")
     for line in spectrum["named"][:6]:
-        if line["name"] and line["frequency"] <= frequency[last]:
+        name = line["name"] if speed is None else line["order_name"] or f"{line['order']:.3g}x"
+        if name and line["frequency"] <= frequency[last]:
             height = power[int(np.abs(frequency - line["frequency"]).argmin())]
-            ax.annotate(line["name"], (line["frequency"], height), xytext=(0, 3), textcoords="offset points",
+            ax.annotate(name, (line["frequency"], height), xytext=(0, 3), textcoords="offset points",
                         fontsize=text_size(6.0), ha="center", color=VERMILION)  # fmt: skip
     share = 100 * (1 - spectrum["broadband_fraction"])
-    lines = f"{counted(spectrum['lines'], 'line')} hold{'s' if spectrum['lines'] == 1 else ''}"
-    ax.set(xlabel=f"frequency [1/{ds.attrs['unit']}]", ylabel="power", title=f"{lines} {share:.3g} %")
+    count = spectrum["lines"]
+    held = f"{counted(count, 'line')} hold{'s' if count == 1 else ''} {share:.3g} %" if count else "no line stands out"
+    unit = _per(str(ds.attrs["unit"]))
+    turning = "" if speed is None else f", 1x = {speed:.5g}"
+    squared = unit_text(str(ds["power"].attrs["units"]).replace("^2", "²"))
+    ax.set(xlabel=f"frequency [{unit}]{turning}", ylabel=f"power, $a^2/2$ {squared}", title=held)
     ax.set_ylim(floor, 10 * top)
     return ax
 
@@ -173,6 +198,7 @@ def draw_divergence(ds: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             a, b = vote["range"]
             level = np.mean(curve[a : b + 1] - vote["value"] * time[a : b + 1])
             ax.plot(time[[a, b]], level + vote["value"] * time[[a, b]], color=INK, lw=1.2, ls="--", gid=f"fit-{name}")
-    ax.set(xlabel=f"time [{ds.attrs['unit']}]", ylabel=r"$\langle \ln d \rangle$", title="divergence of neighbours")
+    unit = unit_text(str(ds.attrs["unit"]))
+    ax.set(xlabel=f"time {unit}", ylabel=r"$\langle \ln d \rangle$", title="divergence of neighbours")
     ax.legend(loc="lower right", fontsize=text_size(6.5))
     return ax
