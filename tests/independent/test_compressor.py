@@ -167,7 +167,8 @@ def test_eigenvalues_are_those_of_the_full_matrices(both, validate):
 def test_journals_rest_where_those_of_the_full_matrices_do(both):
     system, linear, full, rest, c_0 = both
     state = dict(zip(system.states, linear.equilibrium, strict=True))
-    for (j, _, b), name in zip(full.bearings, ("motor_side", "free_side", "low_1", "low_2", "high_3", "high_4"), strict=True):
+    names = ("motor_side", "free_side", "low_1", "low_2", "high_3", "high_4")
+    for (j, _, b), name in zip(full.bearings, names, strict=True):
         ours = c_0 * np.array([float(state[f"u{axis}_{name}"]) for axis in "xy"])
         assert 0.1 < np.hypot(*rest[[j, j + 2]]) / b.c < 0.9
         np.testing.assert_allclose(ours, rest[[j, j + 2]], atol=1e-3 * b.c)

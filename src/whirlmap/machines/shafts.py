@@ -19,7 +19,7 @@ Matrix = NDArray[np.float64]
 
 #: Elastic and attachment modes in a plane that are kept at least; elastic modes below RANGE times the highest shaft speed
 #: are all kept.
-LEAST, RANGE = 3, 6.0
+LEAST, RANGE = 2, 6.0
 #: Residual flexibility at an unbalance, over the free shaft's answer to it at the shaft's own highest speed, up to which the
 #: kept modes answer for all.
 NEGLIGIBLE = 2e-3
@@ -298,10 +298,3 @@ class Reduced:
     gyroscopic: Matrix
     residual: Matrix
     weight: NDArray[np.float64]
-
-
-def mode_names(modes: Modes) -> list[str]:
-    """What each mode of a plane is called: translation, tilt, bending 1, ..., attachment 1, ..."""
-    rigid = ["translation", "tilt"][: modes.rigid]
-    bent = [f"bending {i + 1}" for i in range(modes.count - modes.rigid - modes.attached)]
-    return [*rigid, *bent, *(f"attachment {i + 1}" for i in range(modes.attached))]

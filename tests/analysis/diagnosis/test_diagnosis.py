@@ -116,13 +116,13 @@ TWO_TONES = Model(
 
 @pytest.mark.parametrize("ratio", [0.3111, 2**0.5 - 1])
 def test_a_forcing_without_a_reasonable_common_period_asks_for_none(ratio):
-    """A common period of 10 000 T, and none at all: section points follow the slow tone once per T, and the work is bounded."""
+    """Of 10 000 T, or none at all: section points follow the slow tone once per T, and the work is bounded."""
     told = []
     ds = whirlmap.diagnose(whirlmap.load(TWO_TONES, a=1.0, b=ratio), max_periods=1024, progress=told.append)
     assert verdict_json(ds)["regime"] == "locked"
     slow = ds["section"].values[0, :, 0]
     slow = slow - slow.mean()
     assert np.ptp(slow) > 0.5
-    rule = slow[2:] + slow[:-2] - 2 * np.cos(2 * np.pi * ratio) * slow[1:-1]  # of a wave sampled once per T, but for its mean
+    rule = slow[2:] + slow[:-2] - 2 * np.cos(2 * np.pi * ratio) * slow[1:-1]  # a wave sampled once per T
     np.testing.assert_allclose(rule, rule.mean(), atol=1e-5)
     assert sum(told) < 1e6

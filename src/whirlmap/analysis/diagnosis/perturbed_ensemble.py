@@ -156,7 +156,8 @@ def section_and_dimension(
     section = np.moveaxis(saved, 2, 0)
     whole = np.full((runs, *section.shape[1:]), np.nan)
     whole[members] = section
-    data["section"] = variable(("run", "period", "state"), whole, "1", "section point, once per common period (T if that is long)")
+    meaning = "section point, once per common period (T if that is long)"
+    data["section"] = variable(("run", "period", "state"), whole, "1", meaning)
     good = section[part.running]
     if not measure or not good.size:
         return None

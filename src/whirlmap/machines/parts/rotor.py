@@ -16,8 +16,9 @@ from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter, State
 from whirlmap.machines.fields import ABOVE, AT_LEAST, Field, Number, Other, Text
 from whirlmap.machines.parts.part import ZERO, Coupled, Declared, Vector
+from whirlmap.machines.reduction import mode_names
 from whirlmap.machines.scale import LENGTH, RATE, Scale, f, linear_form, number, s
-from whirlmap.machines.shafts import Reduced, Shaft, mode_names, reduced_numbers
+from whirlmap.machines.shafts import Reduced, Shaft, reduced_numbers
 
 FIELDS: tuple[Field, ...] = (
     Text("name", "name of the shaft", required=True),
