@@ -86,11 +86,11 @@ class Tables:
         meshes = tuple(self._mesh(table, turning) for table in self.of("mesh"))
         couplings = tuple(self._coupling(table) for table in self.of("coupling"))
         self._refuse_free_rotation(couplings)
-        speeds = self._speeds(turning)
+        fastest = self._fastest(turning)
         unbalances = tuple(self._unbalance(table) for table in self.of("unbalance"))
         rubs = tuple(self._rub(table, reader) for table in self.of("rub"))
         rotors = tuple(
-            self._rotor(table, bearings, meshes, unbalances, rubs, couplings, speeds) for table in self.of("shaft")
+            self._rotor(table, bearings, meshes, (*unbalances, *rubs), couplings, fastest) for table in self.of("shaft")
         )  # fmt: skip
         supports = tuple(
             support.Support(t.name, frozenset(t.numbers), tuple(b.name for b in (*bearings, *rubs) if b.support == t.name))
@@ -109,13 +109,12 @@ class Tables:
             self.reference, rotors, films, by_coefficients, supports, meshes, unbalances, couplings, rubs, turning
         )
 
-    def _speeds(self, turning: Train) -> dict[str, float]:
-        """Highest speed of each shaft [rad/s]."""
+    def _fastest(self, turning: Train) -> float:
         numbers: dict[Any, Any] = {}
         for table in self.of("mesh"):
             for key in ("z_driver", "z_driven"):
                 numbers[Parameter(f"mesh.{table.name}.{key}", "1", "", order=True)] = table.numbers[key].value
-        return {name: self.highest * abs(float(speed.xreplace(numbers))) for name, speed in turning.speeds.items()}
+        return self.highest * max(abs(float(speed.xreplace(numbers))) for speed in turning.speeds.values())
 
     def _link(self, table: PartTable) -> Link:
         own = {key: teeth.KEYS[key].parameter(f"mesh.{table.name}") for key in OF_TRAIN}
@@ -240,8 +239,7 @@ class Tables:
 
     def _rotor(
         self, table: PartTable, bearings: Sequence[AnyBearing], meshes: Sequence[teeth.Teeth],
-        unbalances: Sequence[unbalance.Unbalance], rubs: Sequence[contact.Rub], couplings: Sequence[coupling.Coupling],
-        speeds: Mapping[str, float],
+        pressing: Sequence[unbalance.Unbalance | contact.Rub], couplings: Sequence[coupling.Coupling], fastest: float,
     ) -> rotor.Rotor:  # fmt: skip
         name = table.name
         on_it = [b for b in bearings if b.shaft == name]
@@ -264,7 +262,7 @@ class Tables:
                 Disk(one.name, self.station(one, name, one.values["at"]), own["m"], own.get("I_d", 0.0), own.get("I_p", 0.0))
             )
         wheels = [w for m in meshes for w in (m.driver, m.driven) if w.shaft == name]
-        pressed = {w.station for w in wheels} | {one.station for one in rubs if one.shaft == name}
+        pressed = {w.station for w in wheels} | {one.station for one in pressing if one.shaft == name}
         pressed |= {at for c in couplings if {"k_r", "c_r"} & c.given for on, at, _ in c.ends() if on == name}
         pressed |= {b.station for b in by_coefficients}
         turning = self.torsion and self.reference_base(name) != 0
@@ -276,10 +274,9 @@ class Tables:
             raise table.fault("file", 'found matrices with torsion = "free", expected elements: they say nothing of torsion')
         modes = table.whole("modes", 0, 0) if "modes" in table.values else None
         shaft = Shaft(
-            name, tuple(self.stations.elements[name]), tuple(disks), modes, max(speeds.values()), tuple(sorted(pressed)),
+            name, tuple(self.stations.elements[name]), tuple(disks), modes, fastest, tuple(sorted(pressed)),
             tuple(sorted(twisted)), tuple(b.station for b in mine), held=tuple(b.station for b in by_coefficients),
-            given=self.stations.matrices.get(name), own=speeds[name],
-            unbalanced=tuple(sorted({one.station for one in unbalances if one.shaft == name} - pressed)),
+            given=self.stations.matrices.get(name),
         )  # fmt: skip
         try:
             shaft = shaft.settled()

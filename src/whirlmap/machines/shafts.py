@@ -20,9 +20,6 @@ Matrix = NDArray[np.float64]
 #: Elastic and attachment modes in a plane that are kept at least; elastic modes below RANGE times the highest shaft speed
 #: are all kept.
 LEAST, RANGE = 2, 6.0
-#: Residual flexibility at an unbalance, over the free shaft's answer to it at the shaft's own highest speed, up to which the
-#: kept modes answer for all.
-NEGLIGIBLE = 2e-3
 #: Residual flexibility over the shaft's own below which a journal would be as fast as rounding allows.
 FLEXIBLE = 1e-5
 #: Stations of a lumped rotor.
@@ -55,19 +52,14 @@ class Shaft:
     fastest : float
         Highest speed of this machine's shafts [rad/s], for that choice.
     attached, twisted : tuple of int
-        Stations with attachment modes: where forces act across the axis other than those of journals (teeth, bearings by
-        their coefficients, rubs, unbalances that the kept modes do not answer), and where teeth or couplings act on the
-        rotation.
+        Stations at which forces act across the axis other than those of journals (teeth, unbalances, bearings by their
+        coefficients, rubs), and those at which teeth or couplings act on the rotation.
     bearings : tuple of int
         Stations of its journals.
     held : tuple of int
         Stations of its bearings by coefficients.
     given : ShaftMatrices or None
         Matrices that stand for those of the elements, which then say no more than where the stations are.
-    own : float
-        Highest speed of this shaft [rad/s].
-    unbalanced : tuple of int
-        Other stations with unbalances: `settled` says which of them get an attachment mode.
     """
 
     name: str
@@ -81,8 +73,6 @@ class Shaft:
     twists: int | None = None
     held: tuple[int, ...] = ()
     given: ShaftMatrices | None = None
-    own: float = 0.0
-    unbalanced: tuple[int, ...] = ()
 
     @property
     def lumped(self) -> bool:
@@ -222,24 +212,10 @@ class Shaft:
         return reduce(whole, within if self.twists is None else self.twists, self.twisted, range(self.stations))
 
     def settled(self) -> "Shaft":
-        """The same with the modes that the speeds ask for, so that speeds do not tell shafts apart.
-
-        An unbalance acts at the speed of its own shaft. Where the kept modes answer it but for `NEGLIGIBLE`, an attachment
-        mode would add nothing but a fast motion: with it the journals have less residual flexibility, and answer faster.
-        """
+        """The same with the numbers of modes that the highest speed asks for, so that speeds do not tell shafts apart."""
         twists = self.twisting.count - self.twisting.rigid - self.twisting.attached
-        missed = tuple(station for station in self.unbalanced if self._missed(self.freedom(station)) > NEGLIGIBLE)
-        shaft = replace(self, attached=tuple(sorted((*self.attached, *missed))), unbalanced=())
-        kept = shaft.reduced.count - shaft.reduced.rigid - shaft.reduced.attached
-        return replace(shaft, modes=kept, twists=twists, fastest=0.0, own=0.0)
-
-    def _missed(self, place: int) -> float:
-        """Residual flexibility at a degree of freedom over the free shaft's flexibility there at its own speed."""
-        if self.lumped:
-            return 0.0
-        whole = self.spectrum
-        answer = float(np.sum(whole.shapes[place] ** 2 / (whole.frequency**2 - self.own**2)))
-        return float(self.reduced.residual[place, place]) / abs(answer)
+        kept = self.reduced.count - self.reduced.rigid - self.reduced.attached
+        return replace(self, modes=kept, twists=twists, fastest=0.0)
 
     def turning_station(self, station: int) -> int:
         """Row of a station in the matrices of the rotation."""
