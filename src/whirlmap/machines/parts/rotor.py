@@ -323,7 +323,10 @@ class Rotor:
                 weight = modes.shapes[self.shaft.turning_station(station), k] / part
                 total += number(weight) * moment / (self.iota * s**2)
             if modes.frequency[k] > 0:
-                total -= number(float(modes.frequency[k]) ** 2) / OMEGA_0_2 * q / s**2
+                square = number(float(modes.frequency[k]) ** 2) / OMEGA_0_2
+                total -= square * q / s**2
+                if "zeta" in self.given:
+                    total -= 2 * self.zeta / s * sqrt(square) * v
             made[v] = total
         return made
 
