@@ -1,5 +1,7 @@
 """Reduction of a free shaft: statics stay exact, whatever is kept."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,8 +9,8 @@ from hypothesis import strategies as st
 
 from whirlmap.errors import CaseError
 from whirlmap.machines.beams import MATERIALS, Element
-from whirlmap.machines.reduction import spectrum
-from whirlmap.machines.shafts import Disk, Shaft, mode_names, reduced_numbers
+from whirlmap.machines.reduction import mode_names, spectrum
+from whirlmap.machines.shafts import Disk, Shaft, reduced_numbers
 
 STEEL = MATERIALS["steel"]
 
@@ -113,3 +115,10 @@ def test_parts_that_nothing_holds_together_are_refused():
         spectrum(np.diag([1.0, 1, 1, 1]), K, np.ones((4, 1)))
     with pytest.raises(CaseError, match="no mass"):
         spectrum(np.zeros((2, 2)), np.array([[1.0, -1], [-1, 1]]), np.ones((2, 1)))
+
+
+def test_a_stiff_slow_shaft_keeps_no_more_modes_than_statics_need():
+    """No mode is below six times the speeds: teeth have their attachment, and one bending mode stands beside it."""
+    shaft = replace(rotor([0.1] * 6, [0.12] * 6, None, attached=(3,), bearings=(1, 5)), fastest=300.0).settled()
+    assert shaft.spectrum.frequency[2] > 6 * 300.0
+    assert (shaft.modes, shaft.reduced.attached) == (1, 1)

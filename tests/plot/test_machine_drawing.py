@@ -47,3 +47,12 @@ def test_each_shaft_has_its_axis_in_mm(figure):
 def test_words_name_the_parts_and_their_loads(figure):
     words = [t.get_text() for ax in figure.axes for t in ax.texts]
     assert {"left\n120 N", "right\non frame", "teeth, 20 teeth", "u", "fan"} <= set(words)
+
+
+def test_two_meshes_at_one_wheel_are_named_in_one_line():
+    """A bull gear between two pinions."""
+    second = {"name": "other", "driver": "pinion", "driven": "gear", "z": [0.1, 0.0], "teeth": [20, 50], "module": 3e-3}
+    axes, gear = machine_figure({**PARTS, "meshes": [*PARTS["meshes"], second]}, title="a machine").axes
+    assert "teeth, other, 20 teeth" in {text.get_text() for text in axes.texts}
+    words = {text.get_text() for text in gear.texts}
+    assert {"teeth, 40 teeth", "other, 50 teeth"} <= words  # two wheels side by side in one place, of two sizes

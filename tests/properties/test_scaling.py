@@ -21,7 +21,10 @@ MACHINES = {
 }
 
 #: Machines from parts: the elements of their shafts are no inputs, and would keep their size. They are not tested here.
-FROM_PARTS = {"machines/two-shaft-gearbox", "machines/flexible-on-dampers", "machines/geared-turbo-set"}
+FROM_PARTS = {
+    "machines/two-shaft-gearbox", "machines/flexible-on-dampers", "machines/geared-turbo-set",
+    "machines/integrally-geared-compressor",
+}  # fmt: skip
 
 UNITS = {
     "kg": ["g", "lb", "t", "mg"], "m": ["mm", "um", "in", "mil", "nm"], "m^2": ["mm^2", "um^2", "darcy"],

@@ -219,3 +219,10 @@ def _largest(values: Vector) -> float:
     """The value of largest magnitude, with its sign; of equal ones the last."""
     near = np.flatnonzero(np.abs(values) >= np.abs(values).max() * (1 - 1e-9))
     return float(values[near[-1]])
+
+
+def mode_names(modes: Modes) -> list[str]:
+    """What each mode of a plane is called: translation, tilt, bending 1, ..., attachment 1, ..."""
+    rigid = ["translation", "tilt"][: modes.rigid]
+    bent = [f"bending {i + 1}" for i in range(modes.count - modes.rigid - modes.attached)]
+    return [*rigid, *bent, *(f"attachment {i + 1}" for i in range(modes.attached))]

@@ -19,7 +19,7 @@ Matrix = NDArray[np.float64]
 
 #: Elastic and attachment modes in a plane that are kept at least; elastic modes below RANGE times the highest shaft speed
 #: are all kept.
-LEAST, RANGE = 3, 6.0
+LEAST, RANGE = 2, 6.0
 #: Residual flexibility over the shaft's own below which a journal would be as fast as rounding allows.
 FLEXIBLE = 1e-5
 #: Stations of a lumped rotor.
@@ -274,10 +274,3 @@ class Reduced:
     gyroscopic: Matrix
     residual: Matrix
     weight: NDArray[np.float64]
-
-
-def mode_names(modes: Modes) -> list[str]:
-    """What each mode of a plane is called: translation, tilt, bending 1, ..., attachment 1, ..."""
-    rigid = ["translation", "tilt"][: modes.rigid]
-    bent = [f"bending {i + 1}" for i in range(modes.count - modes.rigid - modes.attached)]
-    return [*rigid, *bent, *(f"attachment {i + 1}" for i in range(modes.attached))]

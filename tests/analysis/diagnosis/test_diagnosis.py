@@ -7,6 +7,7 @@ import pytest
 
 import whirlmap
 from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
+from whirlmap.equations import Model, Parameter, cos, states, t
 
 
 @pytest.mark.parametrize(
@@ -103,3 +104,25 @@ def test_a_torus_whose_exponents_were_cut_short_has_no_dimension_and_says_why():
     verdict = verdict_json(whirlmap.diagnose(whirlmap.load("van_der_pol"), max_periods=64, record=64))
     assert verdict["regime"] == "quasi-periodic" and verdict["correlation_dimension"] is None
     assert "too short" in verdict["indicators"]["dimension"]["reason"]
+
+
+x, v = states("x v", "1", "state")
+a, b = (Parameter(name, "1", "forcing frequency") for name in "ab")
+TWO_TONES = Model(
+    name="two_tones", states=(x, v), parameters=(a, b), harmonics=(a, b), swing=(x,),
+    equations={x: v, v: cos(a * t) + cos(b * t) / 2 - v / 5 - x},
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("ratio", [0.3111, 2**0.5 - 1])
+def test_a_forcing_without_a_reasonable_common_period_asks_for_none(ratio):
+    """Of 10 000 T, or none at all: section points follow the slow tone once per T, and the work is bounded."""
+    told = []
+    ds = whirlmap.diagnose(whirlmap.load(TWO_TONES, a=1.0, b=ratio), max_periods=1024, progress=told.append)
+    assert verdict_json(ds)["regime"] == "locked"
+    slow = ds["section"].values[0, :, 0]
+    slow = slow - slow.mean()
+    assert np.ptp(slow) > 0.5
+    rule = slow[2:] + slow[:-2] - 2 * np.cos(2 * np.pi * ratio) * slow[1:-1]  # a wave sampled once per T
+    np.testing.assert_allclose(rule, rule.mean(), atol=1e-5)
+    assert sum(told) < 1e6

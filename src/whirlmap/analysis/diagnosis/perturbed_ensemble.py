@@ -142,19 +142,22 @@ def section_and_dimension(
     part: Ensemble, points: int, data: Data, *, members: NDArray[np.intp], runs: int, measure: bool,
     torus: Array | None = None, progress: Callable[[int], None] | None = None,
 ) -> Data | None:  # fmt: skip
-    """Section points of all runs into ``data``, once per common period; the correlation dimension where wanted.
+    """Section points of all runs into ``data``; the correlation dimension where wanted.
+
+    Once per common period; once per T where the forcing has none of a reasonable length (`Ensemble.strobe`).
 
     The runs of the ensemble decorrelate in chaos, and are one sample; on a torus they stay side by side, so that there the
     points of one long run, ``torus`` of shape (time, state), give the dimension. ``part`` holds the ``members`` of ``runs``
     runs that have not ended; the others have no section.
     """
-    common = part.common_multiple
+    every = part.strobe
     each = max(-(-points // part.points), 8)
-    saved = part.advance(each * common, save_periods=common, progress=progress).saved
+    saved = part.advance(each * every, save_periods=every, progress=progress).saved
     section = np.moveaxis(saved, 2, 0)
     whole = np.full((runs, *section.shape[1:]), np.nan)
     whole[members] = section
-    data["section"] = variable(("run", "period", "state"), whole, "1", "section point, once per common period")
+    meaning = "section point, once per common period (T if that is long)"
+    data["section"] = variable(("run", "period", "state"), whole, "1", meaning)
     good = section[part.running]
     if not measure or not good.size:
         return None

@@ -174,6 +174,11 @@ class _Full:
             self.M[at, at] += iota * J
             if twist.any():
                 self.K[at, at] += iota * twist / self.values["omega_0_2"] / self.s2
+                if self._number(rotor.zeta):
+                    kept = shaft.twisting
+                    turned = J @ kept.shapes
+                    own = kept.frequency / np.sqrt(self.values["omega_0_2"]) / kept.mass
+                    self.C[at, at] += 2 * self._number(rotor.zeta) / s * iota * (turned * own) @ turned.T
 
     def _supports(self, rest: dict[str, float]) -> None:
         for support in self.machine.supports:

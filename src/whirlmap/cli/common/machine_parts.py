@@ -13,7 +13,7 @@ from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.machines.assembly import Machine
 from whirlmap.machines.parts.part import Coupled
 from whirlmap.machines.parts.teeth import Teeth
-from whirlmap.machines.shafts import mode_names
+from whirlmap.machines.reduction import mode_names
 from whirlmap.units import convert
 
 if TYPE_CHECKING:

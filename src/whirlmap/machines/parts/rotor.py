@@ -16,8 +16,9 @@ from whirlmap.equations.parts import Output
 from whirlmap.equations.quantities import Parameter, State
 from whirlmap.machines.fields import ABOVE, AT_LEAST, Field, Number, Other, Text
 from whirlmap.machines.parts.part import ZERO, Coupled, Declared, Vector
+from whirlmap.machines.reduction import mode_names
 from whirlmap.machines.scale import LENGTH, RATE, Scale, f, linear_form, number, s
-from whirlmap.machines.shafts import Reduced, Shaft, mode_names, reduced_numbers
+from whirlmap.machines.shafts import Reduced, Shaft, reduced_numbers
 
 FIELDS: tuple[Field, ...] = (
     Text("name", "name of the shaft", required=True),
@@ -322,7 +323,10 @@ class Rotor:
                 weight = modes.shapes[self.shaft.turning_station(station), k] / part
                 total += number(weight) * moment / (self.iota * s**2)
             if modes.frequency[k] > 0:
-                total -= number(float(modes.frequency[k]) ** 2) / OMEGA_0_2 * q / s**2
+                square = number(float(modes.frequency[k]) ** 2) / OMEGA_0_2
+                total -= square * q / s**2
+                if "zeta" in self.given:
+                    total -= 2 * self.zeta / s * sqrt(square) * v
             made[v] = total
         return made
 

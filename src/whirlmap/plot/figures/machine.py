@@ -59,12 +59,15 @@ def _shaft(ax: Axes, shaft: Mapping[str, Any], parts: Mapping[str, Any]) -> None
     if not elements:
         ax.plot([-500, 500], [0, 0], color=INK, lw=2)
         _box(ax, -LUMPED / 2, LUMPED, 2 * LUMPED, facecolor=PALE, edgecolor=INK)
+    wheels: dict[tuple[float, int, float], list[str]] = {}  # one wheel may have several meshes
     for mesh in parts["meshes"]:
         for way, z, teeth in zip(("driver", "driven"), mesh["z"], mesh["teeth"], strict=True):
             if mesh[way] == name:
                 d = mesh["module"] * teeth if mesh["module"] else 2.2 * largest
-                _box(ax, z - 0.03 * length, 0.06 * length, d, facecolor="none", edgecolor=GREEN, lw=1.5)
-                _label(ax, z, d / 2, f"{mesh['name']}, {teeth} teeth", GREEN)
+                wheels.setdefault((z, teeth, d), []).append(mesh["name"])
+    for (z, teeth, d), meshes in wheels.items():
+        _box(ax, z - 0.03 * length, 0.06 * length, d, facecolor="none", edgecolor=GREEN, lw=1.5)
+        _label(ax, z, d / 2, f"{', '.join(meshes)}, {teeth} teeth", GREEN)
     for disk in shaft["disks"]:
         radius = (2 * disk["I_p"] / disk["m"]) ** 0.5 or 1.2 * largest
         width = disk["m"] / (STEEL * 3.14159 * radius**2)
