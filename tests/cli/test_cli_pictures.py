@@ -37,6 +37,13 @@ def test_a_picture_has_the_size_that_was_asked_for(options, pixels):
     assert (int.from_bytes(header[:4], "big"), int.from_bytes(header[4:], "big")) == pixels
 
 
+def test_a_machine_is_drawn_in_the_size_that_was_asked_for():
+    done = run('show machines/two-shaft-gearbox --out a.svg --size 6x8 --title "Rig of hall 3"')
+    assert done.exit_code == 0, done.stderr
+    text = Path("a.svg").read_text(encoding="utf-8")
+    assert 'width="432pt" height="576pt"' in text and "<!-- Rig of hall 3 -->" in text
+
+
 def test_a_title_replaces_that_of_the_picture():
     for title, there in (("Rig of hall 3", True), ("", False)):
         assert run(f'{WORK} --out a.svg --force --title "{title}"').exit_code == 0
@@ -63,7 +70,7 @@ def test_sizes_that_are_none_are_refused_before_anything_is_computed(options, me
 
 
 def test_every_command_that_draws_one_picture_takes_them():
-    several = {"reproduce", "identify", "show"}  # many pictures, each of its own size and title; a machine drawn to scale
+    several = {"reproduce", "identify"}  # many pictures, each of its own size and title
     every = {name: set(inspect.signature(loaded(name).callback).parameters) for name in COMMANDS}
     drawing = {name: options for name, options in every.items() if {"out", "picture"} & options}
     assert len(drawing) > 9 and several < set(drawing)

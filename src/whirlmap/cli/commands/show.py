@@ -17,13 +17,14 @@ from whirlmap.assumptions.violation import Facts
 from whirlmap.assumptions.violations import judged, repeated
 from whirlmap.cli.common import report
 from whirlmap.cli.common.machine_parts import describe_parts, print_parts, warnings_of
+from whirlmap.cli.common.machine_picture import draw, refuse_picture
 from whirlmap.cli.common.opening import open_system
+from whirlmap.cli.common.outputs import Looks
 from whirlmap.cli.common.series_texts import options_given
 from whirlmap.errors import InputError
 from whirlmap.integrate.dimensions import Dimensions
 from whirlmap.integrate.equilibrium import start_states
 from whirlmap.references import references
-from whirlmap.results.files import check_writable
 from whirlmap.results.listing import brackets
 from whirlmap.units import convert
 
@@ -32,15 +33,14 @@ if TYPE_CHECKING:
     from whirlmap.integrate.system import System
 
 
-#: Pictures of a machine.
-PICTURES = (".png", ".svg", ".pdf")
 #: Columns of a terminal in which inputs and groups stand side by side; below, one under the other.
 SIDE_BY_SIDE = 220
 
 
 def show(
     *, case: str | None, changes: list[str] | None, start: list[str] | None, equations: bool, series: Path | None,
-    time: str | None, separator: str | None, decimal: str | None, skip: int, out: Path | None, force: bool, json: bool,
+    time: str | None, separator: str | None, decimal: str | None, skip: int, out: Path | None,
+    size: str | None, dpi: int | None, title: str | None, force: bool, json: bool,
 ) -> None:  # fmt: skip
     """Do what `whirlmap.cli.declared.show` says."""
     if series is not None:
@@ -59,33 +59,16 @@ def show(
         raise InputError("missing CASE: name of a stock case, or the path of a case file; or --series FILE\n"
                          "  try: whirlmap show --help")  # fmt: skip
     system = open_system(case, changes, start)
+    looks = Looks.read(size, dpi, title, picture="" if out else "--out NAME.png, .svg or .pdf")
     if out is not None:
-        _refuse_drawing(system, out, force=force)
+        refuse_picture(system, out, force=force)
     facts = describe(system, equations=equations)
-    written = _drawn(facts, out, force=force) if out is not None else []
+    written = [draw(facts, out, looks, force=force)] if out is not None else []
     if json:
         report.print_json(facts | ({"written": written} if written else {}))
     else:
         _print(facts)
         report.print_written(written)
-
-
-def _refuse_drawing(system: "System", out: Path, *, force: bool) -> None:
-    if machine_of(system) is None:
-        raise InputError(f"--out: {system.case} is not described by parts, and there is nothing to draw; expected a"
-                         " case with"
-                         ' model = "machine", such as machines/two-shaft-gearbox')  # fmt: skip
-    if out.suffix.lower() not in PICTURES:
-        raise InputError(f"--out: found {out}, expected a picture: {', '.join(PICTURES)}")
-    check_writable(out, force=force)
-
-
-def _drawn(facts: dict[str, Any], out: Path, *, force: bool) -> list[Path]:
-    from whirlmap.plot.common.save import save
-    from whirlmap.plot.figures.machine import machine_figure
-
-    check_writable(out, force=force)
-    return [save(machine_figure(facts["parts"], title=str(facts["case"])), out)]
 
 
 def describe(system: "System", *, equations: bool = False) -> dict[str, Any]:

@@ -42,6 +42,9 @@ def show(
             help="Draw a machine from parts: NAME.png, .svg or .pdf. Without it no file is written.",
         ),
     ] = None,
+    size: options.Size = None,
+    dpi: options.Dpi = None,
+    title: options.Title = None,
     force: options.Force = False,
     json: options.Json = False,
 ) -> None:
