@@ -72,7 +72,7 @@ class Corrected:
         Sign of the determinant of derivatives and tangent: it changes at a branch point.
     iterations : int
     step_error : float, optional
-        Error of its steps, where that was measured (`PeriodicOrbits.step_error`).
+        Error of its steps, where that was measured (`orbit_steps.step_error`).
     """
 
     equations: Equations

@@ -1,14 +1,20 @@
 """Steps and segments that hold the accuracy of an orbit: as many as it needs, and no more."""
 
-from collections.abc import Generator
+from collections.abc import Generator, Sequence
 from dataclasses import replace
 from math import sqrt
 
 import numpy as np
+from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.periodic_orbits import LONGEST, PeriodicOrbits
+from whirlmap.analysis.branches.segments import Lanes
+from whirlmap.analysis.branches.unknowns import Unknowns
+from whirlmap.analysis.periodic_orbits.newton import wrapped
 from whirlmap.kernels.writing.routine import LANES
+
+Array = NDArray[np.float64]
 
 #: Steps per T of orbits, or per return, that are tried.
 STEPS = (16, 32, 48, 64, 96, 128, 192, 256, 384, 512, 768, 1024, 1536, 2048, 3072, 4096, 8192)
@@ -19,6 +25,8 @@ WIDEST = 96
 #: do about as well: what is left is rounding, and differs from orbit to orbit. A larger error is none: a fast state is not
 #: stable with so few steps.
 HELPS, ROUNDED = 0.5, 1e-4
+#: Part of an error of tangent vectors that counts as one of the orbit.
+OF_TANGENTS = 0.01
 #: Tangent vectors whose error counts beside the orbit's.
 TANGENTS = 2
 #: An error so much smaller than asked for allows fewer steps.
@@ -50,7 +58,7 @@ def fine_enough(
     while isinstance(orbits := b.equations, PeriodicOrbits):
         # An orbit at rest is exact with any steps, and its multipliers are not. Beside a kink they change with the orbit.
         tangents = 0 if orbits.has_surfaces else min(TANGENTS, b.point.x.shape[1])
-        error = float(orbits.step_error([b.point], [b.linear.weights], tangents=tangents)[0])
+        error = float(step_error(orbits, [b.point], [b.linear.weights], tangents=tangents)[0])
         b = replace(b, step_error=error)
         if error <= accuracy:
             break
@@ -107,7 +115,7 @@ def divided(b: Corrected) -> Generator[Ask, Corrected | Lost, Corrected]:
     """The same orbit in twice as many segments."""
     orbits, count = b.equations, 2 * len(b.point.x)
     assert isinstance(orbits, PeriodicOrbits)
-    (point,) = orbits.divided([b.point], count)
+    (point,) = in_segments(orbits, [b.point], count)
     n = b.point.x.shape[1]
     rest = b.tangent.size - b.point.x.size
     normal, sizes = np.zeros(point.vector.size), np.ones(point.vector.size)
@@ -130,3 +138,41 @@ def finished(c: Corrected, accuracy: float) -> tuple[Corrected, set[str]]:
     if isinstance(orbits := c.equations, PeriodicOrbits) and orbits.floor is None:
         c = replace(c, equations=replace(orbits, floor=LEAST * c.linear.weights[: c.point.x.shape[1]]))
     return c, doubts
+
+
+def step_error(orbits: PeriodicOrbits, points: Sequence[Unknowns], sizes: Sequence[Array], *, tangents: int = 0) -> Array:
+    """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,).
+
+    Where there are ``tangents``, what they change of these counts for a hundredth, over the longest. They begin along
+    all states: steps at which a fast one is not stable are seen by them, and not by an orbit that does not move it.
+    """
+    runs, n = Lanes.of(points), orbits.system.model.dimension
+    scale = np.stack([s[:n] for s in sizes], axis=1)[:, runs.orbit]
+    coarse, fine = (orbits.ensemble(runs, finer=f, tangents=tangents) for f in (1, 2))
+    for e in (coarse, fine):
+        e.vectors[:] = scale * np.sign(np.cos(np.pi * np.outer(np.arange(tangents), np.arange(n))))[:, :, None]
+        orbits.run(e, runs)
+    apart = np.abs(wrapped(coarse.x - fine.x, orbits.cyclic) / scale).max(axis=0)
+    if tangents:
+        length = np.abs(fine.vectors / scale).max(axis=(0, 1))
+        moved = np.abs((coarse.vectors - fine.vectors) / scale).max(axis=(0, 1))
+        apart = np.maximum(apart, OF_TANGENTS * moved / np.maximum(length, 1.0))
+    apart[~(coarse.running & fine.running)] = np.inf
+    return np.array([apart[runs.orbit == k].max() for k in range(len(points))])
+
+
+def in_segments(orbits: PeriodicOrbits, points: Sequence[Unknowns], segments: int) -> list[Unknowns]:
+    """The same orbits in so many segments, a multiple of those that they have."""
+    out: list[list[Array]] = [list(p.x) for p in points]
+    while len(out[0]) < segments:
+        halves = [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]
+        runs = Lanes.of(halves)
+        e = orbits.ensemble(runs)
+        parts = 2 * runs.share
+        if orbits.periods:
+            e.advance(np.full(e.points, orbits.periods), parts=parts)
+        else:
+            e.advance(1, parts=2)
+        middle = [e.x[:, runs.orbit == k].T for k in range(len(points))]
+        out = [[y for pair in zip(x, m, strict=True) for y in pair] for x, m in zip(out, middle, strict=True)]
+    return [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]

@@ -38,8 +38,6 @@ Array = NDArray[np.float64]
 
 #: Difference of a free parameter on either side, over its size, by which the derivative is taken.
 DIFFERENCE = 1e-6
-#: Part of an error of tangent vectors that counts as one of the orbit.
-OF_TANGENTS = 0.01
 #: Largest norm of a segment's matrix, in sizes of the states: beyond, an orbit takes more segments.
 LONGEST = 1e4
 
@@ -295,55 +293,3 @@ class PeriodicOrbits:
         if not self.periods:
             return np.array([p.duration for p in points], dtype=float)
         return self.periods * periods(self.system.model, self.columns(np.stack([p.free for p in points], axis=1)))
-
-    def once_per_T(self, points: Sequence[Unknowns]) -> list[Array]:
-        """States of orbits at each T from phase zero on, shape (period, state) of each; of cycles the first alone."""
-        if not self.periods:
-            return [p.x[:1] for p in points]
-        places = [np.arange(self.periods) * len(p.x) // self.periods for p in points]
-        orbit = np.repeat(np.arange(len(points)), self.periods)
-        place, share = np.concatenate(places), np.array([len(p.x) for p in points])[orbit]
-        runs = Lanes(
-            np.concatenate([p.x[at] for p, at in zip(points, places, strict=True)]).T,
-            np.stack([p.free for p in points], axis=1)[:, orbit], orbit, place, share, np.full(orbit.size, np.nan),
-        )  # fmt: skip
-        e = self.ensemble(runs)
-        beyond = np.tile(np.arange(self.periods), len(points)) * share - self.periods * place  # parts of a T
-        e.advance(beyond, parts=share)
-        return [e.x[:, orbit == k].T for k in range(len(points))]
-
-    def step_error(self, points: Sequence[Unknowns], sizes: Sequence[Array], *, tangents: int = 0) -> Array:
-        """What twice the steps change at the ends of the segments, at most, over the sizes of the states: shape (point,).
-
-        Where there are ``tangents``, what they change of these counts for a hundredth, over the longest. They begin along
-        all states: steps at which a fast one is not stable are seen by them, and not by an orbit that does not move it.
-        """
-        runs, n = Lanes.of(points), self.system.model.dimension
-        scale = np.stack([s[:n] for s in sizes], axis=1)[:, runs.orbit]
-        coarse, fine = (self.ensemble(runs, finer=f, tangents=tangents) for f in (1, 2))
-        for e in (coarse, fine):
-            e.vectors[:] = scale * np.sign(np.cos(np.pi * np.outer(np.arange(tangents), np.arange(n))))[:, :, None]
-            self.run(e, runs)
-        apart = np.abs(wrapped(coarse.x - fine.x, self.cyclic) / scale).max(axis=0)
-        if tangents:
-            length = np.abs(fine.vectors / scale).max(axis=(0, 1))
-            moved = np.abs((coarse.vectors - fine.vectors) / scale).max(axis=(0, 1))
-            apart = np.maximum(apart, OF_TANGENTS * moved / np.maximum(length, 1.0))
-        apart[~(coarse.running & fine.running)] = np.inf
-        return np.array([apart[runs.orbit == k].max() for k in range(len(points))])
-
-    def divided(self, points: Sequence[Unknowns], segments: int) -> list[Unknowns]:
-        """The same orbits in so many segments, a multiple of those that they have."""
-        out: list[list[Array]] = [list(p.x) for p in points]
-        while len(out[0]) < segments:
-            halves = [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]
-            runs = Lanes.of(halves)
-            e = self.ensemble(runs)
-            parts = 2 * runs.share
-            if self.periods:
-                e.advance(np.full(e.points, self.periods), parts=parts)
-            else:
-                e.advance(1, parts=2)
-            middle = [e.x[:, runs.orbit == k].T for k in range(len(points))]
-            out = [[y for pair in zip(x, m, strict=True) for y in pair] for x, m in zip(out, middle, strict=True)]
-        return [Unknowns(np.array(x), p.free, p.duration) for x, p in zip(out, points, strict=True)]

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.branches.corrector import Corrected
 from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.event_curves import EventCurve
+from whirlmap.analysis.branches.orbit_steps import in_segments, step_error
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.segments import Lanes
 from whirlmap.analysis.branches.unknowns import Unknowns
@@ -88,7 +89,7 @@ def _measured(points: Sequence[Corrected]) -> list[Numbers]:
         equations = equations.orbits
     if isinstance(equations, PeriodicOrbits):
         found, extremes = multipliers(equations, points), _extremes(equations, points)
-        section, errors = equations.once_per_T(own), equations.step_error(own, [p.linear.weights for p in points])
+        section, errors = _once_per_T(equations, own), step_error(equations, own, [p.linear.weights for p in points])
         durations, steps = equations.durations(own), equations.steps
     else:
         assert isinstance(equations, Equilibria)
@@ -120,7 +121,7 @@ def multipliers(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> tuple[Ar
         count = 2 * len(now[0].x)
         if orbits.steps_of_return % count:
             break
-        now = orbits.divided(now, count)
+        now = in_segments(orbits, now, count)
         finer, angles = _exponents(orbits, now)
         change, logs = _change(finer, logs), finer
         if change.max() <= CLOSE:
@@ -152,6 +153,23 @@ def _exponents(orbits: PeriodicOrbits, points: Sequence[Unknowns]) -> tuple[Arra
         return eigenvalues_of_products(np.stack([linear.matrices for linear in found]))
     logs, angles = eigenvalues_of_products(np.stack([orbits.across(linear) for linear in found]))
     return logs[:, :-1], angles[:, :-1]
+
+
+def _once_per_T(orbits: PeriodicOrbits, points: Sequence[Unknowns]) -> list[Array]:
+    """States of orbits at each T from phase zero on, shape (period, state) of each; of cycles the first alone."""
+    if not orbits.periods:
+        return [p.x[:1] for p in points]
+    places = [np.arange(orbits.periods) * len(p.x) // orbits.periods for p in points]
+    orbit = np.repeat(np.arange(len(points)), orbits.periods)
+    place, share = np.concatenate(places), np.array([len(p.x) for p in points])[orbit]
+    runs = Lanes(
+        np.concatenate([p.x[at] for p, at in zip(points, places, strict=True)]).T,
+        np.stack([p.free for p in points], axis=1)[:, orbit], orbit, place, share, np.full(orbit.size, np.nan),
+    )  # fmt: skip
+    e = orbits.ensemble(runs)
+    beyond = np.tile(np.arange(orbits.periods), len(points)) * share - orbits.periods * place  # parts of a T
+    e.advance(beyond, parts=share)
+    return [e.x[:, orbit == k].T for k in range(len(points))]
 
 
 def _extremes(orbits: PeriodicOrbits, points: Sequence[Corrected]) -> dict[str, Array]:

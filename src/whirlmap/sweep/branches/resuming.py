@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, correct
 from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.events import Event
+from whirlmap.analysis.branches.orbit_steps import in_segments
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.tracing import Trace, apart_in_halves, towards
 from whirlmap.analysis.branches.unknowns import Unknowns
@@ -87,7 +88,7 @@ def _ask(
         equations = first.equations(period if kind == "orbit" else 0, int(ds["steps"].values[at]))
         if kind == "cycle":
             point = Unknowns(point.x, point.free, float(ds["duration"].values[at]))
-        (point,) = equations.divided([point], int(ds["segments"].values[at]))
+        (point,) = in_segments(equations, [point], int(ds["segments"].values[at]))
     (linear,) = equations.linear([point])
     normal = np.zeros(point.vector.size)
     normal[: state.size] = chord[0] / linear.sizes[: state.size]
