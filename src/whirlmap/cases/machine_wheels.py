@@ -4,6 +4,7 @@ from collections.abc import Sequence
 
 from whirlmap.cases.machine_tables import PartTable
 from whirlmap.machines.parts.teeth import Teeth
+from whirlmap.units import read
 
 
 def refuse_two_modules(tables: Sequence[PartTable], meshes: Sequence[Teeth]) -> None:
@@ -19,7 +20,8 @@ def refuse_two_modules(tables: Sequence[PartTable], meshes: Sequence[Teeth]) -> 
         for wheel, key in ((mesh.driver, "z_driver"), (mesh.driven, "z_driven")):
             if "module" not in table.numbers:
                 continue
-            z, module = (float(table.numbers[name].value) for name in (key, "module"))
+            given = ((table.numbers[name], unit) for name, unit in ((key, "1"), ("module", "m")))
+            z, module = (float(read(one.value, unit, given=one.unit)) for one, unit in given)
             other, first = wheels.setdefault((wheel.shaft, wheel.station, z), (mesh.name, module))
             if first != module:
                 raise table.fault("module", f"found two modules on one wheel of {z:g} teeth, for mesh {other} has another;"
