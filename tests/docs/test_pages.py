@@ -39,7 +39,8 @@ SLOW = (
     "whirlmap diagnose --series my_signal.csv", "whirlmap diagnose --series recording.csv --column x --window",
     "whirlmap diagnose gear-psfd/machine", "whirlmap diagnose duffing --set gamma=0.29 --out", "whirlmap attractors",
     "whirlmap simulate machines/jeffcott-rig", "whirlmap show my_train.toml", "whirlmap linear my_train.toml",
-    "whirlmap show machines/two-shaft-gearbox",
+    "whirlmap show machines/two-shaft-gearbox", "whirlmap show machines/integrally-geared-compressor",
+    "whirlmap bifurcation machines/integrally-geared-compressor",
     "import numpy as np", 'import whirlmap\n\nsystem = whirlmap.load("machines/turbo-gearbox"',
     'import whirlmap\n\nsystem = whirlmap.load("duffing", alpha=1',
 )  # fmt: skip

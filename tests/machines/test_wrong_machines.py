@@ -3,7 +3,7 @@
 import re
 
 import pytest
-from tests.machines.wrong_machines import GOOD, WRONG
+from tests.machines.wrong_machines import GOOD, IDLER, WRONG, mesh
 
 import whirlmap
 from whirlmap.cases import read
@@ -32,6 +32,11 @@ def test_the_message_names_file_table_and_key(tmp_path, fault):
     assert message.startswith(str(file)) and "\n" not in message
     for words in said:
         assert words in message, message
+
+
+def test_one_module_in_two_units_is_one(tmp_path):
+    two = IDLER + mesh("second", "pinion", "idler").replace('"3 mm"', '"0.3 cm"')
+    assert len(whirlmap.load(written(tmp_path, GOOD + two)).states) > 50
 
 
 def test_the_line_is_that_of_the_key_in_its_own_table(tmp_path):

@@ -157,6 +157,9 @@ WRONG = {
     "no reference": ('reference = "pinion"\n', "", ["[operation]", "no reference", "pinion, gear"]),
     "no oil": ('[lubricant]\nmu = "0.015 Pa*s"\n', "", ["[[bearing]] drive_end", "no lubricant"]),
     "one number of teeth": ("z = [20, 41]", "z = 20", ["[[mesh]] teeth: z", "[31, 93]"]),
+    "no tooth": ("z = [20, 41]", "z = [20, 0]", ["[[mesh]] teeth: z", "[31, 93]"]),
+    "two modules on one wheel": (None, IDLER + mesh("second", "pinion", "idler").replace('"3 mm"', '"4 mm"'),
+                                 ["[[mesh]] second: module", "one wheel of 20 teeth", "mesh teeth"]),
     "half a tooth": ("z = [20, 41]", "z = [20.5, 41]", ["[[mesh]] teeth: z"]),
     "two bearings in one place": ('name = "free_end"\nshaft = "pinion"\nat = 2', 'name = "free_end"\nshaft ='
                                                                                  ' "pinion"\nat = 0',

@@ -10,6 +10,7 @@ from sympy import Expr, Integer, cos
 from whirlmap.cases.machine_bearings import Bearings
 from whirlmap.cases.machine_stations import Stations
 from whirlmap.cases.machine_tables import PartTable, defaults
+from whirlmap.cases.machine_wheels import refuse_two_modules
 from whirlmap.equations.quantities import Parameter
 from whirlmap.errors import CaseError
 from whirlmap.machines.assembly import AnyBearing, Machine
@@ -84,6 +85,7 @@ class Tables:
         # the one that lengths are over comes first
         bearings = tuple(sorted(found, key=lambda b: b.shaft != self.reference))
         meshes = tuple(self._mesh(table, turning) for table in self.of("mesh"))
+        refuse_two_modules(self.of("mesh"), meshes)
         couplings = tuple(self._coupling(table) for table in self.of("coupling"))
         self._refuse_free_rotation(couplings)
         fastest = self._fastest(turning)
