@@ -10,7 +10,7 @@ CASE_KEYS = ("model", "extends", "description", "start", "switches")
 _RESULTS = """
     point direction quantity bearing state period exponent draw place other motions machine design window time step turn
     section regime rule status period_T period_common return_distance lyapunov lyapunov_error lyapunov_periods confidence
-    winding end_time end_state start_found settled_after accelerated steps step_error step_verdict evaluation
+    winding end_time end_state end_periods start_found settled_after accelerated steps step_error step_verdict evaluation
     minimum maximum mean rms peak_to_peak max_eccentricity min_film max_load hysteresis common_multiple
     attractor attractor_of member indicator outcome vote start starts share share_error outcome_starts outcome_share
     outcome_share_error start_state start_regime start_status starts_agree zero_one zero_one_low digits winding_error

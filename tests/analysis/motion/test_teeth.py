@@ -64,3 +64,15 @@ def test_loads_are_weights_at_rest():
     system = whirlmap.load("machines/jeffcott-rig", e_u="0.1 um")
     load = float(whirlmap.label_points(system, {"s": [1.5]})["max_load"][0, 0]) * force_unit(system)
     assert load == pytest.approx(0.8 * 9.81 / 2, rel=2e-2)
+
+
+def test_teeth_that_hunt_part_too():
+    """113 and 37 teeth repeat after 4181 T: their motion is locked, its teeth are judged over 8 turns of the slow shaft."""
+    system = whirlmap.load(GEARBOX, stiffness="rectangular", backlash="dead_zone", z_p=37, z_g=113)
+    ds = Judge(system)({"s": np.array([0.1, 0.15])}, np.ones(2))
+    assert whirlmap.labels(ds).values.tolist() == ["locked"] * 2 and (ds["end_periods"] > 0).all()
+    assert [Verdict(int(v)).name for v in ds["verdict"].values] == ["safe", "separation"]
+    parting = system.replace(s=0.15)
+    series = whirlmap.simulate(parting, transient=6000, periods=8 * 113)
+    share = float(whirlmap.surface_crossings(parting, series)["share"].sel(surface="drive_side"))
+    assert 0.3 < share < 0.9 and float(ds["tooth_contact"][1]) == pytest.approx(share, abs=0.02)

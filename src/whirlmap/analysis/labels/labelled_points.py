@@ -46,6 +46,8 @@ Progress = Callable[[int], None]
 
 #: T after which a point that has not returned gets a tangent vector, but so many common periods at least.
 BRIEF, FEWEST = 512, 100
+#: T after which a phase repeats that does not.
+ENDLESS = np.iinfo(np.int64).max
 #: T for which chaos runs on without a tangent vector, but `FEWEST` common periods at least.
 FOLLOWED = 4096
 #: Contracting points are integrated until perturbations have decayed by this factor, but at most so many times the longest
@@ -84,7 +86,8 @@ class LabelledPoints:
         self.found = NonperiodicResults.none(ensemble.x)
         self.kept = [system.states.index(name) for name in kept]
         self.returns: Returns
-        self.ends: Array  # states at the ends of the records
+        self.ends: Array  # states at the ends of the records, and the T there since phase zero
+        self.end_turns: Integers
         # Which points are away from their record, for their judgement ran on, and the T that they have run by then.
         self.away, self.turns = np.zeros(ensemble.points, dtype=bool), ensemble.turns.copy()
 
@@ -93,7 +96,7 @@ class LabelledPoints:
         e, found = self.ensemble, self.found
         tell(self.progress, "begin", e.points, e.strobe * (self.settling.transient + self.settling.first_window))
         self.returns = self._settle(e, self._brief())
-        self.ends = e.x.copy()
+        self.ends, self.end_turns = e.x.copy(), e.turns.copy()
         known = self.returns.regime != Regime.undecided
         found.regime[:], found.confidence[:] = self.returns.regime, np.where(known, 1.0, 0.0)
         found.rule[:] = np.where(self.returns.multiple > 0, Rule.returns, np.where(known, Rule.trend, Rule.none))
@@ -125,7 +128,7 @@ class LabelledPoints:
             replace(self.returns, regime=found.regime, period=period), e.status, e.end_time, found.exponent, found.error,
             found.periods, found.confidence, found.winding, found.rule, start_found, e.point_steps, e.step_error,
             e.step_verdict, e.grazings.astype(np.int64), np.full(e.points, float(e.common_multiple)),
-            np.where(e.running, self.ends, np.nan),
+            np.where(e.running, self.ends, np.nan), self.end_turns % (e.strobe if e.returns else ENDLESS),
         )  # fmt: skip
 
     def _brief(self) -> Integers | None:
@@ -240,7 +243,7 @@ class LabelledPoints:
         Where the forcing has no common period the extremes are those of a longer record. Its last part is the section.
         """
         e = self.ensemble
-        phase = self.turns[points] % (e.strobe if e.returns else np.iinfo(np.int64).max)
+        phase = self.turns[points] % (e.strobe if e.returns else ENDLESS)
         periods = record_periods(e.orders, self.settling.keep, MANY)
         section, extremes = self.returns.section.copy(), {k: v.copy() for k, v in self.returns.extremes.items()}
         for turns in np.unique(phase):
@@ -254,7 +257,7 @@ class LabelledPoints:
                 section[:, :, at[on]] = saved[-len(section) :, self.kept][:, :, on]
                 for name, values in found.items():
                     extremes[name][:, at[on]] = values[:, on]
-                self.ends[:, at[on]] = part.x[:, on]
+                self.ends[:, at[on]], self.end_turns[at[on]] = part.x[:, on], part.turns[on]
         self.returns = replace(self.returns, section=section, extremes=extremes)
 
     def _settle_on(self, points: Points) -> None:

@@ -27,7 +27,8 @@ RETURNS = tuple(f.name for f in fields(Returns) if f.name != "extremes")
 class Measured:
     """What was measured of points; arrays of shape (point,) beside those of `Returns` and ``end_state`` (state, point).
 
-    The latter is the state at the end of the record, NaN where a run has ended.
+    The latter is the state at the end of the record, NaN where a run has ended; ``end_periods`` are the T there since phase
+    zero, modulo the common period where there is one of reasonable length.
     """
 
     returns: Returns
@@ -46,6 +47,7 @@ class Measured:
     grazings: NDArray[np.int64]
     common: Array
     end_state: Array
+    end_periods: NDArray[np.int64]
 
     @property
     def drift_state(self) -> NDArray[np.int64]:

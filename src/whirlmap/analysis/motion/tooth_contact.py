@@ -26,9 +26,10 @@ def tooth_contact(ensemble: Ensemble, periods: NDArray[np.int64], progress: Call
     Parameters
     ----------
     ensemble : Ensemble
-        Points of a model with teeth, at phase zero. It is left where it is.
+        Points of a model with teeth, so many T after phase zero as its ``turns`` say. It is left where it is.
     periods : array of int, shape (point,)
-        T to evaluate: one return of a periodic motion; 0 where no contact is asked for.
+        T to evaluate: one return of a periodic motion, some turns of the slowest clock of another one; 0 where no contact is
+        asked for.
 
     Returns
     -------
@@ -45,7 +46,7 @@ def tooth_contact(ensemble: Ensemble, periods: NDArray[np.int64], progress: Call
         for part in np.split(members, np.arange(size, members.size, size)):
             run = ensemble.subset(part, steps=count)
             x = run.advance(length, save_every=1, progress=progress).saved
-            time = np.arange(1, x.shape[0] + 1)[:, None] * (run.period / count)
+            time = (np.arange(1, x.shape[0] + 1)[:, None] / count + ensemble.turns[part]) * run.period
             pressed = np.broadcast_to(deflection(time, list(np.moveaxis(x, 1, 0)), list(run.values))[0], time.shape) > 0
             out[part] = np.where(run.running, pressed.mean(axis=0), np.nan)
     return out

@@ -70,7 +70,8 @@ def label_points(
         ``step_verdict``, ``grazings``; over
         ``(point, quantity)``, states and outputs: ``minimum``, ``maximum``, ``mean``, ``rms``, ``peak_to_peak``; over
         ``(point, bearing)``, where the model has outputs named ``eps``: ``max_eccentricity`` and ``min_film``, in
-        clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``.
+        clearances, and ``max_load`` where it has outputs named ``load``; with ``ends`` also ``end_state(point, state)``,
+        and ``end_periods``, the T since phase zero there: zero where motions return.
         No section is kept.
 
     Raises
@@ -119,7 +120,8 @@ def label_points(
         part = points_dataset(system, {name: column[batch] for name, column in columns.items()}, measured)
         if ends:
             left = measured.end_state.T
-            part["end_state"] = variable(("point", "state"), left, "1", "state at the end of the run, at phase zero")
+            part["end_state"] = variable(("point", "state"), left, "1", "state at the end of the run")
+            part["end_periods"] = variable("point", measured.end_periods, "T", "T since phase zero there")
             part = part.assign_coords(state=names_coordinate("state", system.states, "state"))
         parts.append(part)
     ds = parts[0] if len(parts) == 1 else xr.concat(parts, "point", data_vars="minimal", coords="minimal", join="exact")

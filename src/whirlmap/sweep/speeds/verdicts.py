@@ -11,6 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.linear.stations import stations_of
 from whirlmap.analysis.motion.ensembles import make_ensemble, parameter_values
+from whirlmap.analysis.motion.record_length import MANY, record_periods
 from whirlmap.analysis.motion.tooth_contact import tooth_contact
 from whirlmap.errors import RangeError, nearest
 from whirlmap.integrate.dimensions import Dimensions
@@ -123,18 +124,25 @@ class Judge:
         return ds
 
     def _tooth_contact(self, values: Mapping[str, Array], ds: xr.Dataset) -> Array:
-        """Share of one return for which the teeth touch; NaN without teeth and where the motion does not return."""
-        returns = np.where(ds["regime"].values == Regime.periodic, ds["period_common"].values, 0)
-        if self.system.model.teeth is None or not self.system.model.forced or not returns.any():
-            return np.full(returns.size, np.nan)
-        out = np.full(returns.size, np.nan)
+        """Share of the time in which the teeth touch: over one return, or 8 turns of the slow harmonic of a locked motion.
+
+        NaN without teeth, and for all other motions.
+        """
+        regime, out = ds["regime"].values, np.full(ds.sizes["point"], np.nan)
+        returns = np.where(regime == Regime.periodic, ds["period_common"].values, 0)
+        judged = (returns > 0) | (regime == Regime.locked)
+        if self.system.model.teeth is None or not self.system.model.forced or not judged.any():
+            return out
         for group in order_groups(self.system, parameter_values(self.system, values), values):
-            these = group.members[returns[group.members] > 0]
+            these = group.members[judged[group.members]]
             if not these.size:
                 continue
             some = {name: column[these] for name, column in values.items()}
             ensemble = self.left(some, ds["end_state"].values[these], ds["steps"].values[these])
-            out[these] = tooth_contact(ensemble, returns[these] * group.common_multiple, self.execution.progress)
+            ensemble.turns[:] = ds["end_periods"].values[these]
+            open_motion = record_periods(ensemble.orders, self.labelling.settling.keep, MANY)
+            periods = np.where(returns[these] > 0, returns[these] * group.common_multiple, open_motion)
+            out[these] = tooth_contact(ensemble, periods, self.execution.progress)
         return out
 
     def left(self, values: Mapping[str, Array], ends: Array, steps: NDArray[np.int64]) -> Ensemble:
