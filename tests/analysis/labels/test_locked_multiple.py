@@ -58,6 +58,16 @@ def test_quarters_need_halves_first():
     assert judged(x + 0.2 * np.cos(2 * phase + 1) + 1e-3 * np.cos(phase), (ONE, GOLDEN))[0] == [4]
 
 
+@pytest.mark.parametrize(
+    ("size", "rate", "part"), [(2.14e-5, 0.00271, 0.25), (4.28e-5, 0.00558, 0.2501), (1.98e-5, 0.00156, 0.33363)]
+)
+def test_a_decay_is_no_subharmonic(size, rate, part):
+    """What is left of a start near an n-th part of T counted as n = 4, 4 and 3."""
+    k, x = np.arange(1024), smooth(HUNTING, 1024)
+    found, misfit = judged(x + size * np.ptp(x) * np.exp(-rate * k) * np.cos(2 * np.pi * part * k), HUNTING)
+    assert found == [0] and misfit[0] < 1e-5
+
+
 def test_a_subharmonic_below_the_tolerance_of_returns_counts_as_none():
     x = smooth(HUNTING, 1024)
     found, misfit = judged(x + 5e-7 * np.ptp(x) * np.cos(turned(Fraction(1, 2), 1024)), HUNTING)

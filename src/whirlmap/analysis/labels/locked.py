@@ -10,7 +10,7 @@ from itertools import combinations
 from math import gcd, lcm
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from whirlmap.analysis.labels.forced_lines import Array, Integers, Lines, Turns, strongest, sums_of
 from whirlmap.analysis.labels.forced_parts import MOST, SHORT, TURNS, fold, sum_near
@@ -27,6 +27,8 @@ ATTEMPTS = (10, 3)
 TERMS = 1200
 #: Subharmonics that do not follow from each other; one of a quarter may need a half first.
 SUBHARMONICS = 2
+#: A subharmonic is as strong in both halves of a record, but for this part: what is not decays, or is no line.
+LASTS = 0.85
 #: A line that belongs to no sum leaves more than this part: one of 1e-4 of the range leaves more than `EXPLAINED`.
 LEFT = 0.1
 #: Bytes of points that are judged at a time.
@@ -77,7 +79,8 @@ def locked_multiple(
        terms as there are times has n = 1, if these would not explain lines at fractions of the fastest frequency too.
     3. What is not: the strongest line that is left, if it lies within 0.5/times of an n-th part of a small sum of orders
        that chance would not put there (`forced_parts`), joins the orders, and 2 is repeated; up to two such. The smallest n
-       whose lines explain the motion is returned.
+       whose lines explain the motion is returned, if what the forcing's own lines leave is as strong in both halves of the
+       record: a slow decay is not.
 
     A subharmonic of 1e-4 of the scale is seen, one of 1e-6 counts as none; in between both may happen. Undecided: records
     with fewer than two turns of the slowest forcing, of the slowest beat of two, or of their n-th part; motion that is not
@@ -181,6 +184,14 @@ def _smallest(y: Array, lines: Lines, generators: Turns, turns: Turns) -> Intege
     n = np.full(len(y), lcm(*folds.tolist()))
     for fewer in range(n.max(initial=1) - 1, 0, -1) if len(y) else ():
         if lcm(*folds.tolist()) % fewer == 0:
-            part = Lines(lines.sums[fewer % folds == 0], lines.frequency[fewer % folds == 0], y.shape[1])
-            n[np.abs(part.fitted(y)[0]).max(axis=(1, 2)) < EXPLAINED] = fewer
+            n[np.abs(_left(y, lines, fewer % folds == 0)).max(axis=(1, 2)) < EXPLAINED] = fewer
+    if (n > 1).any():
+        rest = _left(y, lines, folds == 1)
+        first, last = (np.sqrt((half**2).mean(axis=(1, 2))) for half in np.array_split(rest, 2, axis=1))
+        n[(n > 1) & (np.minimum(first, last) < LASTS * np.maximum(first, last))] = 0
     return n
+
+
+def _left(y: Array, lines: Lines, some: NDArray[np.bool_]) -> Array:
+    """What some of the lines leave of points."""
+    return np.asarray(Lines(lines.sums[some], lines.frequency[some], y.shape[1]).fitted(y)[0])
