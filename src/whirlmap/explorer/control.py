@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
 from sympy import sympify
 
 from whirlmap.errors import InputError, nearest
@@ -20,6 +21,8 @@ from whirlmap.units import read, split
 Values = Mapping[str, float | str]
 #: How far a slider goes on either side of a value, as a factor.
 REACH = 4.0
+#: Ratio of two values beyond which they are the ends of a logarithmic axis.
+WIDE = 30.0
 
 
 @dataclass(frozen=True)
@@ -62,9 +65,9 @@ def controls_of(system: System, axes: Mapping[str, tuple[Sequence[float], str]])
     inputs = dict(system.machine.inputs) if system.machine else {}
     for name, (values, unit) in axes.items():
         low, high = float(values[0]), float(values[-1])
-        log = low > 0 and high / low > 30
+        log = _in_ratios(values)
         middle = math.sqrt(low * high) if log else (low + high) / 2
-        if is_input(system, name):
+        if is_input(system, name, beside=len(axes) > 1):
             meaning = inputs[name].parameter.meaning if name in inputs else name
             found[name] = Control(name, symbol_text(system, name), meaning, unit, middle, low, high, log, unit)
         else:
@@ -85,6 +88,16 @@ def controls_of(system: System, axes: Mapping[str, tuple[Sequence[float], str]])
         low, high, log = _reach(value, p)
         found[p.name] = _parameter(system, p.name, value, low, high, log=log)
     return found
+
+
+def _in_ratios(values: Sequence[float]) -> bool:
+    """Whether values stand in equal ratios, not in equal differences; of two, whether the ratio is large."""
+    x = np.asarray(values, dtype=float)
+    if x[0] <= 0:
+        return False
+    if x.size < 3:
+        return bool(x[-1] / x[0] > WIDE)
+    return bool(np.ptp(np.diff(np.log(x))) * (x[-1] - x[0]) < np.ptp(np.diff(x)) * np.log(x[-1] / x[0]))
 
 
 def _parameter(system: System, name: str, value: float, low: float, high: float, *, log: bool) -> Control:

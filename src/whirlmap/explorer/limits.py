@@ -1,6 +1,5 @@
 """What a page may send: names that are known, and numbers that are finite and not oversized; all else is refused."""
 
-import math
 from collections.abc import Collection, Mapping
 from http import HTTPStatus
 from typing import Any
@@ -23,7 +22,7 @@ def number(value: Any, what: str) -> float:
     """A finite number of ordinary size."""
     if isinstance(value, bool) or not isinstance(value, int | float):
         raise Refused(HTTPStatus.UNPROCESSABLE_ENTITY, f"{what}: expected a number")
-    if not math.isfinite(value) or abs(value) > LARGEST:
+    if not abs(value) <= LARGEST:  # of whole numbers too, which may be too long for a float
         raise Refused(HTTPStatus.UNPROCESSABLE_ENTITY, f"{what}: expected a number of size {LARGEST:g} at most")
     return float(value)
 

@@ -2,11 +2,14 @@
 
 Requests are refused with a status: 421 where the host is another one, 403 where the page that asks is, 404 for whatever is
 not below the token or is not one of the few names that there are, 405 for another method, 411, 413 and 415 for a body
-without length, too long, or of another type, 400 for what is no JSON, and 422 for names and numbers that cannot be.
+without length, too long, or of another type, 400 for what is no JSON, 422 for names and numbers that cannot be, and 500
+for a defect of the program, which is said in the terminal too.
 """
 
 import json
 import secrets
+import sys
+from collections.abc import Callable
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from typing import Any
@@ -65,35 +68,57 @@ class Handler(BaseHTTPRequestHandler):
 
     def do_GET(self) -> None:
         """Answer the page itself, its data, and whether kernels are compiled."""
-        try:
-            name = self._checked()
-            if name == "":
-                nonce = secrets.token_urlsafe(16)
-                self._send(HTTPStatus.OK, page_html(nonce=nonce), "text/html; charset=utf-8", nonce)
-            elif name in ("data", "state"):
-                self._json(HTTPStatus.OK, getattr(self.server.session, name)())
-            elif name in self.server.session.answers:
-                raise Refused(HTTPStatus.METHOD_NOT_ALLOWED, "expected POST")
-            else:
-                raise Refused(HTTPStatus.NOT_FOUND, "there is nothing here")
-        except Refused as refused:
-            self._refuse(refused)
+        self._answered(self._got)
 
     def do_POST(self) -> None:
         """Answer a request in JSON."""
+        self._answered(self._posted)
+
+    def do_PUT(self) -> None:
+        """Refuse other methods."""
+        self._answered(self._not_allowed)
+
+    do_DELETE = do_PATCH = do_OPTIONS = do_HEAD = do_PUT
+
+    def _answered(self, answer: Callable[[], None]) -> None:
+        """Answer; what goes wrong has its status and its reason, and a defect is said in the terminal too."""
         try:
-            name = self._checked()
-            answer = self.server.session.answers.get(name)
-            if answer is None:
-                wrong = name in ("", "data", "state")
-                status = HTTPStatus.METHOD_NOT_ALLOWED if wrong else HTTPStatus.NOT_FOUND
-                raise Refused(status, "expected GET" if wrong else "there is nothing here")
-            try:
-                self._json(HTTPStatus.OK, answer(self._body()))
-            except WhirlmapError as error:
-                raise Refused(HTTPStatus.UNPROCESSABLE_ENTITY, str(error)) from None
+            answer()
         except Refused as refused:
             self._refuse(refused)
+        except WhirlmapError as error:
+            self._refuse(Refused(HTTPStatus.UNPROCESSABLE_ENTITY, str(error)))
+        except OSError:  # the page has gone before its answer came
+            raise
+        except Exception as error:  # the page would wait for an answer
+            reason = f"the program has a defect here: {type(error).__name__}: {error}"
+            print(f"whirlmap explore: {reason}", file=sys.stderr, flush=True)
+            self._refuse(Refused(HTTPStatus.INTERNAL_SERVER_ERROR, reason))
+
+    def _got(self) -> None:
+        name = self._checked()
+        if name == "":
+            nonce = secrets.token_urlsafe(16)
+            self._send(HTTPStatus.OK, page_html(nonce=nonce), "text/html; charset=utf-8", nonce)
+        elif name in ("data", "state"):
+            self._json(HTTPStatus.OK, getattr(self.server.session, name)())
+        elif name in self.server.session.answers:
+            raise Refused(HTTPStatus.METHOD_NOT_ALLOWED, "expected POST")
+        else:
+            raise Refused(HTTPStatus.NOT_FOUND, "there is nothing here")
+
+    def _posted(self) -> None:
+        name = self._checked()
+        answer = self.server.session.answers.get(name)
+        if answer is None:
+            wrong = name in ("", "data", "state")
+            status = HTTPStatus.METHOD_NOT_ALLOWED if wrong else HTTPStatus.NOT_FOUND
+            raise Refused(status, "expected GET" if wrong else "there is nothing here")
+        self._json(HTTPStatus.OK, answer(self._body()))
+
+    def _not_allowed(self) -> None:
+        self._checked()
+        raise Refused(HTTPStatus.METHOD_NOT_ALLOWED, "expected GET or POST")
 
     def _checked(self) -> str:
         """Refuse whatever does not come from this page; the name that is asked for."""

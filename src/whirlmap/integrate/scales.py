@@ -155,7 +155,7 @@ def limits(model: Model, period: Array, x: Array) -> Array:
     They are the model's own bound where it declares one, else `GROWTH` times the size of the start.
     """
     if model.bound is not None:
-        found = np.full(x.shape, model.bound)
+        found = np.full(x.shape, float(model.bound))
     else:
         size = start_sizes(model, period, x)
         found = np.where(size > 0, GROWTH * size, np.inf)

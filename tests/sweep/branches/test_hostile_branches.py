@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from tests.sweep.branches.exact_systems import cubic_rotor, forced_hopf
 from tests.sweep.branches.hostile_systems import (
+    Omega,
     dry_friction,
     growing_cycle,
     mirrored,
@@ -13,13 +14,17 @@ from tests.sweep.branches.hostile_systems import (
     stretched,
     two_frequencies,
     unforced_amplitude,
+    v,
+    x,
 )
 from tests.sweep.branches.test_exact_branches import ends, found, kinds
 
 import whirlmap
 from whirlmap import continue_orbit
 from whirlmap.analysis.branches import orbit_steps
+from whirlmap.equations import Model, Parameter, State, cos, sin, t
 from whirlmap.errors import RangeError
+from whirlmap.integrate.system import System
 
 #: Each run is bounded in time.
 pytestmark = pytest.mark.timeout(240)
@@ -245,3 +250,40 @@ def test_an_equilibrium_that_reaches_a_stop_ends_its_branch(validate):
     assert ends(ds) == [["range", "contact"]]
     validate("equilibrium that reaches a stop: force of contact", ds["F"].values[-1], 1.0, tier="exact", source="x = F",
              rel=1e-12)  # fmt: skip
+
+
+def test_a_pitchfork_of_a_symmetric_pendulum(validate):
+    """Beside it the equations are singular: places about it bracket it. Truth: half maps with SciPy's DOP853 at 1e-13."""
+    phi, c, F = State("phi", "rad", "angle"), Parameter("c", "1", "damping"), Parameter("F", "1", "forcing")
+    model = Model(
+        "pendulum_pitchfork", (phi, v), (c, F, Omega), {phi: v, v: F * cos(Omega * t) - c * v - sin(phi)}, harmonics=(Omega,)
+    )
+    ds = continue_orbit(System(model, {"c": 0.5, "F": 0.5, "Omega": 0.6667}), "F", (0.3, 1.3))
+    assert kinds(ds) == ["branch-point"] and ends(ds) == [["range", "range"]]
+    validate("symmetric pendulum: force of the pitchfork", ds["event_F"].values[0], 1.00438119914472, tier="independent",
+             source="half map with SciPy", rel=1e-9)  # fmt: skip
+
+
+def test_a_state_that_is_fast_beside_the_orbit_is_lost_and_found_with_more_steps():
+    """s' = 100 (x - s) with 32 steps a turn grows beyond all numbers: no traceback, and Duffing's own folds."""
+    s, F, R = State("s", "1", "follows x"), Parameter("F", "1", "forcing"), Parameter("R", "1", "rate")
+    model = Model(
+        "duffing_and_fast", (x, v, s), (F, Omega, R),
+        {x: v, v: F * cos(Omega * t) - v / 20 - x - x**3 / 10, s: R * (x - s)}, harmonics=(Omega,),
+    )  # fmt: skip
+    ds = continue_orbit(System(model, {"F": 0.18, "Omega": 0.8, "R": 100.0}), "Omega", (0.8, 1.6))
+    assert kinds(ds) == ["fold", "fold"]
+    np.testing.assert_allclose(np.sort(found(ds, "fold")[0]), [1.115700251770920, 1.269601955545893], rtol=1e-9)
+
+
+def test_an_equilibrium_behind_a_stop_is_none():
+    with pytest.raises(RangeError, match="no solution"):
+        continue_orbit(pushed_to_a_stop(F=1.5), "F", (1.2, 2.0), begin=1.5, orbit=(1.5, 0.0))
+
+
+def test_two_branches_of_one_generation_double_each():
+    system = whirlmap.load("duffing", delta=0.3, omega=1.2)
+    ds = continue_orbit(system, "gamma", (0.2, 0.27), coexisting=True, starts=16, doublings=1)
+    assert sorted(ds["period_T"].values.tolist()) == [1, 1, 2, 2]
+    again = continue_orbit(system, "gamma", (0.2, 0.27), coexisting=True, starts=16, doublings=1, resume=ds)
+    assert again["period_T"].values.tolist() == ds["period_T"].values.tolist()

@@ -48,7 +48,7 @@ def up_to_contact(a: Corrected, stepped: Stepped) -> Generator[Ask, Corrected | 
     stepped : callable
         Asks for the next point; what it gives is given here.
     """
-    gaps = _reachable(a)
+    gaps = reachable_gaps(a)
     b, lost, ended = yield from stepped(a)
     if not gaps or (b is None and lost != Status.contact):
         return b, lost, ended
@@ -74,7 +74,7 @@ def smallest_gap(c: Corrected, gaps: Mapping[str, Any], samples: int) -> float:
     return min(min([float(row.min()), *(e.value for e in extremes_of(row) if not e.maximum)]) for row in rows)
 
 
-def _reachable(c: Corrected) -> dict[str, Any]:
+def reachable_gaps(c: Corrected) -> dict[str, Any]:
     """Gaps of the stops that the motion can reach with these parameters."""
     equations = c.equations
     if not isinstance(equations, PeriodicOrbits | Equilibria) or not equations.system.model.stops:

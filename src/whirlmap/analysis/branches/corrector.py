@@ -163,15 +163,18 @@ def _solve(linear: Linear, normal: Array, sizes: Array, right: Array) -> tuple[A
     At a branch point the matrix is singular, and the equations are consistent all the same: the shortest step solves them
     there. The tangent is then the normal, for want of another, and the sign zero.
     """
-    matrix = np.vstack([linear.jacobian * sizes / linear.weights[:, None], normal])
+    with np.errstate(over="ignore", invalid="ignore"):
+        matrix = np.vstack([linear.jacobian * sizes / linear.weights[:, None], normal])
     ahead = np.zeros(right.size)
     ahead[-1] = 1.0
+    if not np.isfinite(matrix).all():  # a segment that stretches beyond all numbers
+        return np.full(right.size, np.inf), ahead, 0.0
     with np.errstate(over="ignore", invalid="ignore"):
         try:
             step, tangent = np.linalg.solve(matrix, np.stack([right, ahead], axis=1)).T
         except np.linalg.LinAlgError:
             step, tangent = np.full((2, right.size), np.inf)
-        if not np.abs(step).max() <= FARTHEST and np.linalg.cond(matrix) > SINGULAR:
+        if not np.abs(step).max() <= FARTHEST and SINGULAR < np.linalg.cond(matrix) < np.inf:
             return np.linalg.lstsq(matrix, right, rcond=1 / SINGULAR)[0] * sizes, normal * sizes, 0.0
         unit = tangent / np.linalg.norm(tangent)
     matrix[-1] = unit

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from whirlmap.analysis.branches.bracketing import located
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost
+from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.segments import cycle
 from whirlmap.analysis.branches.unknowns import Linear
@@ -60,13 +61,15 @@ def outside(c: Corrected) -> int:
 
 
 def may_cross_twice(p: Corrected, a: Corrected, b: Corrected, first: float, second: float) -> bool:
-    """Whether a multiplier may cross the unit circle and come back between two points: two such events would cancel.
+    """Whether a multiplier may cross the unit circle and come back between two points, or an eigenvalue the axis.
+
+    Two such events would cancel.
 
     A parabola goes through the logarithms of its modulus at three points of a branch, the steps between which are given.
     Its extreme in the second step, twice as far from the points as it is, lies on the other side.
     """
     count = outside(a)
-    if not isinstance(a.equations, PeriodicOrbits) or outside(b) != count:
+    if not isinstance(a.equations, PeriodicOrbits | Equilibria) or outside(b) != count:
         return False
     for k, sign in ((count, 1.0), (count - 1, -1.0)):
         if not 0 <= k < a.exponents[0].size:

@@ -245,8 +245,9 @@ def _multipliers(events: "xr.Dataset", i: int) -> list[complex]:
 def say_branches(system: System, ds: "xr.Dataset", units: Dimensions, quantities: list[str]) -> None:
     """Print a table of the branches, and one of their events."""
     shown, varied, of = shown_in(units, ds), _Varied.of(ds), ds["branch_of"].values
-    what, count = "curve of events" if len(varied) > 1 else "branch", ds.sizes["branch"]
-    typer.echo(f"{system.case}: {count} {what}{'es' if count != 1 else ''}, {of.size} points")
+    count = ds.sizes["branch"]
+    one, several = ("curve of events", "curves of events") if len(varied) > 1 else ("branch", "branches")
+    typer.echo(f"{system.case}: {count} {one if count == 1 else several}, {of.size} points")
     if incomplete := ds.attrs.get("incomplete"):
         typer.echo(f"incomplete: {incomplete}")
     first = quantities[0]

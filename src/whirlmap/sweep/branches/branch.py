@@ -25,7 +25,7 @@ ENDS = ("range", "closed", "contact", "kink", "steps", "start", "interrupted", "
 KINDS = ("orbit", "cycle", "equilibrium")
 
 
-@dataclass
+@dataclass(eq=False)  # two are the same where they are one object
 class Branch:
     """A branch that is followed from a seed, in one direction or both.
 

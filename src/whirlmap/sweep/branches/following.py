@@ -19,6 +19,9 @@ from whirlmap.sweep.branches.branch import Branch, rises
 from whirlmap.sweep.branches.measured_branches import BATCH, Measuring
 from whirlmap.sweep.branches.seeds import SAME, Seed
 
+#: Part of a step by which a seed may lie beyond its ends.
+EDGES = 1e-6
+
 Direction = Literal["up", "down", "both"]
 
 
@@ -37,7 +40,8 @@ class Branches:
 
         ``resumed`` are branches that were interrupted before, and go on.
         """
-        new = [*resumed, *(self._branch(seed) for seed in seeds)]
+        new = [*(b for b in resumed if b.halves is None), *(self._branch(seed) for seed in seeds)]
+        doubled = [b for b in resumed if b.halves is not None]
         for generation in range(self.doublings + 1):
             self.branches += new
             for _ in stepping([run for branch in new for run in self._runs(branch)]):
@@ -48,7 +52,11 @@ class Branches:
             self.branches[:] = distinct(self.branches)
             if generation < self.doublings:
                 new = [b for branch in new if branch in self.branches for b in self._doubled(branch)]
-                new = [b for b in new if not any(_lies_on(b.seed, other) for other in self.branches)]
+                # Those of an interrupted run stand for what is found again here, and go on as of their own generation.
+                again = [b for b in doubled if any(b.seed.period == one.seed.period for one in new)]
+                doubled = [b for b in doubled if b not in again]
+                known = [*self.branches, *again]
+                new = [*again, *(b for b in new if not any(_lies_on(b.seed, other) for other in known))]
         self.branches[:] = distinct(self.branches)
 
     def events(self, kind: str) -> list[Event]:
@@ -84,7 +92,8 @@ class Branches:
                     continue
                 away = 1.0 if c.tangent / c.linear.sizes @ ask.normal > 0 else -1.0
                 at, doubts = finished(c, self.limits.accuracy)
-                seed = Seed(at, 2 * branch.seed.period, c.point.x[:1].T)
+                half = len(at.point.x) // 2  # either half may come first: they are one orbit
+                seed = Seed(at, 2 * branch.seed.period, at.point.x[[0, half]].T)
                 up = away * rises(seed.at) > 0
                 part = Trace([seed.at], doubts=doubts)
                 out.append(Branch(seed, None if up else part, part if up else None, begins="closed", halves=halves))
@@ -107,11 +116,13 @@ def _lies_on(seed: Seed, branch: Branch) -> bool:
         return False
     points = branch.points()
     for a, b in pairwise(points):
-        if a.point.x.shape != b.point.x.shape or not min(a.value, b.value) <= seed.at.value <= max(a.value, b.value):
+        margin = EDGES * abs(b.value - a.value)  # the seed may be the first point itself, but for rounding
+        between = min(a.value, b.value) - margin <= seed.at.value <= max(a.value, b.value) + margin
+        if a.point.x.shape != b.point.x.shape or not between:
             continue
         part = (seed.at.value - a.value) / (b.value - a.value) if b.value != a.value else 0.0
-        between = a.point.vector + part * (b.point.vector - a.point.vector)
-        found = correct([Ask(a.equations, a.point.of(between), along_parameter(a.point), a.linear.sizes)])[0]
+        guess = a.point.vector + part * (b.point.vector - a.point.vector)
+        found = correct([Ask(a.equations, a.point.of(guess), along_parameter(a.point), a.linear.sizes)])[0]
         if isinstance(found, Lost):
             continue
         n = found.point.x.shape[1]

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from whirlmap.analysis.branches.contact import reachable_gaps, smallest_gap
 from whirlmap.analysis.branches.corrector import Ask, Corrected, Lost, along_parameter, correct
 from whirlmap.analysis.branches.equilibria import Equilibria
 from whirlmap.analysis.branches.orbit_steps import ROUNDED, STEPS, finished
@@ -290,6 +291,8 @@ class Beginning:
         for c in correct(asks):
             if isinstance(c, Lost) or not self.free.allowed(c.point.free[:, None])[0]:
                 continue
+            if (gaps := reachable_gaps(c)) and smallest_gap(c, gaps, 0) < 0:
+                continue  # behind a stop
             c, _ = finished(c, self.accuracy)  # its error stands in the Dataset
             out.append(replace(c, point=c.point.at(*self.value)))  # without the rounding of Newton's method
         return out
