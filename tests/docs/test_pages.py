@@ -26,7 +26,7 @@ NOT_RUN = {
     "whirlmap map duffing --vary gamma=0.2:0.6:80": "a job array of SLURM",
     "whirlmap map --status": "the store of that job array",
     "whirlmap explore": "serves a page until Ctrl-C; tests/cli/test_cli_explore.py and tests/explorer run it",
-    "import whirlmap\nimport xarray as xr\n\nsystem = whirlmap.load(\"machines/turbo": "draws what two long commands write",
+    "import whirlmap\nimport xarray as xr\n\n\ndef drawn(name": "draws what three long commands write",
     "with SLURMCluster": "needs a cluster",
 }  # fmt: skip
 #: Start of a command or of a Python block that takes more than about 10 s.

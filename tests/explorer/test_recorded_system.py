@@ -3,6 +3,7 @@
 import json
 from typing import Any
 
+import numpy as np
 import pytest
 import xarray as xr
 
@@ -64,3 +65,22 @@ def test_values_of_inputs_have_their_unit() -> None:
     groups = [name for name, note in system.notes.items() if note.startswith("group")]
     assert not set(groups) & set(controls)  # they follow from the inputs
     assert json.dumps([c.symbol for c in controls.values()], ensure_ascii=False).count("\\") == 0
+
+
+def test_the_speed_stands_beside_an_input_in_a_map() -> None:
+    system = whirlmap.load("machines/jeffcott-rig")
+    controls = controls_of(system, {"speed": ([100.0, 600.0], "rad/s"), "c": ([40.0, 80.0], "um")})
+    assert (controls["speed"].unit, controls["c"].unit) == ("rad/s", "um")
+    made = system_at(system, controls, {"speed": 300.0, "c": 60.0})
+    assert dict(made.values) == dict(whirlmap.load("machines/jeffcott-rig", speed="300 rad/s", c="60 um").values)
+
+
+@pytest.mark.parametrize(
+    ("values", "log"),
+    [
+        (np.geomspace(0.01, 0.2, 12), True), (np.linspace(0.01, 0.2, 12), False), (np.geomspace(1, 100, 3), True),
+        ([1.0, 40.0], True), ([1.0, 20.0], False), (np.linspace(0.0, 1.0, 5), False), (np.linspace(1.0, 100.0, 40), False),
+    ],
+)  # fmt: skip
+def test_axes_in_equal_ratios_are_logarithmic(values, log) -> None:
+    assert controls_of(whirlmap.load("duffing"), {"gamma": (list(values), "1")})["gamma"].log is log

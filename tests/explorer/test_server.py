@@ -40,12 +40,15 @@ def test_a_motion_and_another_quantity_of_it(client: Client) -> None:
         assert status == 200
         assert m["label"]["period"] == period
         assert m["spectrum"]["quantity"] == "v"
-    begun = time.perf_counter()
-    client.ask("motion", {"values": {"gamma": 0.29}, "quantity": "x"})
-    remembered = time.perf_counter() - begun
-    begun = time.perf_counter()
-    client.ask("motion", {"values": {"gamma": 0.2901}, "quantity": "x"})
-    assert remembered < time.perf_counter() - begun
+    again, new = [], []
+    for k in range(3):  # the shortest of three, on a machine that does other work too
+        begun = time.perf_counter()
+        client.ask("motion", {"values": {"gamma": 0.29}, "quantity": "x"})
+        again.append(time.perf_counter() - begun)
+        begun = time.perf_counter()
+        client.ask("motion", {"values": {"gamma": 0.2901 + 1e-4 * k}, "quantity": "x"})
+        new.append(time.perf_counter() - begun)
+    assert min(again) < min(new)
 
 
 @pytest.mark.parametrize(
@@ -89,6 +92,7 @@ def test_nothing_lies_elsewhere(client: Client, path: str) -> None:
     [
         ("motion", {"values": {"gamm": 0.2}}, 422), ("motion", {"values": {"gamma": "0.2"}}, 422),
         ("motion", {"values": {"gamma": 1e31}}, 422), ("motion", {"values": {"gamma": True}}, 422),
+        ("motion", {"values": {"gamma": 10**400}}, 422),
         ("motion", {"values": [0.2]}, 422), ("motion", {"values": {"gamma": 0.2}, "quantity": "y"}, 422),
         ("motion", {"values": {"gamma": 0.2}, "quantity": 3}, 422), ("motion", {"values": {"__class__": 1}}, 422),
         ("motion", {"values": {f"p{k}": 1 for k in range(300)}}, 422), ("motion", {"values": {"omega": -1.0}}, 422),
@@ -113,7 +117,8 @@ def test_bodies_are_checked_before_they_are_read(client: Client) -> None:
     assert client.ask("motion", raw=b"{}", method="POST", headers={"Content-Type": "text/plain"})[0] == 415
     assert client.ask("motion", raw=b"{}", method="POST", headers={"Content-Length": "-1"})[0] == 411
     assert client.ask("motion", method="GET")[0] == 405
-    assert client.ask("motion", raw=b"{}", method="PUT")[0] == 501
+    for method in ("PUT", "DELETE", "PATCH", "OPTIONS"):
+        assert client.ask("motion", raw=b"{}", method=method)[0] == 405
     assert client.ask("state")[0] == 200  # and it goes on
 
 
@@ -159,3 +164,13 @@ def test_votes_and_branches_come(client: Client) -> None:
     doubled = [e for e in branch["events"] if e["kind"] == "period-doubling"]
     assert len(doubled) == 1
     assert 0.24 < doubled[0]["values"]["gamma"] < 0.28  # between the points of 1T and of 2T
+
+
+def test_a_defect_has_its_status_and_is_said_in_the_terminal(client: Client, monkeypatch, capsys) -> None:
+    def broken(_: object) -> None:
+        raise KeyError("speed")
+
+    monkeypatch.setattr(type(client.server.session), "answers", {"motion": broken})
+    status, answer, _ = client.ask("motion", {"values": {}})
+    assert status == 500 and "KeyError: 'speed'" in answer["error"]
+    assert "KeyError: 'speed'" in capsys.readouterr().err
