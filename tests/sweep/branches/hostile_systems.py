@@ -54,6 +54,16 @@ def pushed_to_a_stop(**values: float) -> System:
     return System(model, {"F": 0.2, **values})
 
 
+def fold_of_cycles(**values: float) -> System:
+    """r' = r (mu + r^2 - r^4), turning by one: cycles 2 r^2 = 1 +- sqrt(1 + 4 mu), fold at mu = -1/4, Hopf point at 0."""
+    growth = mu + (x**2 + y**2) - (x**2 + y**2) ** 2
+    model = Model(
+        "fold_of_cycles", (x, y), (mu,), {x: growth * x - y, y: x + growth * y}, section=Section(y, "rising"),
+        typical_time=6.28,
+    )  # fmt: skip
+    return System(model, {"mu": 0.3, **values})
+
+
 def mirrored(**values: float) -> System:
     """x' = -x + cos(Omega t), y' = (mu - x^2) y - y^3: y = 0 loses its stability where mu is the mean of x^2."""
     model = Model(

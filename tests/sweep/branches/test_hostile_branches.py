@@ -6,6 +6,7 @@ from tests.sweep.branches.exact_systems import cubic_rotor, forced_hopf
 from tests.sweep.branches.hostile_systems import (
     Omega,
     dry_friction,
+    fold_of_cycles,
     growing_cycle,
     mirrored,
     one_sided_spring,
@@ -287,3 +288,14 @@ def test_two_branches_of_one_generation_double_each():
     assert sorted(ds["period_T"].values.tolist()) == [1, 1, 2, 2]
     again = continue_orbit(system, "gamma", (0.2, 0.27), coexisting=True, starts=16, doublings=1, resume=ds)
     assert again["period_T"].values.tolist() == ds["period_T"].values.tolist()
+
+
+def test_a_cycle_that_shrinks_to_its_equilibrium_ends_there():
+    """Behind the Hopf point it would be followed a second time, as the mirror image of itself."""
+    ds = continue_orbit(fold_of_cycles(), "mu", (-0.5, 0.5), begin=0.3, orbit=(1.1, 0.0), period=1)
+    assert kinds(ds) == ["fold"] and sorted(ends(ds)[0]) == ["closed", "range"]
+    assert "shrinks to an equilibrium" in ds.attrs["why"]
+    np.testing.assert_allclose(found(ds, "fold")[0], [-0.25], rtol=1e-9)
+    last = int(np.argmin(ds["peak_to_peak"].sel(quantity="x").values))
+    assert last in (0, ds.sizes["point"] - 1) and abs(ds["mu"].values[last]) < 1e-6
+    assert (ds["section"].values[:, 0, 0] > 0).all()

@@ -34,6 +34,8 @@ FINE = 1e-4
 SHY = 1 / 64
 #: Largest angle between neighbouring tangents, and largest distance from the predicted point, over the step.
 ANGLE, AWAY = 0.25, 0.5
+#: Part of the longest step with which a cycle is followed to its equilibrium.
+SMALL = 1e-4
 #: Iterations at which a step grows, and at which it shrinks.
 FEW, MANY = 4, 7
 #: The steps of an orbit are checked at every such point, where an event lies, and where they are fewer than before.
@@ -126,6 +128,11 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
             out.end, out.why = _ending(lost, a)
             break
         b, lost, ended = yield from up_to_contact(a, partial(_stepped, step=step, limits=limits))
+        if b is not None and _overturned(b):
+            if step <= SMALL * limits.longest:
+                out.end, out.why = "closed", "the cycle shrinks to an equilibrium"
+                break
+            b = None
         if b is None:
             step /= 2
             continue
@@ -270,6 +277,15 @@ def apart_in_halves(c: Corrected) -> Array:
     """By how much the two halves of an orbit begin apart, in sizes of the states."""
     count, n = c.point.x.shape
     return np.asarray((c.point.x[0] - c.point.x[count // 2]) / c.linear.weights[:n])
+
+
+def _overturned(c: Corrected) -> bool:
+    """Whether a cycle crosses its section against the declared direction: it has passed through its equilibrium."""
+    orbits, (count, n) = c.equations, c.point.x.shape
+    if not isinstance(orbits, PeriodicOrbits) or orbits.periods:
+        return False
+    jacobian, states = c.linear.jacobian, count * n
+    return bool(jacobian[states, :n] @ jacobian[states - n : states, states] < 0)
 
 
 def _stands_still(last: Sequence[Corrected], limits: Limits) -> bool:
