@@ -299,3 +299,14 @@ def test_a_cycle_that_shrinks_to_its_equilibrium_ends_there():
     last = int(np.argmin(ds["peak_to_peak"].sel(quantity="x").values))
     assert last in (0, ds.sizes["point"] - 1) and abs(ds["mu"].values[last]) < 1e-6
     assert (ds["section"].values[:, 0, 0] > 0).all()
+
+
+@pytest.mark.parametrize("F", [1e-1, 1e-3, 1e-6])
+def test_a_small_vibration_whose_mean_moves_is_followed_as_fast_as_a_large_one(F):
+    """x'' + x'/5 + x = mu + F cos 2t: a straight line, however small F is; its mean is mu."""
+    mu, force = Parameter("mu", "1", "load"), Parameter("F", "1", "forcing")
+    model = Model("loaded", (x, v), (mu, force), {x: v, v: mu + force * cos(2 * t) - v / 5 - x}, harmonics=(2,))
+    ds = continue_orbit(System(model, {"mu": 0.0, "F": F}), "mu", (0.0, 1.0), points=200)
+    assert ends(ds) == [["range", "range"]] and kinds(ds) == []
+    np.testing.assert_allclose(ds["mean"].sel(quantity="x").values, ds["mu"].values, atol=1e-9)
+    np.testing.assert_allclose(ds["peak_to_peak"].sel(quantity="x").values, 2 * F / abs(-3 + 0.4j), rtol=1e-5)

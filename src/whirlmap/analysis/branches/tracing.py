@@ -21,6 +21,7 @@ from whirlmap.analysis.branches.limits import EDGE, Limits
 from whirlmap.analysis.branches.orbit_steps import coarser, divided, fine_enough, too_long, with_more_steps
 from whirlmap.analysis.branches.periodic_orbits import PeriodicOrbits
 from whirlmap.analysis.branches.resonances import LAST, points_between
+from whirlmap.analysis.branches.step_length import next_step
 from whirlmap.results.status import Status
 
 Array = NDArray[np.float64]
@@ -36,8 +37,6 @@ SHY = 1 / 64
 ANGLE, AWAY = 0.25, 0.5
 #: Part of the longest step with which a cycle is followed to its equilibrium.
 SMALL = 1e-4
-#: Iterations at which a step grows, and at which it shrinks.
-FEW, MANY = 4, 7
 #: The steps of an orbit are checked at every such point, where an event lies, and where they are fewer than before.
 CHECKED = 4
 #: Points after which a branch may have come back to its beginning, and distance within which it has, in sizes.
@@ -174,8 +173,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
             ended = "vertical"
         out.end, out.why = ended, out.why or ENDS.get(ended, "")
         before = step, a
-        step *= 1.5 if b.iterations <= FEW else 0.7 if b.iterations >= MANY else 1.0
-        step, a = min(step, limits.longest), coarser(b, limits.accuracy)
+        step, a = next_step(a, b, step, limits), coarser(b, limits.accuracy)
 
 
 def turned(c: Corrected, sign: float) -> Corrected:
