@@ -162,7 +162,7 @@ explorer.overview = (() => {
   const step = (axis, by) => {
     const names = explorer.layers[0].axes.map((a) => a.name), here = names.map((n) => explorer.value(n));
     const found = cellAt(here);
-    const values = (found ? found.layer : explorer.layers[0]).axes[axis].values;
+    const values = axisOf(axis).points || (found ? found.layer : explorer.layers[0]).axes[axis].values;
     let near = 0;
     for (let i = 0; i < values.length; i++) if (Math.abs(values[i] - here[axis]) < Math.abs(values[near] - here[axis])) near = i;
     const next = Math.min(Math.max(near + by, 0), values.length - 1);
