@@ -1,5 +1,6 @@
 """The page in a real browser: what is drawn is read from the page's state, not from pixels."""
 
+import json
 import shutil
 import threading
 from collections.abc import Callable, Iterator
@@ -10,7 +11,9 @@ import numpy as np
 import pytest
 
 import whirlmap
+from whirlmap.explorer.encoding import json_text
 from whirlmap.explorer.exploration import Exploration, of_result
+from whirlmap.explorer.overview import overview
 from whirlmap.explorer.server import Server
 from whirlmap.explorer.session import Session
 
@@ -139,6 +142,34 @@ def test_a_zoom_is_computed_finer_and_can_be_left(page: Page) -> None:
     assert set(found) <= {0, 2, 4}  # next to the doubling at 0.28669 motions settle too slowly to be told
     page.page.click("#back")
     page.until("explorer.state.zoom === null")
+
+
+def test_coarse_points_of_both_ways_stay_until_the_finer_ones_of_the_same_way_are_there(browser: Any) -> None:
+    values = np.linspace(0.28, 0.29, 11)
+    coarse = whirlmap.bifurcation_diagram(whirlmap.load("duffing"), "gamma", values, lyapunov=0, follow="both")
+    system, axes = whirlmap.load("duffing"), {"gamma": (values[3:9].tolist(), "1")}
+    first, second = coarse.isel(direction=0, gamma=slice(3, 6)), coarse.isel(gamma=slice(3, 9)).copy(deep=True)
+    first.attrs["incomplete"], second.attrs["incomplete"] = (
+        "interrupted after 3 of 12 points",
+        "interrupted after 8 of 12 points",
+    )
+    second["section"][1, :4] = np.nan  # on its way down it has come to the two highest values
+    one = {"gamma": (values[3:4].tolist(), "1")}
+    begun = coarse.isel(direction=0, gamma=slice(3, 4)).assign_attrs(incomplete="interrupted after 1 of 12 points")
+    steps = [
+        overview(system, one, begun),
+        overview(system, {"gamma": (values[3:6].tolist(), "1")}, first), overview(system, axes, second),
+        overview(system, axes, coarse.isel(gamma=slice(3, 9))),
+    ]  # fmt: skip
+    hidden = [([], []), ([3, 4, 5], []), ([*range(3, 9)], [7, 8]), ([*range(3, 9)], [*range(3, 9)])]
+    with serving(of_result(coarse, "both")) as server:
+        page = Page(browser.new_context(), server.address)
+        for step, wanted in zip(steps, hidden, strict=True):
+            page.page.evaluate("(o) => explorer.overview.add(o, 1)", json.loads(json_text(step)))
+            for way, gone in zip(("up", "down"), wanted, strict=True):
+                seen = page.read(f"explorer.cells.uncovered(explorer.layers, 0, '{way}', 'x', false)")
+                assert seen == [k for k in range(11) if k not in gone]
+        assert page.wrong == []
 
 
 @pytest.mark.slow  # test_server asks the same without a browser

@@ -58,7 +58,8 @@ def test_what_lies_between_or_beyond_the_points_of_the_file_becomes_the_nearest_
 
     said = "{} lies {} of this file: shown is the nearest of them, γ = {}"
     assert shown() == (0.24, "0.24", "γ = 0.24", said.format("γ = 0.2551", "between the points", "0.24"))
-    for value, near, where in (("9", 0.29, "beyond the points"), ("9", 0.29, "beyond the points"), ("0.27", 0.28, "between the points")):
+    beyond = ("9", 0.29, "beyond the points")
+    for value, near, where in (beyond, beyond, ("0.27", 0.28, "between the points")):
         page.page.fill("#v-gamma", value)
         page.page.keyboard.press("Enter")
         page.until(f"explorer.shown.values.gamma === {near}")

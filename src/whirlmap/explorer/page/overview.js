@@ -1,13 +1,13 @@
 /* The map or the diagram: regimes of all points, the chosen one, branches, and finer parts over coarser ones. */
 "use strict";
 explorer.overview = (() => {
-  const {$, make, digits} = explorer, {borders, cells, palette, HATCHED} = explorer.cells;
+  const {$, make, digits} = explorer, {borders, cells, palette, uncovered, HATCHED} = explorer.cells;
   let panel, raster = null, key = "";
 
   /** Decode points over their axes; later layers lie over earlier ones. */
   const layer = (o) => ({
     axes: o.axes.map((a) => ({name: a.name, values: explorer.array(a.values)})),
-    regime: explorer.array(o.regime), period: explorer.array(o.period), units: o.units || {},
+    regime: explorer.array(o.regime), period: explorer.array(o.period), units: o.units || {}, incomplete: o.incomplete || "",
     numbers: Object.fromEntries(Object.entries(o.numbers || {}).map(([k, n]) => [k, {...n, values: explorer.array(n.values)}])),
     section: Object.fromEntries(Object.entries(o.section || {}).map(([way, states]) => [way, explorer.arrays(states)])),
   });
@@ -66,8 +66,8 @@ explorer.overview = (() => {
     for (const l of explorer.layers) {
       if (!l.regime) continue;
       const of = painter(l);
-      const columns = cells(width, X, borders(l.axes[0].values, axisOf(0).log));
       if (map()) {
+        const columns = cells(width, X, borders(l.axes[0].values, axisOf(0).log));
         const rows = cells(height, Y, borders(l.axes[1].values, axisOf(1).log)), n = l.axes[1].values.length;
         for (let py = 0; py < height; py++) {
           if (rows[py] < 0) continue;
@@ -75,7 +75,6 @@ explorer.overview = (() => {
         }
         continue;
       }
-      for (let px = 0; px < width; px++) if (columns[px] >= 0) for (let py = 0; py < height; py++) pixels[4 * (py * width + px) + 3] = 0;
       for (const [way, states] of Object.entries(l.section)) dots(l, states[explorer.state.section], way, of, u, ratio, put, width, height);
     }
     ctx.putImageData(image, 0, 0);
@@ -90,7 +89,7 @@ explorer.overview = (() => {
     const sparse = gap > 8 * ratio, most = Math.round((sparse ? 4 : 3) * ratio); // few points are drawn larger
     const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), most)), h = Math.max(1, Math.round((sparse ? 3 : 1.8) * ratio));
     const fixed = way && explorer.state.colour === "regime" ? [...explorer.rgb(way), false] : null;
-    for (let i = 0; i < x.length; i++) {
+    for (const i of uncovered(explorer.layers, explorer.layers.indexOf(l), way, explorer.state.section, axisOf(0).log)) {
       const px = size(x[i]) - (w >> 1), c = fixed || of(i).slice(0, 3);
       for (let k = 0; k < each; k++) {
         const v = values[i * each + k];
@@ -126,7 +125,7 @@ explorer.overview = (() => {
   /** Layer and index of the cell that holds values; the finest one. */
   const cellAt = (values) => {
     for (const l of [...explorer.layers].reverse()) {
-      if (!l.regime) continue;
+      if (!l.regime || (l.incomplete && l.axes[0].values.length < 2)) continue; // of one point nobody knows how wide its cell is
       const at = l.axes.map((a, k) => cells(1, () => values[k], borders(a.values, axisOf(k).log))[0]);
       if (at.every((i) => i >= 0)) return {layer: l, at, index: map() ? at[0] * l.axes[1].values.length + at[1] : at[0]};
     }
