@@ -219,6 +219,29 @@ def test_a_map_of_one_row_can_be_clicked(browser: Any) -> None:
         assert page.wrong == []
 
 
+def test_a_map_that_is_not_complete_says_so_and_lets_coarser_points_show(browser: Any) -> None:
+    axes = {"gamma": np.linspace(0.2, 0.3, 4), "omega": [1.15, 1.25]}
+    ds = whirlmap.regime_map(whirlmap.load("duffing"), axes, lyapunov=0).load()
+    part = ds.copy(deep=True)
+    part["evaluation"][1:] = 0
+    with serving(of_result(part, "map")) as server:
+        page = Page(browser.new_context(), server.address)
+        assert page.page.inner_text("#incomplete") == "2 of 8 points computed"
+        assert page.page.inner_text("#legend").endswith("not computed 75 %")
+        page.page.select_option("#colour", "period")
+        assert page.page.inner_text("#legend").endswith("not computed 75 %")
+        system, over = whirlmap.load("duffing"), {k: (list(v), "1") for k, v in axes.items()}
+        whole, some = (json.loads(json_text(overview(system, over, one))) for one in (ds, part))
+        page.page.evaluate("(o) => explorer.overview.replace(o)", whole)
+        assert page.read("explorer.$('incomplete').hidden")
+        assert "not computed" not in page.page.inner_text("#legend")
+        page.page.evaluate("(o) => explorer.overview.add(o, 1)", some)
+        assert page.page.inner_text("#incomplete") == "finer: 2 of 8 points computed"
+        for gamma, layer in ((0.2, 1), (0.3, 0)):
+            assert page.read(f"explorer.layers.indexOf(explorer.overview.cellAt([{gamma}, 1.15]).layer)") == layer
+        assert page.wrong == []
+
+
 @pytest.mark.slow  # test_switches asks the same without a browser
 def test_words_choose_switches(browser: Any) -> None:
     with serving(Exploration(whirlmap.load("machines/jeffcott-rig"), {})) as server:

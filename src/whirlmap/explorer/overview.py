@@ -13,6 +13,7 @@ from whirlmap.explorer.encoding import encoded
 from whirlmap.explorer.exploration import DIRECTION, shown
 from whirlmap.integrate.system import System
 from whirlmap.results.status import Status
+from whirlmap.sweep.store.zarr_store import Evaluation
 
 #: Codes of points that have no regime, beyond those of regimes.
 NOT_COMPUTED = 255
@@ -70,7 +71,7 @@ def _incomplete(axes: Mapping[str, tuple[Sequence[float], str]], ds: xr.Dataset 
         return f"0 of {total} points computed" if axes else ""
     if "incomplete" in ds.attrs:  # "interrupted after 3 of 8 points"
         return f"{str(ds.attrs['incomplete']).removeprefix('interrupted after ')} computed"
-    done = np.asarray(ds["evaluation"]) != 0 if "evaluation" in ds else np.ones(1, dtype=bool)
+    done = np.asarray(ds["evaluation"]) != Evaluation.absent if "evaluation" in ds else np.ones(1, dtype=bool)
     return "" if done.all() else f"{done.sum()} of {done.size} points computed"
 
 
@@ -78,7 +79,7 @@ def _codes(ds: xr.Dataset) -> NDArray[np.uint8]:
     regime, status = np.asarray(ds["regime"]).astype(np.uint8), np.asarray(ds["status"])
     absent = np.isin(status, [Status.failed, Status.unresolved])
     if "evaluation" in ds:
-        absent |= np.asarray(ds["evaluation"]) == 0
+        absent |= np.asarray(ds["evaluation"]) == Evaluation.absent
     return np.where(absent, NOT_COMPUTED, regime).astype(np.uint8)
 
 

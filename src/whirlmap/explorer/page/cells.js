@@ -28,9 +28,10 @@ explorer.cells = (() => {
   };
 
   const HATCHED = new Set(["contact", "diverged", "drifting", "growing", "not_settled"]);
+  const NOT_COMPUTED = 255;
   /** Colours of all codes, as [r, g, b, hatched]. */
   const palette = () => {
-    const out = Array(256).fill([...explorer.rgb("absent"), false]);
+    const out = Array(256).fill([...explorer.rgb("not_computed"), false]);
     for (const r of explorer.data.regimes) out[r.code] = [...explorer.rgb(r.name), HATCHED.has(r.name)];
     return out;
   };
@@ -50,5 +51,5 @@ explorer.cells = (() => {
     }
     return out;
   };
-  return {borders, cells, palette, uncovered, HATCHED};
+  return {borders, cells, palette, uncovered, HATCHED, NOT_COMPUTED};
 })();

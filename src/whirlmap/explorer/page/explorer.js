@@ -10,11 +10,11 @@
                 Switches come last, {name, symbol, meaning, value, choices, axis: false}: a value is one of the words
      overview   {axes: [{name, values}], regime, period, numbers: {name: {label, unit, values}}, section: {way: {state:
                 values}}, units: {state: unit}}: first axis slowest; regime 255 where a point has none; way is "" , "up" or
-                "down"; section values are over points and T
+                "down"; section values are over points and T; incomplete: how many points are computed, "" where all are
      states, outputs  [{name, symbol, meaning}];  swing [names];  velocities {name: name};  clocks {name: turns per T}
      planes     [{name, x, y, equal, clearance}];  films [{bearing, eccentricity, load}]
      regimes    [{code, name, label}];  branches [{kind, values: {axis: values}, branch, stable, section, events}]
-     filling    number of the job that computes the overview just now, if any
+     filling    number of the job that computes the overview just now, if any;  grows  whether a reload may find more points
    Arrays are {type, shape, data}: base64 of f8, f4, i4, i1 or u1, little-endian; `explorer.array` decodes them.
 
    explorer.source, an object of functions that give promises:
