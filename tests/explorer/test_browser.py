@@ -256,6 +256,21 @@ def test_words_choose_switches(browser: Any) -> None:
         assert page.read("document.querySelector('.panels').classList.contains('old')")
 
 
+def test_a_section_without_points_says_why_and_ticks_of_a_flat_axis_differ(page: Page) -> None:
+    why = {("ok", "at_rest"): "this is at rest", ("ok", "undecided"): "no point of this motion lies in it",
+           ("ended", "undecided"): "the run ended"}  # fmt: skip
+    page.page.evaluate("() => { window.kept = explorer.shown; }")
+    for (status, name), words in why.items():
+        page.page.evaluate(
+            "([status, name]) => { explorer.shown = {...explorer.shown, section: {},"
+            " label: {...explorer.shown.label, status, name}}; explorer.panels.section(); }", [status, name]
+        )  # fmt: skip
+        assert page.page.inner_text("#section") == f"no section: {words}"
+    assert page.read("explorer.tickTexts([0.5, 0.5000002, 0.5000004])") == ["0.5", "0.5000002", "0.5000004"]
+    assert page.read("explorer.tickTexts([0, 0.2, 0.4], 1000)") == ["0", "200", "400"]
+    page.page.evaluate("() => { explorer.shown = window.kept; explorer.panels.section(); }")
+
+
 @pytest.mark.parametrize("width", [1440, 390])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_every_control_has_a_name_and_nothing_is_cut(browser: Any, server: Server, width: int, scheme: Any) -> None:

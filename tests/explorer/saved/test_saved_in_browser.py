@@ -42,7 +42,8 @@ def test_a_click_shows_the_motion_without_any_network(context, files):
     assert page.asked == [files[0].as_uri()]
     for hidden in ("finer", "branch", "ask-votes"):
         assert page.read(f"explorer.$('{hidden}').hidden")
-    assert "need the program: whirlmap explore" in page.page.inner_text("#limits")
+    limits = page.page.inner_text("#limits")
+    assert "the export of data, commands and scripts need the program: whirlmap explore" in limits
     page.page.click("#ask-coexisting")
     page.until("explorer.$('coexisting').textContent.startsWith('up: ')")
     assert page.read("explorer.$('coexisting').textContent") == "up: the same motion; down: the same motion"
