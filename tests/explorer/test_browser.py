@@ -1,5 +1,6 @@
 """The page in a real browser: what is drawn is read from the page's state, not from pixels."""
 
+import json
 import shutil
 import threading
 from collections.abc import Callable, Iterator
@@ -10,7 +11,9 @@ import numpy as np
 import pytest
 
 import whirlmap
+from whirlmap.explorer.encoding import json_text
 from whirlmap.explorer.exploration import Exploration, of_result
+from whirlmap.explorer.overview import overview
 from whirlmap.explorer.server import Server
 from whirlmap.explorer.session import Session
 
@@ -141,6 +144,34 @@ def test_a_zoom_is_computed_finer_and_can_be_left(page: Page) -> None:
     page.until("explorer.state.zoom === null")
 
 
+def test_coarse_points_of_both_ways_stay_until_the_finer_ones_of_the_same_way_are_there(browser: Any) -> None:
+    values = np.linspace(0.28, 0.29, 11)
+    coarse = whirlmap.bifurcation_diagram(whirlmap.load("duffing"), "gamma", values, lyapunov=0, follow="both")
+    system, axes = whirlmap.load("duffing"), {"gamma": (values[3:9].tolist(), "1")}
+    first, second = coarse.isel(direction=0, gamma=slice(3, 6)), coarse.isel(gamma=slice(3, 9)).copy(deep=True)
+    first.attrs["incomplete"], second.attrs["incomplete"] = (
+        "interrupted after 3 of 12 points",
+        "interrupted after 8 of 12 points",
+    )
+    second["section"][1, :4] = np.nan  # on its way down it has come to the two highest values
+    one = {"gamma": (values[3:4].tolist(), "1")}
+    begun = coarse.isel(direction=0, gamma=slice(3, 4)).assign_attrs(incomplete="interrupted after 1 of 12 points")
+    steps = [
+        overview(system, one, begun),
+        overview(system, {"gamma": (values[3:6].tolist(), "1")}, first), overview(system, axes, second),
+        overview(system, axes, coarse.isel(gamma=slice(3, 9))),
+    ]  # fmt: skip
+    hidden = [([], []), ([3, 4, 5], []), ([*range(3, 9)], [7, 8]), ([*range(3, 9)], [*range(3, 9)])]
+    with serving(of_result(coarse, "both")) as server:
+        page = Page(browser.new_context(), server.address)
+        for step, wanted in zip(steps, hidden, strict=True):
+            page.page.evaluate("(o) => explorer.overview.add(o, 1)", json.loads(json_text(step)))
+            for way, gone in zip(("up", "down"), wanted, strict=True):
+                seen = page.read(f"explorer.cells.uncovered(explorer.layers, 0, '{way}', 'x', false)")
+                assert seen == [k for k in range(11) if k not in gone]
+        assert page.wrong == []
+
+
 @pytest.mark.slow  # test_server asks the same without a browser
 def test_votes_coexisting_motions_and_branches(page: Page) -> None:
     page.then(lambda: page.page.mouse.click(*page.place(0.24)))
@@ -188,6 +219,29 @@ def test_a_map_of_one_row_can_be_clicked(browser: Any) -> None:
         assert page.wrong == []
 
 
+def test_a_map_that_is_not_complete_says_so_and_lets_coarser_points_show(browser: Any) -> None:
+    axes = {"gamma": np.linspace(0.2, 0.3, 4), "omega": [1.15, 1.25]}
+    ds = whirlmap.regime_map(whirlmap.load("duffing"), axes, lyapunov=0).load()
+    part = ds.copy(deep=True)
+    part["evaluation"][1:] = 0
+    with serving(of_result(part, "map")) as server:
+        page = Page(browser.new_context(), server.address)
+        assert page.page.inner_text("#incomplete") == "2 of 8 points computed"
+        assert page.page.inner_text("#legend").endswith("not computed 75 %")
+        page.page.select_option("#colour", "period")
+        assert page.page.inner_text("#legend").endswith("not computed 75 %")
+        system, over = whirlmap.load("duffing"), {k: (list(v), "1") for k, v in axes.items()}
+        whole, some = (json.loads(json_text(overview(system, over, one))) for one in (ds, part))
+        page.page.evaluate("(o) => explorer.overview.replace(o)", whole)
+        assert page.read("explorer.$('incomplete').hidden")
+        assert "not computed" not in page.page.inner_text("#legend")
+        page.page.evaluate("(o) => explorer.overview.add(o, 1)", some)
+        assert page.page.inner_text("#incomplete") == "finer: 2 of 8 points computed"
+        for gamma, layer in ((0.2, 1), (0.3, 0)):
+            assert page.read(f"explorer.layers.indexOf(explorer.overview.cellAt([{gamma}, 1.15]).layer)") == layer
+        assert page.wrong == []
+
+
 @pytest.mark.slow  # test_switches asks the same without a browser
 def test_words_choose_switches(browser: Any) -> None:
     with serving(Exploration(whirlmap.load("machines/jeffcott-rig"), {})) as server:
@@ -200,6 +254,21 @@ def test_words_choose_switches(browser: Any) -> None:
         page.page.select_option("#v-rotor", "rigid")
         page.until("explorer.$('status').textContent.includes('the model has other states there')")
         assert page.read("document.querySelector('.panels').classList.contains('old')")
+
+
+def test_a_section_without_points_says_why_and_ticks_of_a_flat_axis_differ(page: Page) -> None:
+    why = {("ok", "at_rest"): "this is at rest", ("ok", "undecided"): "no point of this motion lies in it",
+           ("ended", "undecided"): "the run ended"}  # fmt: skip
+    page.page.evaluate("() => { window.kept = explorer.shown; }")
+    for (status, name), words in why.items():
+        page.page.evaluate(
+            "([status, name]) => { explorer.shown = {...explorer.shown, section: {},"
+            " label: {...explorer.shown.label, status, name}}; explorer.panels.section(); }", [status, name]
+        )  # fmt: skip
+        assert page.page.inner_text("#section") == f"no section: {words}"
+    assert page.read("explorer.tickTexts([0.5, 0.5000002, 0.5000004])") == ["0.5", "0.5000002", "0.5000004"]
+    assert page.read("explorer.tickTexts([0, 0.2, 0.4], 1000)") == ["0", "200", "400"]
+    page.page.evaluate("() => { explorer.shown = window.kept; explorer.panels.section(); }")
 
 
 @pytest.mark.parametrize("width", [1440, 390])

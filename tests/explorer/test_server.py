@@ -4,12 +4,17 @@ import http.client
 import re
 import socket
 import time
+from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from tests.explorer.conftest import RETURNS, Client
 
 from whirlmap.explorer.encoding import decoded
+from whirlmap.explorer.exploration import Exploration
+from whirlmap.explorer.finer import compute
+from whirlmap.explorer.jobs import Job
 
 
 def test_the_page_needs_nothing_else(client: Client) -> None:
@@ -174,3 +179,33 @@ def test_a_defect_has_its_status_and_is_said_in_the_terminal(client: Client, mon
     status, answer, _ = client.ask("motion", {"values": {}})
     assert status == 500 and "KeyError: 'speed'" in answer["error"]
     assert "KeyError: 'speed'" in capsys.readouterr().err
+
+
+def test_a_sweep_both_ways_names_the_way_of_its_points_while_it_is_computed(exploration: Exploration) -> None:
+    both = replace(exploration, follow="both")
+    axes, job = {"gamma": (np.linspace(0.28, 0.29, 18).tolist(), "1")}, Results(1)
+    compute(job, both, both.system, axes)
+    ways = [list(one["section"]) for one in job.all]
+    assert ways[0] == ["up"]
+    assert ways[-1] == ["up", "down"]
+    assert all(found in (["up"], ["up", "down"]) for found in ways)
+    said = [one["incomplete"] for one in job.all]
+    assert said[0].endswith(" of 36 points computed")
+    assert said[-1] == ""
+    middle = next(one for one in job.all if len(one["section"]) == 2)
+    assert middle["incomplete"]
+    down = decoded(middle["section"]["down"]["x"])
+    assert np.isnan(down[0]).all()  # the way down has not come here
+    assert np.isfinite(down[-1]).any()
+
+
+class Results(Job):
+    """A job that keeps every result that it was given."""
+
+    @property
+    def all(self) -> list[Any]:
+        return self.__dict__.setdefault("_all", [])
+
+    def put(self, result: Any) -> None:
+        self.all.append(result)
+        super().put(result)

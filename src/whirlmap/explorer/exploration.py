@@ -1,7 +1,7 @@
 """What is explored: a system, the quantities that vary, and the map or diagram over them, from a store, a file or a case."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from math import prod
 from pathlib import Path
@@ -22,7 +22,7 @@ from whirlmap.results.files import read
 from whirlmap.sweep.parameters.axis import Axis, read_axis
 from whirlmap.sweep.store.restoring import lost_parts
 from whirlmap.sweep.store.store_folder import exists
-from whirlmap.sweep.store.zarr_store import Store
+from whirlmap.sweep.store.zarr_store import Evaluation, Store
 
 #: Dimension of a diagram that was swept up and down.
 DIRECTION = "direction"
@@ -48,6 +48,8 @@ class Exploration:
     title : str
     branches : sequence of xr.Dataset
         Of a diagram, branches along its parameter; of a map, curves of bifurcations in its two parameters.
+    store : Path, optional
+        The store that the points came from.
     instead : mapping of str to Control
         Controls in place of the system's own, where a page counts a quantity otherwise than the case does.
     """
@@ -59,6 +61,7 @@ class Exploration:
     follow: Any = None
     title: str = ""
     branches: Sequence[xr.Dataset] = field(default_factory=list)
+    store: Path | None = None
     instead: Mapping[str, Control] = field(default_factory=dict)
 
     @cached_property
@@ -84,12 +87,29 @@ def opened(place: str, case: str | None = None) -> Exploration | None:
     if path.is_dir():
         if not exists(path):
             raise InputError(f"{place}: found a folder that is no store, expected one that `whirlmap map --store` made")
-        ds = _loaded(Store(path), place)
-    elif path.suffix == ".nc":
-        ds = read(path)
-    else:
-        return None
-    return of_result(ds, place, case)
+        return replace(of_result(_loaded(Store(path), place), place, case), store=path)
+    if path.suffix == ".nc":
+        return of_result(read(path), place, case)
+    return None
+
+
+def read_again(exploration: Exploration) -> Exploration:
+    """The exploration with the points that its store holds now, where some were missing when it was read.
+
+    Raises
+    ------
+    InputError
+        A store whose files are damaged by now.
+    """
+    e = exploration
+    if e.store is None or e.overview is None or bool((e.overview["evaluation"] != Evaluation.absent).all()):
+        return e
+    return replace(e, overview=_ordered(_loaded(Store(e.store), str(e.store)), list(e.axes)))
+
+
+def _ordered(ds: xr.Dataset, dims: list[str]) -> xr.Dataset:
+    """Points over these dimensions, which come before those of each point."""
+    return ds.transpose(..., *dims, *(d for d in ds.dims if d not in dims and d != DIRECTION))
 
 
 def _loaded(store: Store, place: str) -> xr.Dataset:
@@ -117,7 +137,7 @@ def of_result(ds: xr.Dataset, source: str, case: str | None = None) -> Explorati
     dims = [str(d) for d in ds["regime"].dims if d != DIRECTION]
     if not 1 <= len(dims) <= 2 or "draw" in dims:
         raise InputError(f"{source}: found points over {' '.join(dims)}, expected a grid over one or two quantities")
-    ds = ds.transpose(..., *dims, *(d for d in ds.dims if d not in dims and d != DIRECTION))
+    ds = _ordered(ds, dims)
     system = recorded_system(ds.attrs, source, case)
     axes = {}
     for name in dims:

@@ -1,6 +1,7 @@
 """The map or diagram as the page draws it: regimes and numbers of all points, and sections of a diagram."""
 
 from collections.abc import Mapping, Sequence
+from math import prod
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ from whirlmap.explorer.encoding import encoded
 from whirlmap.explorer.exploration import DIRECTION, shown
 from whirlmap.integrate.system import System
 from whirlmap.results.status import Status
+from whirlmap.sweep.store.zarr_store import Evaluation
 
 #: Codes of points that have no regime, beyond those of regimes.
 NOT_COMPUTED = 255
@@ -34,11 +36,12 @@ def overview(system: System, axes: Mapping[str, tuple[Sequence[float], str]], ds
         ``axes``: name and values of each. ``regime``, ``period`` over them (first axis slowest), regime `NOT_COMPUTED`
         where a point has none; ``numbers``: more of each point, by name, with ``label``, ``unit`` and ``values``;
         ``section``, of diagrams: by direction ("" where there is none) and state, over the points and T; ``units`` of the
-        states.
+        states; ``incomplete``, how many points are computed, "" where all are.
     """
     out: dict[str, Any] = {
         "axes": [{"name": name, "values": encoded(np.asarray(values, dtype=float))} for name, (values, _) in axes.items()],
         "regime": None, "period": None, "numbers": {}, "section": {}, "units": {},
+        "incomplete": _incomplete(axes, ds),
     }  # fmt: skip
     if ds is None:
         return out
@@ -53,19 +56,30 @@ def overview(system: System, axes: Mapping[str, tuple[Sequence[float], str]], ds
         each = str(of.attrs.get("unit_of_each", "")).split()
         states = [str(s) for s in np.asarray(ds["state"])]
         out["units"] = dict(zip(states, each or ["1"] * len(states), strict=True))
-        ways = [str(w) for w in np.asarray(ds[DIRECTION])] if DIRECTION in ds.dims else [""]
+        only = "up" if ds.attrs.get("follow") == "both" else ""  # of a sweep both ways that has not come to its way down
+        ways = [str(w) for w in np.asarray(ds[DIRECTION])] if DIRECTION in ds.dims else [only]
         for way in ways:
-            part = of.sel({DIRECTION: way}) if way else of
+            part = of.sel({DIRECTION: way}) if DIRECTION in of.dims else of
             values = np.asarray(part.transpose("state", dims[0], "period"), dtype=np.float32)
             out["section"][way] = {state: encoded(values[k]) for k, state in enumerate(states)}
     return out
+
+
+def _incomplete(axes: Mapping[str, tuple[Sequence[float], str]], ds: xr.Dataset | None) -> str:
+    if ds is None:
+        total = prod(len(values) for values, _ in axes.values())
+        return f"0 of {total} points computed" if axes else ""
+    if "incomplete" in ds.attrs:  # "interrupted after 3 of 8 points"
+        return f"{str(ds.attrs['incomplete']).removeprefix('interrupted after ')} computed"
+    done = np.asarray(ds["evaluation"]) != Evaluation.absent if "evaluation" in ds else np.ones(1, dtype=bool)
+    return "" if done.all() else f"{done.sum()} of {done.size} points computed"
 
 
 def _codes(ds: xr.Dataset) -> NDArray[np.uint8]:
     regime, status = np.asarray(ds["regime"]).astype(np.uint8), np.asarray(ds["status"])
     absent = np.isin(status, [Status.failed, Status.unresolved])
     if "evaluation" in ds:
-        absent |= np.asarray(ds["evaluation"]) == 0
+        absent |= np.asarray(ds["evaluation"]) == Evaluation.absent
     return np.where(absent, NOT_COMPUTED, regime).astype(np.uint8)
 
 

@@ -9,10 +9,11 @@ from typing import Any
 
 from whirlmap.analysis.diagnosis.diagnosis import diagnose
 from whirlmap.analysis.diagnosis.diagnosis_json import verdict_json
+from whirlmap.errors import WhirlmapError
 from whirlmap.explorer import exports
 from whirlmap.explorer.coexisting import coexisting
 from whirlmap.explorer.control import Values, system_at
-from whirlmap.explorer.exploration import Exploration
+from whirlmap.explorer.exploration import Exploration, read_again
 from whirlmap.explorer.finer import compute, range_axes
 from whirlmap.explorer.follow_branches import follow_branches
 from whirlmap.explorer.jobs import Job, Jobs
@@ -65,8 +66,15 @@ class Session:
         }  # fmt: skip
 
     def data(self) -> dict[str, Any]:
-        """The page's data; while a map fills, with the number of the job that fills it."""
-        data = page_data(self.exploration)
+        """The page's data; while a map fills, with the number of the job that fills it.
+
+        A store that was not complete is read again: another process may fill it.
+        """
+        try:
+            self.exploration = read_again(self.exploration)
+        except WhirlmapError as error:
+            raise Refused(HTTPStatus.CONFLICT, str(error)) from None
+        data = page_data(self.exploration) | {"grows": self.exploration.store is not None}
         if self.filling:
             data["filling"] = self.filling.number
             if self.filling.result is not None and not self.filling.running:

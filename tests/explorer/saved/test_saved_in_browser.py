@@ -42,10 +42,34 @@ def test_a_click_shows_the_motion_without_any_network(context, files):
     assert page.asked == [files[0].as_uri()]
     for hidden in ("finer", "branch", "ask-votes"):
         assert page.read(f"explorer.$('{hidden}').hidden")
-    assert "need the program: whirlmap explore" in page.page.inner_text("#limits")
+    limits = page.page.inner_text("#limits")
+    assert "the export of data, commands and scripts need the program: whirlmap explore" in limits
     page.page.click("#ask-coexisting")
     page.until("explorer.$('coexisting').textContent.startsWith('up: ')")
     assert page.read("explorer.$('coexisting').textContent") == "up: the same motion; down: the same motion"
+    assert page.wrong == []
+
+
+def test_what_lies_between_or_beyond_the_points_of_the_file_becomes_the_nearest_point_and_is_said(context, files):
+    page = Page(context, f"{files[0].as_uri()}#v.gamma=0.2551")
+
+    def shown():
+        written, heading = page.page.input_value("#v-gamma"), page.page.inner_text("#where")
+        return page.read("explorer.state.values.gamma"), written, heading, page.page.inner_text("#status")
+
+    said = "{} lies {} of this file: shown is the nearest of them, γ = {}"
+    assert shown() == (0.24, "0.24", "γ = 0.24", said.format("γ = 0.2551", "between the points", "0.24"))
+    beyond = ("9", 0.29, "beyond the points")
+    for value, near, where in (beyond, beyond, ("0.27", 0.28, "between the points")):
+        page.page.fill("#v-gamma", value)
+        page.page.keyboard.press("Enter")
+        page.until(f"explorer.shown.values.gamma === {near}")
+        page.page.wait_for_timeout(100)
+        assert shown() == (near, str(near), f"γ = {near}", said.format(f"γ = {value}", where, near))
+    slider = page.page.get_by_label("γ, forcing")
+    page.then(lambda: slider.focus() or page.page.keyboard.press("ArrowRight"))
+    assert shown() == (0.285, "0.285", "γ = 0.285", "")
+    assert page.read("explorer.shown.values.gamma") == 0.285
     assert page.wrong == []
 
 

@@ -28,11 +28,28 @@ explorer.cells = (() => {
   };
 
   const HATCHED = new Set(["contact", "diverged", "drifting", "growing", "not_settled"]);
+  const NOT_COMPUTED = 255;
   /** Colours of all codes, as [r, g, b, hatched]. */
   const palette = () => {
-    const out = Array(256).fill([...explorer.rgb("absent"), false]);
+    const out = Array(256).fill([...explorer.rgb("not_computed"), false]);
     for (const r of explorer.data.regimes) out[r.code] = [...explorer.rgb(r.name), HATCHED.has(r.name)];
     return out;
   };
-  return {borders, cells, palette, HATCHED};
+
+  /** Indices of the points of layer `k` of a diagram, swept one way, in whose place no later layer has points of that way. A
+      layer that is not complete takes the place of earlier points where it has points itself: the others stay. */
+  const uncovered = (layers, k, way, state, log) => {
+    const covers = layers.slice(k + 1).filter((l) => l.section[way]?.[state] && l.axes[0].values.length > 1).map((l) => {
+      const values = l.section[way][state], count = l.axes[0].values.length, each = values.length / count;
+      const has = (i) => !l.incomplete || values.subarray(i * each, (i + 1) * each).some(Number.isFinite);
+      return {edges: borders(l.axes[0].values, log), has};
+    });
+    const x = layers[k].axes[0].values, out = [];
+    for (let i = 0; i < x.length; i++) {
+      const covered = covers.some(({edges, has}) => { const at = cells(1, () => x[i], edges)[0]; return at >= 0 && has(at); });
+      if (!covered) out.push(i);
+    }
+    return out;
+  };
+  return {borders, cells, palette, uncovered, HATCHED, NOT_COMPUTED};
 })();

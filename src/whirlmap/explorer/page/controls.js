@@ -4,11 +4,16 @@ explorer.controls = (() => {
   const {$, make} = explorer;
   const STEPS = 1000, FIRST = 4, rows = new Map();
 
+  const indexOf = (points, v) => points.reduce((best, p, k) => (Math.abs(p - v) < Math.abs(points[best] - v) ? k : best), 0);
+  /** Steps of a slider: one for each point where there are motions of these alone. */
+  const stepsOf = (c) => (c.points ? c.points.length - 1 : STEPS);
   const toSlider = (c, v) => {
+    if (c.points) return indexOf(c.points, v);
     const u = c.log && v > 0 ? Math.log(v / c.low) / Math.log(c.high / c.low) : (v - c.low) / (c.high - c.low);
     return Math.round(STEPS * Math.min(Math.max(u, 0), 1));
   };
-  const fromSlider = (c, k) => (c.log ? c.low * (c.high / c.low) ** (k / STEPS) : c.low + (c.high - c.low) * k / STEPS);
+  const fromSlider = (c, k) => (c.points ? c.points[k] : +between(c, k).toPrecision(6));
+  const between = (c, k) => (c.log ? c.low * (c.high / c.low) ** (k / STEPS) : c.low + (c.high - c.low) * k / STEPS);
   const written = (c, v) => String(+(v * c.size).toPrecision(8));
 
   const choice = (c) => {
@@ -28,11 +33,12 @@ explorer.controls = (() => {
     const unit = explorer.unit(c.unit);
     label.append(make("b", c.symbol), ` ${c.meaning}`);
     const number = make("input", "", {type: "number", step: "any", id: `v-${c.name}`});
-    const slider = make("input", "", {type: "range", min: 0, max: STEPS, "aria-label": `${c.symbol}, ${c.meaning}`});
-    slider.addEventListener("input", () => explorer.change({[c.name]: +fromSlider(c, +slider.value).toPrecision(6)}));
+    const slider = make("input", "", {type: "range", min: 0, max: stepsOf(c), "aria-label": `${c.symbol}, ${c.meaning}`});
+    slider.addEventListener("input", () => explorer.change({[c.name]: fromSlider(c, +slider.value)}));
     number.addEventListener("change", () => {
       const v = number.valueAsNumber;
-      if (Number.isFinite(v)) explorer.change({[c.name]: v / c.size}); else update();
+      if (Number.isFinite(v)) explorer.change({[c.name]: v / c.size});
+      number.value = written(c, explorer.value(c.name)); // what is shown, where that is another value
     });
     element.append(label, number, make("span", unit, {class: "unit"}), slider);
     rows.set(c.name, {c, number, slider});

@@ -47,6 +47,14 @@ explorer.ticks = (low, high, size, count) => {
   return out;
 };
 
+/** Texts of ticks, in as many digits as tell them apart: those of a flat axis differ late. */
+explorer.tickTexts = (splits, size = 1) => {
+  const own = splits.filter((v) => v !== null), step = Math.min(...own.slice(1).map((v, k) => Math.abs(v - own[k])));
+  const needed = Math.ceil(Math.log10(Math.max(...own.map(Math.abs)) / step)) + 2;
+  const n = own.length > 1 && Number.isFinite(needed) ? Math.min(Math.max(6, needed), 15) : 6;
+  return splits.map((v) => (v === null ? "" : explorer.digits(v * size, n)));
+};
+
 /** A panel in an element: `show({x, y, equal, data, series, draw, onClick, onZoom})` draws it anew. */
 explorer.Panel = class {
   constructor(element) {
@@ -80,7 +88,7 @@ explorer.Panel = class {
       side, label: a.label, labelSize: 18, labelGap: 0, size: side === 3 ? 52 : 30, gap: 3, font: "11px system-ui, sans-serif",
       labelFont: "12px system-ui, sans-serif", stroke: explorer.colour("muted"),
       grid: {stroke: explorer.colour("grid"), width: 1}, ticks: {stroke: explorer.colour("line"), width: 1, size: 4},
-      values: (u, splits) => splits.map((v) => (v === null ? "" : explorer.digits(v * (a.size || 1), 6))),
+      values: (u, splits) => explorer.tickTexts(splits, a.size || 1),
       ...(a.log ? {splits: (u, k, low, high) => explorer.logTicks(low, high), filter: (u, splits) => splits}
         : {splits: (u, k, low, high) => explorer.ticks(low, high, a.size || 1, Math.max((k ? height / 45 : width / 75), 2))}),
     });

@@ -5,15 +5,16 @@
    explorer.data, one JSON object (`whirlmap.explorer.overview.page_data`):
      title, case, kind ("map", "diagram" or "point"), forced
      controls   [{name, symbol, meaning, value, low, high, log, unit, size, axis}]: quantities that can be changed; a value
-                is in the model's own numbers, what is written is value * size in unit; axes of the map come first.
+                is in the model's own numbers, what is written is value * size in unit; axes of the map come first. A source
+                that has motions of some values alone gives them as `points`, ascending: no other value is chosen.
                 Switches come last, {name, symbol, meaning, value, choices, axis: false}: a value is one of the words
      overview   {axes: [{name, values}], regime, period, numbers: {name: {label, unit, values}}, section: {way: {state:
                 values}}, units: {state: unit}}: first axis slowest; regime 255 where a point has none; way is "" , "up" or
-                "down"; section values are over points and T
+                "down"; section values are over points and T; incomplete: how many points are computed, "" where all are
      states, outputs  [{name, symbol, meaning}];  swing [names];  velocities {name: name};  clocks {name: turns per T}
      planes     [{name, x, y, equal, clearance}];  films [{bearing, eccentricity, load}]
      regimes    [{code, name, label}];  branches [{kind, values: {axis: values}, branch, stable, section, events}]
-     filling    number of the job that computes the overview just now, if any
+     filling    number of the job that computes the overview just now, if any;  grows  whether a reload may find more points
    Arrays are {type, shape, data}: base64 of f8, f4, i4, i1 or u1, little-endian; `explorer.array` decodes them.
 
    explorer.source, an object of functions that give promises:
@@ -34,7 +35,7 @@
 const explorer = {
   data: null, source: null, shown: null, others: {}, layers: [], branches: [],
   state: {values: {}, quantity: "", plane: 0, colour: "regime", section: "", zoom: null, auto: true, autoVotes: false},
-  listeners: [],
+  listeners: [], moved: "",
 };
 
 explorer.types = {f8: Float64Array, f4: Float32Array, i4: Int32Array, i1: Int8Array, u1: Uint8Array};
@@ -52,8 +53,26 @@ explorer.array = (value) => {
 /** Decode all arrays of an object by name. */
 explorer.arrays = (named) => Object.fromEntries(Object.entries(named || {}).map(([k, v]) => [k, explorer.array(v)]));
 
+/** Values of which there are motions: the nearest points, where a quantity has such; `explorer.moved` says what they replace. */
+explorer.nearest = (values) => {
+  const out = {...values}, said = [];
+  for (const [name, v] of Object.entries(values)) {
+    const c = explorer.control(name), points = c.points;
+    if (!points?.length || points.includes(v)) continue;
+    out[name] = points.reduce((best, p) => (Math.abs(p - v) < Math.abs(best - v) ? p : best));
+    const beyond = v < points[0] || v > points[points.length - 1], text = (x) => `${c.symbol} = ${explorer.withUnit(x * c.size, c.unit, 6)}`;
+    said.push(`${text(v)} lies ${beyond ? "beyond" : "between"} the points of this file: shown is the nearest of them, ${text(out[name])}`);
+  }
+  explorer.moved = said.join("; ");
+  return out;
+};
+
 /** Change the state, and tell those who listen which of its parts changed. */
 explorer.set = (patch) => {
+  if (patch.values) {
+    patch = {...patch, values: explorer.nearest(patch.values)};
+    if (explorer.moved) explorer.say(explorer.moved); // also where this is the point that is shown already
+  }
   const changed = Object.keys(patch).filter((k) => JSON.stringify(explorer.state[k]) !== JSON.stringify(patch[k]));
   if (!changed.length) return;
   Object.assign(explorer.state, patch);

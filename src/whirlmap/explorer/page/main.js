@@ -22,7 +22,7 @@
       if (told !== JSON.stringify(values)) { explorer.verdict = null; explorer.others = {}; $("coexisting").textContent = ""; told = JSON.stringify(values); }
       explorer.shown = m;
       explorer.stored = stored();
-      explorer.say("");
+      explorer.say(explorer.moved);
       explorer.panels.show();
       explorer.timing = {asked, drawn: performance.now()};
       if (!explorer.verdict && (explorer.state.autoVotes || !(m.label.decided || explorer.stored))) { clearTimeout(timer); timer = setTimeout(votes, 600); }
@@ -174,7 +174,7 @@
     Object.assign(explorer.state, {quantity: data.swing[0], section: data.swing[0]}, explorer.address.read());
     explorer.overview.begin(); explorer.panels.begin(); explorer.controls.begin(); explorer.exports.begin();
     if (data.kind !== "point") {
-      explorer.state.values = {...explorer.overview.first(), ...explorer.state.values};
+      explorer.state.values = explorer.nearest({...explorer.overview.first(), ...explorer.state.values});
       explorer.controls.update();
       explorer.overview.show();
     }

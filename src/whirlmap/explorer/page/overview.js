@@ -1,13 +1,13 @@
 /* The map or the diagram: regimes of all points, the chosen one, branches, and finer parts over coarser ones. */
 "use strict";
 explorer.overview = (() => {
-  const {$, make, digits} = explorer, {borders, cells, palette, HATCHED} = explorer.cells;
+  const {$, make, digits} = explorer, {borders, cells, palette, uncovered, HATCHED, NOT_COMPUTED} = explorer.cells;
   let panel, raster = null, key = "";
 
   /** Decode points over their axes; later layers lie over earlier ones. */
   const layer = (o) => ({
     axes: o.axes.map((a) => ({name: a.name, values: explorer.array(a.values)})),
-    regime: explorer.array(o.regime), period: explorer.array(o.period), units: o.units || {},
+    regime: explorer.array(o.regime), period: explorer.array(o.period), units: o.units || {}, incomplete: o.incomplete || "",
     numbers: Object.fromEntries(Object.entries(o.numbers || {}).map(([k, n]) => [k, {...n, values: explorer.array(n.values)}])),
     section: Object.fromEntries(Object.entries(o.section || {}).map(([way, states]) => [way, explorer.arrays(states)])),
   });
@@ -32,16 +32,17 @@ explorer.overview = (() => {
 
   /** Colour of a point of a layer, as a function of its index. */
   const painter = (l) => {
-    const colours = palette(), number = l.numbers[explorer.state.colour];
+    const colours = palette(), absent = [...explorer.rgb("absent"), false], number = l.numbers[explorer.state.colour];
+    const none = (i) => (l.regime[i] === NOT_COMPUTED ? colours[NOT_COMPUTED] : absent);
     if (number) {
       const [low, high] = scaleOf(explorer.state.colour);
       return (i) => {
         const v = number.values[i];
-        return Number.isFinite(v) ? [...explorer.ramp((v - low) / (high - low || 1)), false] : colours[255];
+        return Number.isFinite(v) ? [...explorer.ramp((v - low) / (high - low || 1)), false] : none(i);
       };
     }
     if (explorer.state.colour === "period") {
-      return (i) => (l.regime[i] === 1 ? [...explorer.ramp(Math.log2(Math.max(l.period[i], 1)) / 7), false] : colours[255]);
+      return (i) => (l.regime[i] === 1 ? [...explorer.ramp(Math.log2(Math.max(l.period[i], 1)) / 7), false] : none(i));
     }
     return (i) => colours[l.regime[i]];
   };
@@ -51,6 +52,9 @@ explorer.overview = (() => {
     const at = (q) => all[Math.min(Math.floor(q * all.length), all.length - 1)];
     return all.length ? [at(0.01), at(0.99)] : [0, 1];
   };
+
+  /** Whether a point of a finer part is still to be computed: the coarser one shows there. */
+  const toCome = (l, i) => l !== explorer.layers[0] && l.incomplete && l.regime[i] === NOT_COMPUTED;
 
   const paint = (u) => {
     const {bbox} = u, width = Math.round(bbox.width), height = Math.round(bbox.height);
@@ -66,16 +70,15 @@ explorer.overview = (() => {
     for (const l of explorer.layers) {
       if (!l.regime) continue;
       const of = painter(l);
-      const columns = cells(width, X, borders(l.axes[0].values, axisOf(0).log));
       if (map()) {
+        const columns = cells(width, X, borders(l.axes[0].values, axisOf(0).log));
         const rows = cells(height, Y, borders(l.axes[1].values, axisOf(1).log)), n = l.axes[1].values.length;
         for (let py = 0; py < height; py++) {
           if (rows[py] < 0) continue;
-          for (let px = 0; px < width; px++) if (columns[px] >= 0) put(px, py, of(columns[px] * n + rows[py]));
+          for (let px = 0, i; px < width; px++) if (columns[px] >= 0 && !toCome(l, i = columns[px] * n + rows[py])) put(px, py, of(i));
         }
         continue;
       }
-      for (let px = 0; px < width; px++) if (columns[px] >= 0) for (let py = 0; py < height; py++) pixels[4 * (py * width + px) + 3] = 0;
       for (const [way, states] of Object.entries(l.section)) dots(l, states[explorer.state.section], way, of, u, ratio, put, width, height);
     }
     ctx.putImageData(image, 0, 0);
@@ -90,7 +93,7 @@ explorer.overview = (() => {
     const sparse = gap > 8 * ratio, most = Math.round((sparse ? 4 : 3) * ratio); // few points are drawn larger
     const w = Math.max(Math.round(1.4 * ratio), Math.min(Math.round(gap * 0.8), most)), h = Math.max(1, Math.round((sparse ? 3 : 1.8) * ratio));
     const fixed = way && explorer.state.colour === "regime" ? [...explorer.rgb(way), false] : null;
-    for (let i = 0; i < x.length; i++) {
+    for (const i of uncovered(explorer.layers, explorer.layers.indexOf(l), way, explorer.state.section, axisOf(0).log)) {
       const px = size(x[i]) - (w >> 1), c = fixed || of(i).slice(0, 3);
       for (let k = 0; k < each; k++) {
         const v = values[i * each + k];
@@ -126,9 +129,10 @@ explorer.overview = (() => {
   /** Layer and index of the cell that holds values; the finest one. */
   const cellAt = (values) => {
     for (const l of [...explorer.layers].reverse()) {
-      if (!l.regime) continue;
+      if (!l.regime || (l.incomplete && l.axes[0].values.length < 2)) continue; // of one point nobody knows how wide its cell is
       const at = l.axes.map((a, k) => cells(1, () => values[k], borders(a.values, axisOf(k).log))[0]);
-      if (at.every((i) => i >= 0)) return {layer: l, at, index: map() ? at[0] * l.axes[1].values.length + at[1] : at[0]};
+      const index = map() ? at[0] * l.axes[1].values.length + at[1] : at[0];
+      if (at.every((i) => i >= 0) && !toCome(l, index)) return {layer: l, at, index};
     }
     return null;
   };
@@ -162,7 +166,7 @@ explorer.overview = (() => {
   const step = (axis, by) => {
     const names = explorer.layers[0].axes.map((a) => a.name), here = names.map((n) => explorer.value(n));
     const found = cellAt(here);
-    const values = (found ? found.layer : explorer.layers[0]).axes[axis].values;
+    const values = axisOf(axis).points || (found ? found.layer : explorer.layers[0]).axes[axis].values;
     let near = 0;
     for (let i = 0; i < values.length; i++) if (Math.abs(values[i] - here[axis]) < Math.abs(values[near] - here[axis])) near = i;
     const next = Math.min(Math.max(near + by, 0), values.length - 1);
@@ -196,11 +200,24 @@ explorer.overview = (() => {
 
   const legend = () => {
     colours();
+    const parts = explorer.layers.filter((l) => l.incomplete).map((l) => (l === explorer.layers[0] ? "" : "finer: ") + l.incomplete);
+    const more = explorer.layers[0].incomplete && explorer.data.grows ? "; reload the page to read the store again" : "";
+    Object.assign($("incomplete"), {textContent: parts.join("; ") + more, hidden: !parts.length});
     $("lines-legend").replaceChildren(...explorer.branchLines.legend());
   };
   const colours = () => {
     const list = $("legend"), number = explorer.layers[0].numbers[explorer.state.colour];
     list.replaceChildren();
+    const counts = new Map();
+    for (const code of explorer.layers[0].regime || []) counts.set(code, (counts.get(code) || 0) + 1);
+    const total = explorer.layers[0].regime?.length || 1;
+    const entry = (name, label, share) => {
+      const item = make("li", share === undefined ? label : `${label} ${digits(100 * share / total, 3)} %`);
+      const swatch = make("span", "", {class: `swatch${HATCHED.has(name) ? " hatched" : ""}`});
+      swatch.style.backgroundColor = explorer.colour(name);
+      item.prepend(swatch); list.append(item);
+    };
+    const missing = () => { if (counts.has(NOT_COMPUTED)) entry("not_computed", "not computed", counts.get(NOT_COMPUTED)); };
     if (number || explorer.state.colour === "period") {
       const [low, high] = number ? scaleOf(explorer.state.colour) : [1, 128];
       const item = make("li"), bar = make("span", "", {class: "ramp"});
@@ -208,24 +225,14 @@ explorer.overview = (() => {
       const unit = number ? explorer.unit(number.unit) : "";
       item.append(make("span", number ? number.label : "period in T"), make("br"), digits(low, 3), bar, digits(high, 3) + unit);
       list.append(item);
+      missing();
       return;
     }
-    const counts = new Map();
-    for (const code of explorer.layers[0].regime || []) counts.set(code, (counts.get(code) || 0) + 1);
-    const total = explorer.layers[0].regime?.length || 1;
     const swept = Object.keys(explorer.layers[0].section).filter(Boolean);
-    for (const way of swept) {
-      const item = make("li", `swept ${way}`), swatch = make("span", "", {class: "swatch"});
-      swatch.style.backgroundColor = explorer.colour(way);
-      item.prepend(swatch); list.append(item);
-    }
-    for (const r of swept.length ? [] : explorer.data.regimes) {
-      if (!counts.has(r.code)) continue;
-      const item = make("li", `${r.label} ${digits(100 * counts.get(r.code) / total, 3)} %`);
-      const swatch = make("span", "", {class: `swatch${HATCHED.has(r.name) ? " hatched" : ""}`});
-      swatch.style.backgroundColor = explorer.colour(r.name);
-      item.prepend(swatch); list.append(item);
-    }
+    for (const way of swept) entry(way, `swept ${way}`);
+    if (swept.length) return;
+    for (const r of explorer.data.regimes) if (counts.has(r.code)) entry(r.name, r.label, counts.get(r.code));
+    missing();
   };
 
   const show = () => {

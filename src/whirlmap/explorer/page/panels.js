@@ -56,12 +56,13 @@ explorer.panels = (() => {
     panel.orbit.element.setAttribute("aria-label", `Orbit of ${plane.name}, marked once per ${shaft === "T" ? "T" : `turn of the ${shaft}`}`);
   };
 
+  const noSection = (label) => (label.status !== "ok" ? "the run ended" : label.name === "at_rest" ? "this is at rest" : "no point of this motion lies in it");
   const section = () => {
     const name = explorer.state.quantity in explorer.shown.section ? explorer.state.quantity : explorer.data.swing[0];
     const other = explorer.data.velocities[name] || explorer.data.states.find((s) => s.name !== name)?.name || name;
     const all = motions().map(([way, one]) => [way, one.section[name], one.section[other], one]);
     const points = all[0][1];
-    if (!points?.length) { panel.section.empty("no section: the run ended"); $("section-line").textContent = ""; return; }
+    if (!points?.length) { panel.section.empty(`no section: ${noSection(explorer.shown.label)}`); $("section-line").textContent = ""; return; }
     const size = (n) => Math.max(...explorer.ends(explorer.shown.series[n]).map(Math.abs));
     const spread = (n, k) => {
       const whole = explorer.ends(explorer.shown.series[n]), own = explorer.ends(...all.map((a) => a[k]));

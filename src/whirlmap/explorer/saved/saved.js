@@ -204,14 +204,14 @@ const whirlmapSaved = (() => {
         if (name) numbers.push({ name: `${what}, bearing ${film.bearing}`, of: "", value: ends(all[name])[1], unit: names.units[name] });
       }
     }
-    for (const c of page.controls) {
+    for (const c of page.controls) { // the page asks for points that there are; another caller may not
       if (c.axis && m.values[c.name] !== asked[c.name]) numbers.push({ name: `shown is the motion at ${c.symbol}`, of: "", value: m.values[c.name] * c.size, unit: c.unit });
     }
     const text = m.ended ? `the run ends after ${m.ended.turn.toPrecision(5)} T` : m.period ? `periodic, ${m.period}T` : "does not return";
     return {
       turn: Float64Array.from(samples, (k) => k / steps), time: Float64Array.from(samples, (k) => (k / steps) * m.time * m.sizes[m.sizes.length - 1]),
       time_unit: names.units.time, series: Object.fromEntries(Object.entries(all).map(([name, values]) => [name, part(values)])),
-      units: names.units, section, spectrum: spectrum && { quantity, ...spectrum }, numbers,
+      units: names.units, values: m.values, section, spectrum: spectrum && { quantity, ...spectrum }, numbers,
       label: {
         name: m.period ? "periodic" : "undecided", text, period: m.period, decided: m.period > 0, status: m.ended ? "ended" : "ok",
         settled_after: Math.round(m.settled / record.common), steps,
@@ -251,6 +251,10 @@ const whirlmapSaved = (() => {
           const shown = Object.entries(found).map(([way, m]) => [way, m && described(m, data, values, quantity)]);
           return { running: false, done: 1, total: 1, result: Object.fromEntries(shown) }; // a job that is done
         };
+        for (const c of data.page.controls) {
+          const own = live ? data.live.axes.find((a) => a.name === c.name).values : data.stored.motions.map((m) => m.values[c.name]);
+          c.points = [...new Set(own)].sort((a, b) => a - b);
+        }
         if (typeof location !== "undefined" && location.protocol === "about:") { // in a notebook: no address to write or copy
           explorer.address.write = () => {};
           document.getElementById("link").hidden = true;

@@ -45,8 +45,8 @@ SCRIPTS = ("harmonics.js", "live_motion.js", "spectrum.js", "saved.js")
 LARGEST, OWN, LEAST, GROWTH = 7_500_000, 500_000, 500_000, 1.35
 #: Said in every page.
 LIMITS = (
-    "This file computes motions by itself. Other quantities, votes of the indicators, finer diagrams and the following of"
-    " branches need the program: whirlmap explore."
+    "This file computes motions by itself. Other quantities, votes of the indicators, finer diagrams, the following of"
+    " branches, and the export of data, commands and scripts need the program: whirlmap explore."
 )
 #: Stands in an empty page where the content comes.
 CONTENT = "/* content */null"
