@@ -88,7 +88,9 @@ def test_a_value_that_cannot_be_is_refused_by_the_case():
 DIMENSIONAL = [name for name in names() if (machine := load(name).machine) and machine.inputs]
 
 
-@pytest.mark.parametrize("case", DIMENSIONAL)
+@pytest.mark.parametrize(
+    "case", [pytest.param(c, marks=[pytest.mark.slow] if "compressor" in c else []) for c in DIMENSIONAL]
+)
 def test_every_input_of_every_stock_case_gives_the_bits_of_the_loaded_case(case, monkeypatch):
     """And none of them asks SymPy for each value, or settles the case again."""
     system = load(case)

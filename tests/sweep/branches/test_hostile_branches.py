@@ -23,7 +23,7 @@ from tests.sweep.branches.test_exact_branches import ends, found, kinds
 import whirlmap
 from whirlmap import continue_orbit
 from whirlmap.analysis.branches import orbit_steps
-from whirlmap.equations import Model, Parameter, State, cos, sin, t
+from whirlmap.equations import Model, Parameter, Section, State, cos, sin, t, when
 from whirlmap.errors import RangeError
 from whirlmap.integrate.system import System
 
@@ -310,3 +310,14 @@ def test_a_small_vibration_whose_mean_moves_is_followed_as_fast_as_a_large_one(F
     assert ends(ds) == [["range", "range"]] and kinds(ds) == []
     np.testing.assert_allclose(ds["mean"].sel(quantity="x").values, ds["mu"].values, atol=1e-9)
     np.testing.assert_allclose(ds["peak_to_peak"].sel(quantity="x").values, 2 * F / abs(-3 + 0.4j), rtol=1e-5)
+
+
+def test_damping_that_jumps_is_no_hopf_point():
+    """x'' + c x' + x = F with c = 0.1 for x < 1, else -0.1: eigenvalues jump across the axis, and none lies on it."""
+    F = Parameter("F", "1", "load")
+    model = Model(
+        "jumping_damping", (x, v), (F,), {x: v, v: F - x - when(x < 1, 0.1, -0.1) * v}, section=Section(v, "rising"),
+        typical_time=6.28,
+    )  # fmt: skip
+    ds = continue_orbit(System(model, {"F": 0.5}), "F", (0.4, 1.6), begin=0.5, orbit=(0.5, 0.0))
+    assert kinds(ds) == [] and "was not located" in str(ds.attrs)

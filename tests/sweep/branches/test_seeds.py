@@ -90,6 +90,7 @@ def test_a_cycle_that_is_asked_to_cross_too_often_has_its_smallest_number_of_cro
     assert abs(branch["duration"].values[0] - 6.6632868593) < 1e-8  # the period at mu = 1
 
 
+@pytest.mark.slow
 def test_a_machine_whose_films_are_fast_is_followed_with_steps_that_hold():
     """With 32 to 192 steps per T its films are not stable: such orbits closed on nothing, or had a false period doubling."""
     system = whirlmap.load("machines/flexible-on-dampers")

@@ -12,13 +12,15 @@ Asking = Generator[Ask, Corrected | Lost, "Corrected | None"]
 
 #: Part of the chord to which a root is located, and most points for it.
 EXACT, MOST = 1e-14, 60
+#: Least value over those of the ends with which a function vanishes: it jumps across zero where rates have a kink.
+JUMPS = 1e-3
 #: Part of the chord within which the branch is straight to rounding; least and largest distance of places that are tried
 #: beside one that was not found.
 SHORT, BESIDE = 1e-5, (1e-6, 1e-3)
 
 
 def located(a: Corrected, b: Corrected, test: Callable[[Corrected], float]) -> Asking:
-    """Point between two of a branch where a test function vanishes; None where one on the way is not found.
+    """Point between two of a branch where a test function vanishes; None where it jumps, or a point on the way is not found.
 
     Every value is taken at a point of the branch itself, in the hyperplane across the chord; nothing is interpolated but
     where to look next [chandrupatla1997]. Where a point is not found, as where two branches cross and the equations are
@@ -29,7 +31,8 @@ def located(a: Corrected, b: Corrected, test: Callable[[Corrected], float]) -> A
     normal = chord / sizes / np.linalg.norm(chord / sizes)
     low, high, at_low, at_high = 0.0, 1.0, test(a), test(b)
     best, part, ends = (a, b)[abs(at_high) < abs(at_low)], 0.5, [a, b]
-    least = min(abs(at_low), abs(at_high))
+    of_ends = abs(at_low), abs(at_high)
+    least = min(of_ends)
     beside: list[float] = []  # places about one that was not found
     away, lost = BESIDE[0], False
     for _ in range(MOST):
@@ -64,7 +67,7 @@ def located(a: Corrected, b: Corrected, test: Callable[[Corrected], float]) -> A
         # A part so near an end that it repeats it moves by what is resolved.
         edge = min(EXACT / width, 0.5)
         part = min(max(part, edge), 1 - edge)
-    return best
+    return None if least > JUMPS * max(of_ends) else best
 
 
 def _between(a: Corrected, b: Corrected, part: float) -> Corrected:
