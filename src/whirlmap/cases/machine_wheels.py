@@ -1,10 +1,14 @@
 """Wheels of a machine from parts: what several meshes say of one wheel agrees."""
 
 from collections.abc import Sequence
+from math import isclose
 
 from whirlmap.cases.machine_tables import PartTable
 from whirlmap.machines.parts.teeth import Teeth
 from whirlmap.units import read
+
+#: Relative difference of one module in two units, which is rounding.
+SAME = 1e-9
 
 
 def refuse_two_modules(tables: Sequence[PartTable], meshes: Sequence[Teeth]) -> None:
@@ -23,6 +27,6 @@ def refuse_two_modules(tables: Sequence[PartTable], meshes: Sequence[Teeth]) -> 
             given = ((table.numbers[name], unit) for name, unit in ((key, "1"), ("module", "m")))
             z, module = (float(read(one.value, unit, given=one.unit)) for one, unit in given)
             other, first = wheels.setdefault((wheel.shaft, wheel.station, z), (mesh.name, module))
-            if first != module:
+            if not isclose(first, module, rel_tol=SAME):
                 raise table.fault("module", f"found two modules on one wheel of {z:g} teeth, for mesh {other} has another;"
                                             " expected one")  # fmt: skip

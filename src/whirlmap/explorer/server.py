@@ -1,9 +1,9 @@
 """The server of one page: this computer alone, a token in the address, and nothing of the file system.
 
 Requests are refused with a status: 421 where the host is another one, 403 where the page that asks is, 404 for whatever is
-not below the token or is not one of the few names that there are, 405 for another method, 411, 413 and 415 for a body
-without length, too long, or of another type, 400 for what is no JSON, 422 for names and numbers that cannot be, and 500
-for a defect of the program, which is said in the terminal too.
+not below the token or is not one of the few names that there are, 405 for another method, 409 for what this page or its
+store cannot give, 411, 413 and 415 for a body without length, too long, or of another type, 400 for what is no JSON, 422
+for names and numbers that cannot be, and 500 for a defect of the program, which is said in the terminal too.
 """
 
 import json

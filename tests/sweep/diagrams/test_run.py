@@ -1,14 +1,19 @@
 """Work in parts gives the numbers of work in one piece, and an interrupt keeps the parts that were done."""
 
+from functools import partial
+
 import numpy as np
 import pytest
 import xarray as xr
 
+from whirlmap.analysis.simulation.ramp import ramp_of
 from whirlmap.analysis.simulation.run_up import Running, run_up
 from whirlmap.analysis.simulation.time_series import Series, simulate
 from whirlmap.analysis.steady.settling import Settling
 from whirlmap.errors import RangeError
 from whirlmap.integrate.loading import load
+from whirlmap.options.computed import INTEGRATION
+from whirlmap.options.execution import EXECUTION
 from whirlmap.sweep.diagrams import in_batches as run
 from whirlmap.sweep.diagrams.diagram import bifurcation_diagram
 from whirlmap.sweep.diagrams.in_batches import diagram_in_batches
@@ -134,9 +139,9 @@ def test_an_interrupted_simulation_keeps_its_stretches(monkeypatch):
 
 def test_an_interrupted_run_up_keeps_its_windows(monkeypatch):
     system = load("duffing", gamma=0.05)
-    options = {"name": "omega", "begin": 0.5, "end": 0.7, "time": 3000.0, "windows": 12}
-    whole = run_up(system, **options)
-    same(run_up_in_windows(system, **options).run().dataset, whole)
+    whole = run_up(system, "omega", 0.5, 0.7, time=3000.0, windows=12)
+    new = partial(Running, system, ramp_of(system, "omega", 0.5, 0.7, 3000.0), 0, 12, INTEGRATION, EXECUTION)
+    same(run_up_in_windows(new()).run().dataset, whole)
     summed, calls = Running._summed, []
 
     def interrupted(running, *arguments):
@@ -146,7 +151,7 @@ def test_an_interrupted_run_up_keeps_its_windows(monkeypatch):
         return summed(running, *arguments)
 
     monkeypatch.setattr(Running, "_summed", interrupted)
-    work = run_up_in_windows(system, **options).run()
+    work = run_up_in_windows(new()).run()
     assert work.done == 5 and work.dataset.attrs["incomplete"] == "interrupted after 5 of 12 windows"
     for name in ("minimum", "clock_amplitude", "spectrum"):
         np.testing.assert_array_equal(work.dataset[name][:5], whole[name][:5])

@@ -12,7 +12,7 @@ Asking = Generator[Ask, Corrected | Lost, "Corrected | None"]
 
 #: Part of the chord to which a root is located, and most points for it.
 EXACT, MOST = 1e-14, 60
-#: Least value over those of the ends with which a function vanishes: it jumps across zero where rates have a kink.
+#: Value at a root over the larger one of the ends: beyond, the function has jumped across zero, as where rates have a kink.
 JUMPS = 1e-3
 #: Part of the chord within which the branch is straight to rounding; least and largest distance of places that are tried
 #: beside one that was not found.

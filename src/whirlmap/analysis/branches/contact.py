@@ -45,8 +45,8 @@ def up_to_contact(a: Corrected, stepped: Stepped) -> Generator[Ask, Corrected | 
     Parameters
     ----------
     a : Corrected
-    stepped : callable
-        Asks for the next point; what it gives is given here.
+    stepped : Stepped
+        Its answer is returned where no contact lies before that point.
     """
     gaps = reachable_gaps(a)
     b, lost, ended = yield from stepped(a)

@@ -63,10 +63,9 @@ def outside(c: Corrected) -> int:
 def may_cross_twice(p: Corrected, a: Corrected, b: Corrected, first: float, second: float) -> bool:
     """Whether a multiplier may cross the unit circle and come back between two points, or an eigenvalue the axis.
 
-    Two such events would cancel.
-
-    A parabola goes through the logarithms of its modulus at three points of a branch, the steps between which are given.
-    Its extreme in the second step, twice as far from the points as it is, lies on the other side.
+    Two such events would cancel. A parabola goes through the logarithms of the modulus, or the real parts, at three points
+    of a branch, the steps between which are given. Its extreme in the second step, twice as far from the points as it is,
+    lies on the other side.
     """
     count = outside(a)
     if not isinstance(a.equations, PeriodicOrbits | Equilibria) or outside(b) != count:

@@ -23,7 +23,7 @@ class Limits:
     low, high : array, shape (free,)
         Ranges of the free parameters.
     longest : float
-        Longest step in units of the range and of the sizes of the states.
+        Longest step, in units of the range and of the sizes of the states; where the branch is straight, of the range alone.
     points : int
         Most points of a branch in one direction.
     accuracy : float

@@ -144,7 +144,7 @@ def trace(out: Trace, sign: float, limits: Limits, *, halves: Array | None = Non
             if not events and before and step > SHY * limits.longest and may_cross_twice(before[1], a, b, before[0], step):
                 raise StepTooLongError
             if events:  # which may be errors of the steps, as where a fast state is hardly stable with them
-                finer, doubt = yield from fine_enough(b, limits.accuracy)
+                finer, _ = yield from fine_enough(b, limits.accuracy)
                 if (again := (yield from with_more_steps(a, finer))) is not None:
                     a = again
                     continue

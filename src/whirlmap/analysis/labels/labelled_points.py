@@ -46,7 +46,7 @@ Progress = Callable[[int], None]
 
 #: T after which a point that has not returned gets a tangent vector, but so many common periods at least.
 BRIEF, FEWEST = 512, 100
-#: T after which a phase repeats that does not.
+#: Stands for the common period of a forcing that has no reasonable one.
 ENDLESS = np.iinfo(np.int64).max
 #: T for which chaos runs on without a tangent vector, but `FEWEST` common periods at least.
 FOLLOWED = 4096

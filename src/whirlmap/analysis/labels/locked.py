@@ -27,7 +27,7 @@ ATTEMPTS = (10, 3)
 TERMS = 1200
 #: Subharmonics that do not follow from each other; one of a quarter may need a half first.
 SUBHARMONICS = 2
-#: A subharmonic is as strong in both halves of a record, but for this part: what is not decays, or is no line.
+#: Least strength of a subharmonic in one half of a record over that in the other half: what is weaker decays, or is no line.
 LASTS = 0.85
 #: A line that belongs to no sum leaves more than this part: one of 1e-4 of the range leaves more than `EXPLAINED`.
 LEFT = 0.1

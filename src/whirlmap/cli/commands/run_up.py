@@ -8,6 +8,8 @@ import numpy as np
 import typer
 import xarray as xr
 
+from whirlmap.analysis.simulation.ramp import ramp_of
+from whirlmap.analysis.simulation.run_up import Running
 from whirlmap.cli.common import pictures, report
 from whirlmap.cli.common.outputs import Destination
 from whirlmap.cli.common.progress import Progress
@@ -42,10 +44,8 @@ def run_up(
     name, begin, end = ends_of(vary)
     behind = None if diagram is None else _read(diagram)
     with Progress("simulate", None, quiet=quiet) as progress:
-        work = run_up_in_windows(
-            system, name, begin, end, time=time, transient=transient, integration=integration,
-            execution=replace(execution, progress=progress),
-        ).run()  # fmt: skip
+        ramp, execution = ramp_of(system, name, begin, end, time), replace(execution, progress=progress)
+        work = run_up_in_windows(Running(system, ramp, transient, None, integration, execution)).run()
     if work.dataset is None:
         raise KeyboardInterrupt
     ds = work.dataset

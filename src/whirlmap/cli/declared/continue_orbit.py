@@ -106,7 +106,8 @@ def continue_orbit(
         float,
         typer.Option(
             "--longest", metavar="X", rich_help_panel=BRANCH,
-            help="Longest step, in units of the range and of the sizes of the states.",
+            help="Longest step, in units of the range and of the sizes of the states; where the branch is straight, of the"
+            " range alone.",
         ),
     ] = 0.02,
     plot: Annotated[

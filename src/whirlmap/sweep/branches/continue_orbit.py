@@ -87,7 +87,7 @@ def continue_orbit(
     points : int
         Most points of a branch in each direction.
     longest : float
-        Longest step, in units of the range and of the sizes of the states.
+        Longest step, in units of the range and of the sizes of the states; where the branch is straight, of the range alone.
     resume : xr.Dataset, optional
         What an interrupted run with the same arguments has left: its branches go on where they stood.
     labelling : Labelling, optional

@@ -8,7 +8,6 @@ from typing import Unpack
 
 import xarray as xr
 
-from whirlmap.analysis.simulation.ramp import ramp_of
 from whirlmap.analysis.simulation.run_up import Running
 from whirlmap.analysis.simulation.time_series import Series
 from whirlmap.integrate.system import System
@@ -71,25 +70,11 @@ def simulation_in_stretches(
     return Work(series.periods, parts, gather)
 
 
-@takes_options()
-def run_up_in_windows(
-    system: System,
-    name: str,
-    begin: float | str,
-    end: float | str,
-    *,
-    time: float | str,
-    transient: int = 0,
-    windows: int | None = None,
-    integration: Integration = INTEGRATION,
-    execution: Execution = EXECUTION,
-    **_given: Unpack[IntegrationParts],
-) -> Work:
+def run_up_in_windows(running: Running) -> Work:
     """Run-up as work in windows: whoever iterates may stop, and keeps the windows that are done.
 
-    Parameters, and the Dataset, are those of `run_up`; windows that are missing are NaN.
+    The Dataset is that of `run_up`; windows that are missing are NaN.
     """
-    running = Running(system, ramp_of(system, name, begin, end, time), transient, windows, integration, execution)
 
     def gather(work: Work) -> xr.Dataset | None:
         done = len(running.summed)
